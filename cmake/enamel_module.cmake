@@ -1,0 +1,67 @@
+# enamel_module(NAME n LAYER l SOURCES … [DEPS …] [LIBS …] [PRIVATE_LIBS …])
+#   Library enamel_<n> with alias enamel::<n>. DEPS are enamel modules and may not lie on a higher layer (configure fails).
+#   LIBS are third-party targets in the public interface, PRIVATE_LIBS those hidden in .cpp files.
+# enamel_program(NAME target SOURCES … [DEPS …] [LIBS …])   a program: layer 5, may use everything.
+# enamel_test(NAME n SOURCES … [DEPS …] [LIBS …] [LABELS …] [TIMEOUT s] [ARGS …])   a GoogleTest executable under ctest.
+
+# enamel_assert_layer(<module> <layer> <dep> <dep layer>): the rule itself, apart so that its own test can call it.
+function(enamel_assert_layer module layer dep dep_layer)
+  if(dep_layer GREATER layer)
+    message(FATAL_ERROR "enamel::${module} (layer ${layer}) may not depend on enamel::${dep} (layer ${dep_layer}): "
+                        "dependencies go down. Move the shared part into a lower layer or invert it with an interface.")
+  endif()
+endfunction()
+
+function(enamel_link_deps target layer)
+  foreach(dep IN LISTS ARGN)
+    if(NOT TARGET enamel_${dep})
+      message(FATAL_ERROR "${target}: unknown module '${dep}' (declared later, misspelt, or switched off by an option)")
+    endif()
+    get_target_property(dep_layer enamel_${dep} ENAMEL_LAYER)
+    enamel_assert_layer(${target} ${layer} ${dep} ${dep_layer})
+    get_target_property(kind enamel_${target} TYPE)
+    if(kind STREQUAL INTERFACE_LIBRARY)
+      target_link_libraries(enamel_${target} INTERFACE enamel_${dep})
+    else()
+      target_link_libraries(enamel_${target} PUBLIC enamel_${dep})
+    endif()
+  endforeach()
+endfunction()
+
+function(enamel_module)
+  cmake_parse_arguments(M "" "NAME;LAYER" "SOURCES;DEPS;LIBS;PRIVATE_LIBS" ${ARGN})
+  if(NOT M_NAME OR NOT DEFINED M_LAYER)
+    message(FATAL_ERROR "enamel_module needs NAME and LAYER")
+  endif()
+  if(M_SOURCES)
+    add_library(enamel_${M_NAME} STATIC ${M_SOURCES})
+    # Third-party headers are SYSTEM: their warnings are not ours to mend.
+    target_link_libraries(enamel_${M_NAME} PUBLIC enamel_policy ${M_LIBS} PRIVATE ${M_PRIVATE_LIBS})
+  else()
+    add_library(enamel_${M_NAME} INTERFACE)
+    target_link_libraries(enamel_${M_NAME} INTERFACE enamel_policy ${M_LIBS})
+  endif()
+  set_target_properties(enamel_${M_NAME} PROPERTIES ENAMEL_LAYER ${M_LAYER})
+  add_library(enamel::${M_NAME} ALIAS enamel_${M_NAME})
+  enamel_link_deps(${M_NAME} ${M_LAYER} ${M_DEPS})
+endfunction()
+
+function(enamel_program)
+  cmake_parse_arguments(P "" "NAME" "SOURCES;DEPS;LIBS" ${ARGN})
+  add_executable(${P_NAME} ${P_SOURCES})
+  list(TRANSFORM P_DEPS PREPEND enamel::)
+  target_link_libraries(${P_NAME} PRIVATE enamel_policy ${P_DEPS} ${P_LIBS})
+endfunction()
+
+function(enamel_test)
+  cmake_parse_arguments(T "" "NAME;TIMEOUT" "SOURCES;DEPS;LIBS;LABELS;ARGS" ${ARGN})
+  add_executable(test_${T_NAME} ${T_SOURCES})
+  list(TRANSFORM T_DEPS PREPEND enamel::)
+  target_link_libraries(test_${T_NAME} PRIVATE enamel_policy ${T_DEPS} ${T_LIBS} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(test_${T_NAME} PRIVATE ENAMEL_SOURCE_DIR="${CMAKE_SOURCE_DIR}" ENAMEL_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
+  add_test(NAME ${T_NAME} COMMAND test_${T_NAME} ${T_ARGS})
+  if(NOT T_TIMEOUT)
+    set(T_TIMEOUT 120)
+  endif()
+  set_tests_properties(${T_NAME} PROPERTIES LABELS "${T_LABELS}" TIMEOUT ${T_TIMEOUT})
+endfunction()

@@ -1,0 +1,27 @@
+# Compiler policy shared by every target through enamel_module / enamel_program / enamel_test.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+find_package(Threads REQUIRED)
+
+set(ENAMEL_SANITIZE "" CACHE STRING "value of -fsanitize=, empty for none")
+
+add_library(enamel_policy INTERFACE)
+target_include_directories(enamel_policy INTERFACE ${CMAKE_SOURCE_DIR})
+target_compile_options(enamel_policy INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor -Werror
+  # Same bits from g++ and clang, at any optimisation level: no fused multiply-add, no reassociation.
+  -ffp-contract=off -fno-fast-math)
+target_link_libraries(enamel_policy INTERFACE Threads::Threads)
+
+if(ENAMEL_SANITIZE)
+  add_compile_options(-fsanitize=${ENAMEL_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${ENAMEL_SANITIZE})
+  # g++ reports false positives from inlined library code under the sanitizers.
+  target_compile_options(enamel_policy INTERFACE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-tsan>)
+endif()

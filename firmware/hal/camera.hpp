@@ -1,0 +1,47 @@
+// Narrow interfaces to the probe's hardware. Implementations: firmware/sim (twin and capture player), later libcamera and
+// the DLPC347x. One owner thread each, unless stated.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "protocol/base/result.hpp"
+#include "protocol/base/time.hpp"
+
+namespace enamel::fw {
+
+enum class FrameStatus : std::uint8_t { kSuccess, kStartup, kError, kCancelled };
+
+/// One sensor frame, in order of completion. `t_sensor` is the sensor's stamp: end of exposure plus a constant delay.
+struct CameraFrame {
+  std::uint32_t sensor_seq = 0;
+  FrameStatus status = FrameStatus::kSuccess;
+  DeviceTime t_sensor{};
+  std::uint32_t exposure_us = 0;
+  std::uint32_t analogue_gain_q8 = 256;
+  int width = 0;
+  int height = 0;
+  int bit_depth = 8;
+  std::vector<std::uint8_t> pixels;  ///< rows top-down, no padding; two little-endian bytes a pixel above 8 bit
+};
+
+struct CameraMode {
+  int width = 0;
+  int height = 0;
+  int bit_depth = 8;
+  Nanoseconds frame_period{};
+  std::uint32_t exposure_us = 0;
+};
+
+class Camera {
+ public:
+  virtual ~Camera() = default;
+  [[nodiscard]] virtual CameraMode mode() const = 0;
+  [[nodiscard]] virtual Result<void> start() = 0;
+  virtual void stop() noexcept = 0;
+  /// Waits for the next frame. Errors: kHal on time-out or disconnection, kCancelled after stop() or at the end of a
+  /// finite source.
+  [[nodiscard]] virtual Result<CameraFrame> next_frame() = 0;
+};
+
+}  // namespace enamel::fw

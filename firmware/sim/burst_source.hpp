@@ -1,0 +1,38 @@
+// Where simulated light comes from: the twin renders bursts, the capture player reads them. SIMULATION ONLY.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/base/result.hpp"
+
+namespace enamel::fw {
+
+/// What the sensor would see during one burst. Times are device clock, ns, of the source's own time base (a capture's
+/// original stamps or the twin's trajectory time); the player shifts them to now and keeps their differences.
+struct SimBurst {
+  std::uint64_t burst_index = 0;
+  std::array<std::int64_t, 4> t_exposure_ns{};  ///< start of exposure of each frame
+  std::uint32_t exposure_us = 0;
+  double temp_c = 0;
+  int width = 0;
+  int height = 0;
+  int bit_depth = 8;
+  std::array<std::vector<std::uint8_t>, 4> frames;  ///< rows top-down, no padding, little endian
+};
+
+class BurstSource {
+ public:
+  virtual ~BurstSource() = default;
+  /// rig.json of the device that made the bursts, byte for byte.
+  [[nodiscard]] virtual const std::string& rig_text() const = 0;
+  /// Number of bursts when known in advance.
+  [[nodiscard]] virtual std::optional<std::uint64_t> count() const = 0;
+  /// Next burst in order, nullopt at the end.
+  [[nodiscard]] virtual Result<std::optional<SimBurst>> next() = 0;
+};
+
+}  // namespace enamel::fw

@@ -1,0 +1,29 @@
+#include "protocol/base/clock.hpp"
+
+#include <thread>
+
+namespace enamel {
+
+HostTime SteadyClock::now() const {
+  return host_time(std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+}
+
+void SteadyClock::sleep_until(HostTime t) {
+  const Nanoseconds left = t - now();
+  if (left.count() > 0) std::this_thread::sleep_for(left);
+}
+
+void ManualClock::sleep_until(HostTime t) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return now() >= t; });
+}
+
+void ManualClock::advance(Nanoseconds d) {
+  {
+    const std::lock_guard lock(mutex_);
+    now_ns_.fetch_add(d.count(), std::memory_order_acq_rel);
+  }
+  changed_.notify_all();
+}
+
+}  // namespace enamel
