@@ -1,5 +1,5 @@
-// The measurement model's values: rig.json (format rig/1). Plain numbers only: projection lives in calib/model/lens.hpp.
-// Units mm, px, rad. Pixel centres at integer coordinates for camera and projector alike.
+// The measurement model's values: rig.json (format rig/1). Plain numbers only: projection lives in
+// calib/model/lens.hpp. Units mm, px, rad. Pixel centres at integer coordinates for camera and projector alike.
 #pragma once
 
 #include <array>
@@ -58,8 +58,8 @@ struct Rig {
   std::uint32_t crc32 = 0;                ///< CRC-32 of `text`: Burst::calib_crc32
 };
 
-/// Errors: kRigInvalid (syntax, NaN or infinite numbers, missing or ill-typed key, impossible value; the detail names the
-/// key), never a partial rig.
+/// Errors: kRigInvalid (syntax, NaN or infinite numbers, missing or ill-typed key, impossible value; the detail names
+/// the key), never a partial rig.
 [[nodiscard]] Result<Rig> parse_rig(std::string text);
 
 /// Errors: kFileNotFound, kFileRead and those of parse_rig.

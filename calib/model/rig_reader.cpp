@@ -1,0 +1,140 @@
+#include "calib/model/rig_reader.hpp"
+
+#include <cmath>
+
+#include "calib/model/json_section.hpp"
+
+namespace enamel::calib {
+namespace {
+
+constexpr int kMaxSide_px = 16384;
+constexpr double kRigidTolerance = 1e-4;  // six written decimals of a rotation matrix pass, a scaled one does not
+
+LensValues read_lens(JsonSection s, std::vector<std::string>& unknown) {
+  LensValues lens;
+  lens.width = s.integer("width", 1, kMaxSide_px);
+  lens.height = s.integer("height", 1, kMaxSide_px);
+  lens.fx = s.number("fx");
+  lens.fy = s.number("fy");
+  lens.cx = s.number("cx");
+  lens.cy = s.number("cy");
+  const auto dist = s.numbers("dist", 5);
+  for (std::size_t i = 0; i < 5; ++i) lens.dist[i] = dist[i];
+  if (!(lens.fx > 0)) s.refuse("fx", "must be positive: this lens is not calibrated");
+  if (!(lens.fy > 0)) s.refuse("fy", "must be positive: this lens is not calibrated");
+  s.append_unknown(unknown);
+  return lens;
+}
+
+void check_rigid(const std::array<std::array<double, 4>, 4>& t, JsonSection& s) {
+  for (std::size_t c = 0; c < 4; ++c)
+    if (t[3][c] != (c == 3 ? 1.0 : 0.0)) s.refuse("T_proj_cam", "must end with the row 0 0 0 1");
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = a; b < 3; ++b) {
+      const double dot = t[0][a] * t[0][b] + t[1][a] * t[1][b] + t[2][a] * t[2][b];
+      if (!(std::abs(dot - (a == b ? 1.0 : 0.0)) < kRigidTolerance)) s.refuse("T_proj_cam", "is not a rigid motion");
+    }
+  const double det = t[0][0] * (t[1][1] * t[2][2] - t[1][2] * t[2][1]) -
+                     t[0][1] * (t[1][0] * t[2][2] - t[1][2] * t[2][0]) +
+                     t[0][2] * (t[1][0] * t[2][1] - t[1][1] * t[2][0]);
+  if (!(det > 0)) s.refuse("T_proj_cam", "mirrors space");
+}
+
+void read_polarity(JsonSection& s, PatternValues& p) {
+  for (const char c : s.string("polarity_code")) {
+    if (c != '+' && c != '-') return s.refuse("polarity_code", "may hold only + and -");
+    p.polarity_code.push_back(c == '+' ? 1 : -1);
+  }
+  if (p.polarity_code.empty()) s.refuse("polarity_code", "is empty");
+  if (s.has("first_cell")) p.first_cell = s.integer("first_cell", -1'000'000, 1'000'000);
+}
+
+PatternMode read_mode(JsonSection& s) {
+  const std::string mode = s.string("mode");
+  if (mode == "plain4") return PatternMode::kPlain4;
+  if (mode == "T") return PatternMode::kPolarity;
+  if (mode == "single") return PatternMode::kSingle;
+  if (mode == "M") return PatternMode::kMicro;
+  if (mode != "multi") s.refuse("mode", "'" + mode + "' is none of plain4, T, single, M, multi");
+  return PatternMode::kMulti;
+}
+
+PatternValues read_patterns(JsonSection s, std::vector<std::string>& unknown) {
+  PatternValues p;
+  p.mode = read_mode(s);
+  const int wanted_steps = p.mode == PatternMode::kMicro ? 3 : 4;
+  p.steps = s.has("steps") ? s.integer("steps", wanted_steps, wanted_steps) : wanted_steps;
+  if (s.has("axis")) {
+    const std::string axis = s.string("axis");
+    p.axis_v = axis == "v";
+    if (axis != "u" && axis != "v") s.refuse("axis", "must be u or v");
+  }
+  if (p.mode != PatternMode::kMulti) {
+    p.period_px = s.number("period_px");
+    if (!(p.period_px > 2)) s.refuse("period_px", "must be above two projector pixels");
+  } else {
+    static_cast<void>(s.has("cycles"));  // belongs to the calibration folder's reader, no cause for a notice
+  }
+  if (p.mode == PatternMode::kPolarity) read_polarity(s, p);
+  if (p.mode == PatternMode::kSingle) p.marker_fringe = s.integer("marker_fringe", 0, kMaxSide_px);
+  if (p.mode == PatternMode::kMicro) {
+    p.code_ratio = s.number("code_ratio");
+    if (!(p.code_ratio > 1)) s.refuse("code_ratio", "must be above 1");
+  }
+  p.mean = s.number_or("mean", p.mean);
+  p.amplitude = s.number_or("amplitude", p.amplitude);
+  if (!(p.amplitude > 0)) s.refuse("amplitude", "must be positive");
+  s.append_unknown(unknown);
+  return p;
+}
+
+NoiseValues read_noise(JsonSection s, std::vector<std::string>& unknown) {
+  NoiseValues n;
+  n.full_well_e = s.number("full_well_e");
+  n.read_noise_e = s.number("read_noise_e");
+  n.bits = s.integer("bits", 8, 16);
+  n.gain_e_per_dn = s.number("gain_e_per_dn");
+  n.black_dn = s.number("black_dn");
+  if (!(n.full_well_e > 0)) s.refuse("full_well_e", "must be positive");
+  if (!(n.gain_e_per_dn > 0)) s.refuse("gain_e_per_dn", "must be positive");
+  if (!(n.read_noise_e >= 0)) s.refuse("read_noise_e", "must not be negative");
+  if (!(n.black_dn >= 0)) s.refuse("black_dn", "must not be negative");
+  s.append_unknown(unknown);
+  return n;
+}
+
+Rig read_top(JsonSection& s) {
+  Rig rig;
+  if (s.string("format") != "rig/1") s.refuse("format", "must be rig/1");
+  if (s.has("units") && s.string("units") != "mm") s.refuse("units", "must be mm");
+  rig.camera = read_lens(s.section("camera"), rig.unknown_keys);
+  rig.projector = read_lens(s.section("projector"), rig.unknown_keys);
+  const auto t = s.matrix("T_proj_cam", 4, 4);
+  for (std::size_t i = 0; i < t.size() && i < 16; ++i) rig.T_proj_cam[i / 4][i % 4] = t[i];
+  check_rigid(rig.T_proj_cam, s);
+  rig.patterns = read_patterns(s.section("patterns"), rig.unknown_keys);
+  if (s.has("depth_range_mm")) {
+    const auto range = s.numbers("depth_range_mm", 2);
+    rig.depth_range = DepthRange{range[0], range[1]};
+    if (!(range[0] > 0 && range[1] > range[0])) s.refuse("depth_range_mm", "must be near < far, both positive");
+  }
+  if (s.has("noise")) rig.noise = read_noise(s.section("noise"), rig.unknown_keys);
+  if (s.has("serial")) rig.serial = s.string("serial");
+  s.append_unknown(rig.unknown_keys);
+  return rig;
+}
+
+}  // namespace
+
+Result<Rig> read_rig_json(std::string_view text) {
+  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded()) return fail(ErrorCode::kRigInvalid, "not valid JSON (NaN and infinity are no JSON numbers)");
+  if (!json.is_object()) return fail(ErrorCode::kRigInvalid, "the file must hold one object");
+  Faults faults;
+  JsonSection top(json, "", faults);
+  Rig rig = read_top(top);
+  if (!faults.first().empty()) return fail(ErrorCode::kRigInvalid, faults.first());
+  return rig;
+}
+
+}  // namespace enamel::calib
