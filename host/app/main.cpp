@@ -1,0 +1,64 @@
+// enamel: the host's program. stdout carries results, stderr the log.
+#include <array>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/app/command.hpp"
+#include "protocol/base/log.hpp"
+
+namespace {
+
+struct Command {
+  const char* name;
+  const char* what;
+  enamel::app::Run (*add)(CLI::App&);
+};
+
+constexpr std::array<Command, 8> kCommands{{
+    {"demo", "the whole system on this machine: twin, probe, DDS, live preview, mesh, accuracy", enamel::app::add_demo},
+    {"scan", "live scan of a probe on the network", enamel::app::add_scan},
+    {"replay", "reprocess a recording or exchange folder: same capture, same bits", enamel::app::add_replay},
+    {"decode", "one burst, every intermediate map", enamel::app::add_decode},
+    {"capture", "work on recordings: import export info verify cut diff", enamel::app::add_capture},
+    {"compare", "deviation of a mesh from a reference", enamel::app::add_compare},
+    {"export", "mesh of a session as STL, PLY or OBJ", enamel::app::add_export},
+    {"doctor", "what is wrong with this machine and how to mend it", enamel::app::add_doctor},
+}};
+
+int run(int argc, char** argv) {
+  CLI::App app("enamel: an open intraoral 3D scanner", "enamel");
+  app.set_version_flag("--version", std::string(ENAMEL_VERSION));
+  app.require_subcommand(1);
+  std::vector<std::pair<CLI::App*, enamel::app::Run>> commands;
+  for (const Command& command : kCommands) {
+    CLI::App* sub = app.add_subcommand(command.name, command.what);
+    commands.emplace_back(sub, command.add(*sub));
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 1;
+  }
+  for (const auto& [sub, command] : commands) {
+    if (!sub->parsed()) continue;
+    const auto code = command();
+    if (code) return *code;
+    std::fputs((code.error().message() + "\n").c_str(), stderr);
+    return enamel::exit_code(code.error().code);
+  }
+  return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& e) {
+    // A third-party exception that no adapter stopped: our defect, told as such.
+    std::fprintf(stderr, "%s\n", enamel::Error{enamel::ErrorCode::kInternal, e.what()}.message().c_str());
+    return 5;
+  }
+}

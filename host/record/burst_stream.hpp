@@ -1,0 +1,32 @@
+// Bursts from wherever they lie: a recording or an exchange folder.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "protocol/capture/capture.hpp"
+
+namespace enamel::host {
+
+/// One thread.
+class BurstStream {
+ public:
+  virtual ~BurstStream() = default;
+  /// Of a folder: counts, times and extra files as if it had been imported.
+  [[nodiscard]] virtual const capture::CaptureInfo& info() const noexcept = 0;
+  [[nodiscard]] virtual const std::string& rig_text() const noexcept = 0;  ///< empty: none recorded
+  /// Next burst or shed note or other record in log order, nullopt at the end. A folder holds bursts only; their log_ns
+  /// is the end of the last exposure. Errors: see CaptureReader::next and ExchangeReader::burst; the next call goes on
+  /// behind.
+  [[nodiscard]] virtual Result<std::optional<capture::Record>> next() = 0;
+  virtual void rewind() noexcept = 0;
+  [[nodiscard]] virtual Result<proto::Burst> burst_with_id(BurstId id) = 0;
+  /// Errors: kFileNotFound.
+  [[nodiscard]] virtual Result<proto::Bytes> attachment(const std::string& name) = 0;
+};
+
+/// A folder is an exchange folder, a file a recording. Errors: of CaptureReader::open and ExchangeReader::open.
+[[nodiscard]] Result<std::unique_ptr<BurstStream>> open_bursts(const std::string& path);
+
+}  // namespace enamel::host

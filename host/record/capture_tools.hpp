@@ -1,0 +1,43 @@
+// Work on recordings: compare, cut, verify.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/base/result.hpp"
+
+namespace enamel::host {
+
+/// First difference between two recordings (or exchange folders) in log order.
+struct CaptureDifference {
+  std::uint64_t ordinal = 0;      ///< of the record, 0-based
+  std::uint64_t burst_index = 0;  ///< when the record is a burst or shed note
+  std::string field;              ///< "rig", "records", "kind", "t_publish_ns", "meta[2].t_strobe_ns", "payload" …
+  std::string left, right;        ///< values; for pixels frame, column, row and value
+};
+
+/// nullopt when equal: rig and every field of every record. Log times are compared only on request.
+[[nodiscard]] Result<std::optional<CaptureDifference>> capture_diff(const std::string& left, const std::string& right,
+                                                                    bool with_log_times = false);
+
+/// Copies bursts [first, last] by burst_index, what else was logged from the first to the last of them, and all
+/// attachments, byte for byte. A truncated source gives a clean file. On error no file is left behind.
+/// Returns the number of bursts. Errors: kBurstNotFound when the range is empty.
+[[nodiscard]] Result<std::uint64_t> capture_cut(const std::string& in, const std::string& out, std::uint64_t first,
+                                                std::uint64_t last);
+
+struct VerifyReport {
+  std::uint64_t bursts = 0;  ///< readable and consistent
+  std::uint64_t records = 0;
+  bool truncated = false;
+  std::vector<std::string> problems;  ///< one line each, at most 100
+  [[nodiscard]] bool clean() const noexcept { return problems.empty() && !truncated; }
+};
+
+/// Reads everything once: chunk and attachment CRCs, message decoding, burst consistency and payload CRC, rig CRC,
+/// order. Errors only when the file cannot be opened at all.
+[[nodiscard]] Result<VerifyReport> capture_verify(const std::string& path);
+
+}  // namespace enamel::host

@@ -1,0 +1,83 @@
+// The neutral form of bursts: folders with rig.json, bursts.csv and frames/*.png (docs/recording-format.md).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/base/result.hpp"
+#include "protocol/capture/capture.hpp"
+#include "protocol/types/burst.hpp"
+
+namespace enamel::host {
+
+struct ExchangeRow {
+  std::uint64_t burst_id = 0;
+  std::array<std::int64_t, 4> t_ns{};  ///< start of exposure of each frame, device clock
+  std::uint32_t exposure_us = 0;
+  double temp_c = 0;
+  std::string text;  ///< the line as written
+  int line = 0;      ///< 1-based
+};
+
+/// Rows in file order, ids strictly ascending. Errors: kExchangeInvalid with file and line.
+[[nodiscard]] Result<std::vector<ExchangeRow>> parse_bursts_csv(const std::string& text, const std::string& path);
+
+/// Reads a folder burst by burst; nothing is kept in memory but the table. One thread.
+class ExchangeReader {
+ public:
+  /// Checks the table and that every frame file exists, before the first burst is read. Errors: kFileNotFound (no such
+  /// folder), kExchangeInvalid (missing rig.json, bursts.csv or frame; malformed row), kEmptyInput (no rows).
+  [[nodiscard]] static Result<ExchangeReader> open(const std::string& folder);
+
+  [[nodiscard]] const std::string& rig_text() const noexcept { return rig_text_; }
+  [[nodiscard]] const std::vector<ExchangeRow>& rows() const noexcept { return rows_; }
+  /// Burst of rows()[n]. Errors: kImageInvalid (unreadable, colour, other size or depth than the folder's first frame
+  /// or the rig's camera), kExchangeInvalid.
+  [[nodiscard]] Result<proto::Burst> burst(std::size_t n) const;
+  /// Every other file of the folder, as relative paths in sorted order: truth/, notes.
+  [[nodiscard]] const std::vector<std::string>& extra_files() const noexcept { return extra_files_; }
+  [[nodiscard]] const std::string& folder() const noexcept { return folder_; }
+
+ private:
+  std::string folder_;
+  std::string rig_text_;
+  std::vector<ExchangeRow> rows_;
+  std::vector<std::string> extra_files_;
+  int camera_width_ = 0;  ///< 0 when the rig does not say
+  int camera_height_ = 0;
+};
+
+/// Writes a folder burst by burst. Needs RAW8 or RAW16 bursts. The table is written at finish().
+class ExchangeWriter {
+ public:
+  /// Errors: kFileWrite, also when the folder already holds bursts.
+  [[nodiscard]] static Result<ExchangeWriter> create(const std::string& folder, const std::string& rig_text);
+  /// Errors: kImageInvalid (inconsistent burst or coded payload), kFileWrite.
+  [[nodiscard]] Result<void> write(const proto::Burst& burst);
+  /// A row already in text form, used instead of the burst's own values (keeps digits beyond 0.01 degC).
+  [[nodiscard]] Result<void> write(const proto::Burst& burst, const ExchangeRow& row);
+  /// Extra file by relative path. Errors: kExchangeInvalid (path leaves the folder), kFileWrite.
+  [[nodiscard]] Result<void> write_file(const std::string& name, proto::ByteView bytes);
+  [[nodiscard]] Result<void> finish();
+
+ private:
+  std::string folder_;
+  std::string table_;
+};
+
+struct ImportSummary {
+  std::uint64_t bursts = 0;
+  std::uint64_t attachments = 0;
+};
+
+/// Folder to recording without loss. On error no recording is left behind. Errors: as reader and CaptureWriter.
+[[nodiscard]] Result<ImportSummary> import_folder(const std::string& folder, const std::string& capture_path,
+                                                  const std::string& program);
+/// Recording to folder; what import_folder stored comes back byte for byte.
+[[nodiscard]] Result<ImportSummary> export_folder(const std::string& capture_path, const std::string& folder);
+
+}  // namespace enamel::host

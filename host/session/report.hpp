@@ -1,0 +1,38 @@
+// report.json: what a run says of itself. Keys as in docs/recording-format.md, the same for demo, scan and replay.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/session/accounting.hpp"
+#include "protocol/base/result.hpp"
+
+namespace enamel::host {
+
+struct Percentiles {
+  double p50 = 0, p95 = 0, p99 = 0;
+};
+
+struct Report {
+  BurstCounts bursts;
+  double rate_hz = 0;          ///< accepted bursts by the time the run took; wall time, so not part of the hash
+  Percentiles latency_ms;      ///< last exposure to fused, live runs only
+  std::map<std::string, Percentiles> stage_ms;
+  std::string hash;            ///< SHA-256 over every stage's output of every burst, in order, and the mesh
+  std::uint64_t mesh_vertices = 0;
+  std::uint64_t mesh_triangles = 0;
+  std::string accuracy_json;   ///< object with the keys of `enamel compare --json`, empty when the truth is not known
+  std::map<std::string, std::string> notes;  ///< facts for people: what drew the picture, which pace, seed
+  std::vector<std::string> config_lines;     ///< resolved configuration, TOML
+  bool simulated = false;
+};
+
+[[nodiscard]] std::string to_json(const Report& report);
+
+/// Errors: kFileWrite. The file appears whole or not at all.
+[[nodiscard]] Result<void> write_report(const Report& report, const std::string& path);
+
+}  // namespace enamel::host

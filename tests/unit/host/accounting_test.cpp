@@ -1,0 +1,100 @@
+#include "host/session/accounting.hpp"
+
+#include <gtest/gtest.h>
+
+namespace enamel::host {
+namespace {
+
+LossLedger ledger_of_ten() {
+  LossLedger ledger;
+  for (std::uint64_t seq = 0; seq < 10; ++seq) {
+    ledger.received(seq);
+    ledger.accepted();
+    ledger.fused();
+  }
+  ledger.probe_status({.begun = 10, .emitted = 10, .given_up = 0, .queue_full = 0});
+  return ledger;
+}
+
+TEST(LossLedger, BalancesWhenEveryBurstArrives) {
+  const BurstCounts counts = ledger_of_ten().counts();
+  EXPECT_EQ(counts.captured, 10U);
+  EXPECT_EQ(counts.fused, 10U);
+  EXPECT_TRUE(check(counts));
+}
+
+TEST(LossLedger, CountsLossOnTheWireIncludingTheTail) {
+  LossLedger ledger = ledger_of_ten();
+  ledger.probe_status({.begun = 12, .emitted = 12, .given_up = 0, .queue_full = 0});
+  const BurstCounts counts = ledger.counts();
+  EXPECT_EQ(counts.lost_on_wire, 2U);
+  const auto verdict = check(counts);
+  ASSERT_FALSE(verdict);
+  EXPECT_EQ(verdict.error().code, ErrorCode::kDataLoss);
+}
+
+TEST(LossLedger, SheddingAloneIsNoError) {
+  LossLedger ledger = ledger_of_ten();
+  ledger.received(10);
+  ledger.shed();
+  ledger.probe_status({.begun = 14, .emitted = 11, .given_up = 0, .queue_full = 3});
+  EXPECT_EQ(ledger.counts().shed, 4U);
+  EXPECT_TRUE(check(ledger.counts()));
+}
+
+TEST(LossLedger, ReasonsOfRejectionAddUpToAccepted) {
+  LossLedger ledger = ledger_of_ten();
+  ledger.received(10);
+  ledger.accepted();
+  ledger.rejected("too_dark");
+  ledger.probe_status({.begun = 11, .emitted = 11, .given_up = 0, .queue_full = 0});
+  EXPECT_TRUE(check(ledger.counts()));
+  EXPECT_EQ(ledger.counts().rejected.at("too_dark"), 1U);
+}
+
+// Negative controls: a burst that vanishes without a counter must be noticed on either side.
+TEST(LossLedger, NoticesAStageThatFiltersSilently) {
+  LossLedger ledger = ledger_of_ten();
+  ledger.received(10);
+  ledger.accepted();  // neither fused nor rejected
+  ledger.probe_status({.begun = 11, .emitted = 11, .given_up = 0, .queue_full = 0});
+  const auto verdict = check(ledger.counts());
+  ASSERT_FALSE(verdict);
+  EXPECT_EQ(verdict.error().code, ErrorCode::kAccounting);
+}
+
+TEST(LossLedger, NoticesABurstDroppedOnTheHostWithoutACounter) {
+  LossLedger ledger = ledger_of_ten();
+  ledger.received(10);  // neither shed, damaged nor accepted
+  ledger.probe_status({.begun = 11, .emitted = 11, .given_up = 0, .queue_full = 0});
+  const auto verdict = check(ledger.counts());
+  ASSERT_FALSE(verdict);
+  EXPECT_EQ(verdict.error().code, ErrorCode::kAccounting);
+}
+
+TEST(LossLedger, KeepsTheCountsOfAProbeThatDiedAndCameBack) {
+  LossLedger ledger = ledger_of_ten();
+  // Killed while it assembled burst 11: that one is incomplete, and one more arrived after its last status.
+  ledger.probe_status({.begun = 11, .emitted = 10, .given_up = 0, .queue_full = 0});
+  ledger.probe_restarted();
+  for (std::uint64_t seq = 0; seq < 5; ++seq) {
+    ledger.received(seq);
+    ledger.accepted();
+    ledger.fused();
+  }
+  const BurstCounts counts = ledger.counts();
+  EXPECT_EQ(counts.captured, 16U);
+  EXPECT_EQ(counts.incomplete, 1U);
+  EXPECT_EQ(counts.accepted, 15U);
+}
+
+TEST(LossLedger, ShowsGapsBeforeTheFinalStatus) {
+  LossLedger ledger;
+  ledger.received(0);
+  ledger.received(1);
+  ledger.received(4);
+  EXPECT_EQ(ledger.sequence_gaps(), 2U);
+}
+
+}  // namespace
+}  // namespace enamel::host
