@@ -8,12 +8,18 @@
 
 namespace enamel {
 
+/// An ideal pinhole picture: view pixel (i, j) looks along the ray (x, y, 1) of the camera's coordinates at T_model_cam
+/// with x = (i * stride - cx) / fx, y = (j * stride - cy) / fy (the camera's fx fy cx cy, no distortion). So a point p
+/// in camera coordinates falls on view pixel i = round((fx * p.x / p.z + cx) / stride), j likewise; no lens code is
+/// needed. The maps have ceil(width / stride) x ceil(height / stride) pixels.
 struct ModelView {
-  bool empty = true;             ///< nothing fused yet
-  std::uint64_t after_burst = 0; ///< last burst fused into the model when this was drawn
+  bool empty = true;              ///< nothing fused yet
+  std::uint64_t after_burst = 0;  ///< last burst fused into the model when this was drawn
   Pose T_model_cam = Pose::Identity();
-  Map<Vec3f> points;             ///< model frame (mm), NaN = none; seen from T_model_cam with the camera's undistorted rays
-  Map<Vec3f> normals;            ///< model frame, unit, towards the viewer
+  int stride = 1;  ///< camera pixels a view pixel, in u and v
+  Map<Vec3f>
+      points;  ///< model frame (mm), NaN = none; on the ray of the pixel, exact zero of the interpolated distance field
+  Map<Vec3f> normals;  ///< model frame, unit, towards the viewer; NaN = none (exactly where points are)
 };
 
 }  // namespace enamel
