@@ -21,7 +21,7 @@ enum FrameFlag : std::uint8_t {
   kFlagMotion = 1U,     ///< closure residual above 4 sigma
   kFlagSaturated = 2U,  ///< more than 5 per mille of the pixels at full scale
   kFlagLowMod = 4U,
-  kFlagUnsynced = 8U,   ///< associated without trigger edges: not for accuracy tests
+  kFlagUnsynced = 8U,  ///< associated without trigger edges: not for accuracy tests
 };
 
 struct FrameMeta {
@@ -39,6 +39,7 @@ struct FrameMeta {
   std::uint16_t saturated_permille = 0;
   std::uint32_t offset = 0;  ///< of this frame in Burst::payload, bytes
   std::uint32_t length = 0;
+  friend bool operator==(const FrameMeta&, const FrameMeta&) = default;
 };
 
 struct Burst {
@@ -66,6 +67,7 @@ struct Burst {
   std::vector<std::uint8_t> payload;  ///< rows top-down, no padding
 
   [[nodiscard]] BurstId id() const noexcept { return {burst_index}; }
+  friend bool operator==(const Burst&, const Burst&) = default;
 };
 
 /// Middle between the start of the first and the end of the last exposure: the instant that depth and pose refer to.
