@@ -5,7 +5,8 @@
 namespace enamel {
 
 HostTime SteadyClock::now() const {
-  return host_time(std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+  return host_time(
+      std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
 }
 
 void SteadyClock::sleep_until(HostTime t) {

@@ -11,8 +11,8 @@ namespace enamel {
 /// Errors: kFileNotFound, kFileRead.
 [[nodiscard]] Result<std::string> read_file(const std::string& path);
 
-/// Writes through a temporary file and renames it: the file appears whole or not at all, and an older one stays intact on
-/// error. Errors: kFileWrite with the system's reason.
+/// Writes through a temporary file and renames it: the file appears whole or not at all, and an older one stays intact
+/// on error. Errors: kFileWrite with the system's reason.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view content);
 
 /// Creates the folder and its parents. Errors: kFileWrite.

@@ -3,9 +3,8 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
-
 #include <tl/expected.hpp>
+#include <utility>
 
 namespace enamel {
 
@@ -50,11 +49,11 @@ using Result = tl::expected<T, Error>;
 #define ENAMEL_CONCAT(a, b) ENAMEL_CONCAT_(a, b)
 
 /// ENAMEL_TRY(expr): returns the error of a Result<void> expression from the calling function.
-#define ENAMEL_TRY(expr)                                                     \
-  do {                                                                       \
-    if (auto enamel_result_ = (expr); !enamel_result_) {                     \
+#define ENAMEL_TRY(expr)                                                         \
+  do {                                                                           \
+    if (auto enamel_result_ = (expr); !enamel_result_) {                         \
       return tl::unexpected<::enamel::Error>(std::move(enamel_result_).error()); \
-    }                                                                        \
+    }                                                                            \
   } while (false)
 
 /// ENAMEL_TRY_ASSIGN(decl, expr): decl = value of the Result<T> expression, or returns its error.
