@@ -158,6 +158,8 @@ struct Status {
   std::string fw_version;  ///< <= 32 bytes
   std::uint8_t slot_active = 0;
   std::array<std::uint8_t, 2> slot_state{};
+  std::uint32_t session_id = 0;    ///< that the counters belong to; 0 before the first
+  std::uint32_t bursts_begun = 0;  ///< = bursts_emitted + sum of dropped + those under way
   friend bool operator==(const Status&, const Status&) = default;
 };
 
@@ -184,13 +186,17 @@ struct CommandReply {
   friend bool operator==(const CommandReply&, const CommandReply&) = default;
 };
 
+/// Event codes beside states and faults.
+inline constexpr std::uint16_t kEventSessionEnded = 1000;   ///< finite source played to its end; counters are final
+inline constexpr std::uint16_t kEventTimeStretched = 1001;  ///< simulated light came later than real time asked for
+
 enum class Severity : std::uint8_t { kInfo = 0, kWarning = 1, kError = 2, kSafety = 3 };
 
 struct Event {
   std::uint32_t probe_id = 0;
   std::uint32_t seq = 0;
   std::uint64_t t_ns = 0;  ///< device clock
-  std::uint16_t code = 0;  ///< ProbeState entered, or |ReplyStatus| of a fault
+  std::uint16_t code = 0;  ///< ProbeState entered, |ReplyStatus| of a fault, or kEvent…
   Severity severity = Severity::kInfo;
   std::string text;  ///< <= 200 bytes
   friend bool operator==(const Event&, const Event&) = default;
