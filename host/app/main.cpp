@@ -1,5 +1,6 @@
 // enamel: the host's program. stdout carries results, stderr the log.
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <string>
 #include <utility>
@@ -54,6 +55,9 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A full file system or a closed pipe shall be an error value, not the end of the program.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
   try {
     return run(argc, argv);
   } catch (const std::exception& e) {
