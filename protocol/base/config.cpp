@@ -18,11 +18,9 @@ std::string in_range(std::string_view lo, std::string_view hi) {
   return "from " + std::string(lo) + " to " + std::string(hi);
 }
 
-/// Range text; empty when it is the type's whole range.
+/// Empty when it is the type's whole range.
 template <class T>
-std::string range_text(T min, T max) {
-  const bool has_min = min > std::numeric_limits<T>::lowest();
-  const bool has_max = max < std::numeric_limits<T>::max();
+std::string range_text(Range<T> range, Range<T> whole = {}) {
   const auto text = [](T v) {
     if constexpr (std::floating_point<T>) {
       return float_text(v);
@@ -30,9 +28,9 @@ std::string range_text(T min, T max) {
       return std::to_string(v);
     }
   };
-  if (has_min && has_max) return in_range(text(min), text(max));
-  if (has_min) return "at least " + text(min);
-  if (has_max) return "at most " + text(max);
+  if (range.min > whole.min && range.max < whole.max) return in_range(text(range.min), text(range.max));
+  if (range.min > whole.min) return "at least " + text(range.min);
+  if (range.max < whole.max) return "at most " + text(range.max);
   return {};
 }
 
@@ -133,21 +131,21 @@ Result<void> ConfigReader::set(std::string_view assignment) {
   return {};
 }
 
-void ConfigReader::bind_int(std::string_view key, std::int64_t& value, std::int64_t min, std::int64_t max,
-                            std::string_view doc) {
+void ConfigReader::bind_int(std::string_view key, std::int64_t& value, Range<std::int64_t> range,
+                            Range<std::int64_t> whole, std::string_view doc) {
   const std::string path = full(key);
   if (const Node* n = state_->claim(path)) {
     const auto* v = std::get_if<std::int64_t>(&n->value);
     if (v == nullptr) {
       state_->add_error(path, wanted("an integer", *n));
-    } else if (*v < min || *v > max) {
-      state_->add_error(path,
-                        "is " + std::to_string(*v) + ", must be " + in_range(std::to_string(min), std::to_string(max)));
+    } else if (*v < range.min || *v > range.max) {
+      state_->add_error(path, "is " + std::to_string(*v) + ", must be " +
+                                  in_range(std::to_string(range.min), std::to_string(range.max)));
     } else {
       value = *v;
     }
   }
-  state_->resolved(path, std::to_string(value), doc, range_text(min, max));
+  state_->resolved(path, std::to_string(value), doc, range_text(range, whole));
 }
 
 void ConfigReader::bind_float(std::string_view key, float& value, Range<float> range, std::string_view doc) {
@@ -157,7 +155,7 @@ void ConfigReader::bind_float(std::string_view key, float& value, Range<float> r
     if (v) value = *v;
     if (!v) state_->add_error(path, v.error().detail);
   }
-  state_->resolved(path, float_text(value), doc, range_text(range.min, range.max));
+  state_->resolved(path, float_text(value), doc, range_text(range));
 }
 
 void ConfigReader::bind_float(std::string_view key, double& value, Range<double> range, std::string_view doc) {
@@ -167,7 +165,7 @@ void ConfigReader::bind_float(std::string_view key, double& value, Range<double>
     if (v) value = *v;
     if (!v) state_->add_error(path, v.error().detail);
   }
-  state_->resolved(path, float_text(value), doc, range_text(range.min, range.max));
+  state_->resolved(path, float_text(value), doc, range_text(range));
 }
 
 void ConfigReader::bind(std::string_view key, bool& value, std::string_view doc) {
@@ -222,7 +220,7 @@ void ConfigReader::bind(std::string_view key, std::vector<double>& value, Range<
     if (v) value = std::move(*v);
     if (!v) state_->add_error(path, v.error().detail);
   }
-  state_->resolved(path, list_text(std::span<const double>(value)), doc, range_text(range.min, range.max));
+  state_->resolved(path, list_text(std::span<const double>(value)), doc, range_text(range));
 }
 
 void ConfigReader::bind_fixed(std::string_view key, std::span<double> value, Range<double> range,
@@ -239,7 +237,7 @@ void ConfigReader::bind_fixed(std::string_view key, std::span<double> value, Ran
       std::copy(v->begin(), v->end(), value.begin());
     }
   }
-  state_->resolved(path, list_text(std::span<const double>(value)), doc, range_text(range.min, range.max));
+  state_->resolved(path, list_text(std::span<const double>(value)), doc, range_text(range));
 }
 
 void ConfigReader::bind_choice(std::string_view key, std::size_t& index, std::span<const std::string_view> names,

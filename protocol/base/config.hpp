@@ -53,7 +53,8 @@ class ConfigReader {
   template <ConfigInteger T>
   void bind(std::string_view key, T& value, std::type_identity_t<Range<T>> range, std::string_view doc) {
     std::int64_t v = clamp_to_int64(value);
-    bind_int(key, v, clamp_to_int64(range.min), clamp_to_int64(range.max), doc);
+    bind_int(key, v, {clamp_to_int64(range.min), clamp_to_int64(range.max)},
+             {clamp_to_int64(Range<T>{}.min), clamp_to_int64(Range<T>{}.max)}, doc);
     value = static_cast<T>(v);
   }
   template <std::floating_point T>
@@ -117,7 +118,8 @@ class ConfigReader {
     constexpr auto kMax = std::numeric_limits<std::int64_t>::max();
     return std::cmp_greater(v, kMax) ? kMax : static_cast<std::int64_t>(v);
   }
-  void bind_int(std::string_view key, std::int64_t& value, std::int64_t min, std::int64_t max, std::string_view doc);
+  void bind_int(std::string_view key, std::int64_t& value, Range<std::int64_t> range, Range<std::int64_t> whole,
+                std::string_view doc);
   void bind_float(std::string_view key, float& value, Range<float> range, std::string_view doc);
   void bind_float(std::string_view key, double& value, Range<double> range, std::string_view doc);
   void bind_choice(std::string_view key, std::size_t& index, std::span<const std::string_view> names,

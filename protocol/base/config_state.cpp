@@ -114,10 +114,9 @@ std::string ConfigReader::State::nearest_known(std::string_view path) const {
   std::size_t best_distance = std::max<std::size_t>(2, last_name(wanted).size() / 3) + 1;
   for (const std::string& candidate : known) {
     const std::string plain = without_indices(candidate);
-    // A key put into the wrong table is as likely as a misspelt one.
-    const bool same_name = last_name(plain) == last_name(wanted);
-    const std::size_t d =
-        same_name ? std::min<std::size_t>(1, edit_distance(wanted, plain)) : edit_distance(wanted, plain);
+    // A key in the wrong table or without its unit suffix is as likely as a misspelt one.
+    const bool same_start = last_name(wanted).size() > 2 && last_name(plain).starts_with(last_name(wanted));
+    const std::size_t d = same_start ? 1 : edit_distance(wanted, plain);
     if (d < best_distance) {
       best_distance = d;
       best = plain;

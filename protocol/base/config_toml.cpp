@@ -1,6 +1,5 @@
 #include "protocol/base/config_toml.hpp"
 
-#define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -45,7 +44,6 @@ Value scalar_value(const toml::node& n) {
 struct Flattener {
   std::string_view name;
   std::vector<Node> nodes;
-  std::vector<std::size_t> lines;
 
   void add(const toml::node& n, std::string path, bool is_table) {
     const std::size_t line = n.source().begin.line;
@@ -85,14 +83,13 @@ std::string shortest(T v) {
 }  // namespace
 
 Result<std::vector<Node>> flatten_toml(std::string_view text, std::string_view name) {
-  const toml::parse_result parsed = toml::parse(text);
-  if (!parsed) {
-    const toml::parse_error& e = parsed.error();
+  Flattener f{name, {}};
+  try {
+    f.walk(toml::parse(text), "");
+  } catch (const toml::parse_error& e) {
     return fail(ErrorCode::kConfigSyntax,
                 std::string(name) + ":" + std::to_string(e.source().begin.line) + ": " + std::string(e.description()));
   }
-  Flattener f{name, {}, {}};
-  f.walk(parsed.table(), "");
   std::set<std::string_view> seen;
   for (const Node& n : f.nodes) {
     if (!seen.insert(n.path).second) {
