@@ -63,7 +63,7 @@ void visit(Ar& ar, M& m) {
   ar.values(m.temp_tip_cc, m.temp_led_cc, m.temp_soc_cc, m.led_ma, m.heater_permille, m.batt_mv);
   ar.values(m.batt_pct, m.buttons);
   ar.text(m.fw_version, 32);
-  ar.values(m.slot_active, m.slot_state);
+  ar.values(m.slot_active, m.slot_state, m.session_id, m.bursts_begun);
 }
 
 template <class Ar, Is<TimeSyncReq> M>
