@@ -1,0 +1,71 @@
+#include "pipeline/algo/icp/patch_samples.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace enamel::algo {
+namespace {
+
+/// NaN compares false, so a missing neighbour fails here.
+bool far_from_edges(const Map<float>& depth, int u, int v, int reach, float jump) {
+  const float z = depth(u, v);
+  return std::abs(depth(u - reach, v) - z) < jump && std::abs(depth(u + reach, v) - z) < jump &&
+         std::abs(depth(u, v - reach) - z) < jump && std::abs(depth(u, v + reach) - z) < jump;
+}
+
+class SigmaHistogram {
+ public:
+  void add(float sigma_mm) {
+    const auto bin = static_cast<std::size_t>(sigma_mm * 1000.0F);
+    ++bins_[std::min(bin, bins_.size() - 1)];
+    ++count_;
+  }
+  [[nodiscard]] double median_mm() const {
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < bins_.size(); ++i) {
+      seen += bins_[i];
+      if (2 * seen >= count_) return (static_cast<double>(i) + 0.5) * 1e-3;
+    }
+    return 0;
+  }
+
+ private:
+  std::array<std::size_t, 250> bins_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+SampleSet sample_patch(const SurfacePatch& patch, int stride, const SampleConfig& config) {
+  SampleSet out;
+  const int reach = config.edge_px;
+  const auto jump = static_cast<float>(config.edge_jump_mm);
+  const auto min_cos = static_cast<float>(std::cos(config.max_incidence_deg * std::numbers::pi / 180));
+  const auto floor2 = static_cast<float>(config.sigma_floor_mm * config.sigma_floor_mm);
+  const int offset = std::max(stride / 2, reach);
+  SigmaHistogram sigmas;
+  Vec3d sum = Vec3d::Zero();
+  for (int v = offset; v < patch.depth_mm.height() - reach; v += stride) {
+    for (int u = offset; u < patch.depth_mm.width() - reach; u += stride) {
+      if (!far_from_edges(patch.depth_mm, u, v, reach, jump)) continue;
+      const Vec3f& p = patch.points(u, v);
+      const Vec3f& n = patch.normals(u, v);
+      const float sigma = patch.sigma_mm(u, v);
+      const float cosine = -n.dot(p) / p.norm();
+      const float weight = cosine / (sigma * sigma + floor2);
+      if (!(cosine > min_cos) || !std::isfinite(weight) || !(sigma >= 0)) continue;
+      out.points.push_back(p);
+      out.normals.push_back(n);
+      out.weights.push_back(weight);
+      sigmas.add(sigma);
+      sum += p.cast<double>();
+    }
+  }
+  if (out.size() > 0) out.centroid = sum / static_cast<double>(out.size());
+  out.median_sigma_mm = sigmas.median_mm();
+  return out;
+}
+
+}  // namespace enamel::algo

@@ -1,0 +1,108 @@
+#include "pipeline/algo/icp/reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace enamel::algo {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+bool close(const Vec3f& a, const Vec3f& b, float jump2) { return (a - b).squaredNorm() < jump2; }
+
+/// One direction of a box sum with zeros beyond the border.
+void box_sum(const Map<Vec3f>& in, int radius, bool along_u, Map<Vec3f>& out) {
+  const int limit = along_u ? in.width() : in.height();
+  for (int v = 0; v < in.height(); ++v) {
+    for (int u = 0; u < in.width(); ++u) {
+      const int centre = along_u ? u : v;
+      Vec3f sum = Vec3f::Zero();
+      for (int k = std::max(0, centre - radius); k <= std::min(limit - 1, centre + radius); ++k) {
+        sum += along_u ? in(k, v) : in(u, k);
+      }
+      out(u, v) = sum;
+    }
+  }
+}
+
+/// Sum of unit normals over the window and their number (x of the second map).
+void window_sums(const Map<Vec3f>& normals, int radius, Map<Vec3f>& sums, Map<Vec3f>& counts) {
+  Map<Vec3f> known(normals.width(), normals.height(), Vec3f::Zero());
+  Map<Vec3f> ones(normals.width(), normals.height(), Vec3f::Zero());
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (!std::isfinite(normals[i].x())) continue;
+    known[i] = normals[i];
+    ones[i].x() = 1;
+  }
+  Map<Vec3f> rows(normals.width(), normals.height(), Vec3f::Zero());
+  sums = rows;
+  counts = rows;
+  box_sum(known, radius, true, rows);
+  box_sum(rows, radius, false, sums);
+  box_sum(ones, radius, true, rows);
+  box_sum(rows, radius, false, counts);
+}
+
+}  // namespace
+
+Reference::Reference(const ModelView& view, const ViewCamera& camera, const ReferenceConfig& config)
+    : T_model_cam_(view.T_model_cam) {
+  if (view.empty || view.points.empty() || camera.width() == 0) return;
+  const double view_scale = static_cast<double>(camera.width()) / view.points.width();
+  const int step = std::max(1, static_cast<int>(std::lround(config.step_px / view_scale)));
+  const int width = (view.points.width() + step - 1) / step;
+  const int height = (view.points.height() + step - 1) / step;
+  scale_ = static_cast<float>(1.0 / (view_scale * step));
+  Map<Vec3f> points(width, height, Vec3f::Constant(kNan));
+  Map<Vec3f> normals(width, height, Vec3f::Constant(kNan));
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      points(u, v) = view.points(u * step, v * step);
+      normals(u, v) = view.normals(u * step, v * step);
+    }
+  }
+  Map<Vec3f> sums;
+  Map<Vec3f> counts;
+  window_sums(normals, config.normal_radius, sums, counts);
+  points_ = Map<Vec3f>(width, height, Vec3f::Constant(kNan));
+  normals_ = points_;
+  const auto jump2 = static_cast<float>(config.edge_jump_mm * config.edge_jump_mm);
+  const auto coherence = static_cast<float>(config.min_coherence);
+  for (int v = 1; v + 1 < height; ++v) {
+    for (int u = 1; u + 1 < width; ++u) {
+      const Vec3f& p = points(u, v);
+      const bool inside = close(points(u - 1, v), p, jump2) && close(points(u + 1, v), p, jump2) &&
+                          close(points(u, v - 1), p, jump2) && close(points(u, v + 1), p, jump2);
+      const float length = sums(u, v).norm();
+      if (!inside || !std::isfinite(normals(u, v).x()) || !(length > coherence * counts(u, v).x())) continue;
+      points_(u, v) = p;
+      normals_(u, v) = sums(u, v) / length;
+      ++usable_px_;
+    }
+  }
+}
+
+ModelView view_from_patch(const SurfacePatch& patch, const Pose& T_model_cam, int step) {
+  ModelView view;
+  view.T_model_cam = T_model_cam;
+  const int width = (patch.points.width() + step - 1) / step;
+  const int height = (patch.points.height() + step - 1) / step;
+  view.points = Map<Vec3f>(width, height, Vec3f::Constant(kNan));
+  view.normals = view.points;
+  const Eigen::Matrix3f R = T_model_cam.linear().cast<float>();
+  const Vec3f t = T_model_cam.translation().cast<float>();
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const Vec3f& p = patch.points(u * step, v * step);
+      const Vec3f& n = patch.normals(u * step, v * step);
+      if (!std::isfinite(p.x()) || !std::isfinite(n.x())) continue;
+      view.points(u, v) = R * p + t;
+      view.normals(u, v) = R * n;
+      view.empty = false;
+    }
+  }
+  return view;
+}
+
+}  // namespace enamel::algo
