@@ -1,0 +1,69 @@
+// Follows one probe through a session: finds it, starts the scan, hands over what arrives, notices when the probe dies,
+// pauses or comes back. Body of the ingest thread; everything is told to a FeedSink on that thread.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "host/ingest/probe_link.hpp"
+
+namespace enamel::host {
+
+enum class FeedState : std::uint8_t { kWaiting, kScanning, kPaused, kLost, kEnded };
+
+class FeedSink {
+ public:
+  virtual ~FeedSink() = default;
+  /// A probe was chosen, or the chosen one came back. An error ends the feed.
+  [[nodiscard]] virtual Result<void> on_probe(const proto::DeviceInfo& info, bool came_back) = 0;
+  virtual void on_burst(dds::Received<proto::Burst> burst, HostTime arrival) = 0;
+  virtual void on_status(const proto::Status& status) = 0;
+  virtual void on_event(const proto::Event& event) = 0;
+  virtual void on_state(FeedState state, const std::string& message) = 0;
+};
+
+struct FeedConfig {
+  std::uint32_t session_id = 1;
+  bool start_at_once = true;                     ///< false: wait for set_scanning(true)
+  Nanoseconds find_timeout{15'000'000'000};      ///< for the first probe; then kProbeNotFound
+  Nanoseconds lost_timeout{120'000'000'000};     ///< for a lost probe to come back; then the session ends with what it has
+  Nanoseconds settle{300'000'000};               ///< two probes take this long to show themselves both
+  Nanoseconds poll_period{10'000'000};
+};
+
+class LiveFeed {
+ public:
+  LiveFeed(ProbeLink& link, FeedSink& sink, const FeedConfig& config, Clock& clock)
+      : link_(link), sink_(sink), config_(config), clock_(clock), scanning_wanted_(config.start_at_once) {}
+
+  /// Returns when the probe's session has ended, `stop` is requested, or an error makes going on pointless.
+  [[nodiscard]] Result<void> run(const std::stop_token& stop);
+
+  /// From any thread: scan or pause, as the person at the screen wishes.
+  void set_scanning(bool wanted) { scanning_wanted_.store(wanted, std::memory_order_release); }
+  [[nodiscard]] bool scanning_wanted() const { return scanning_wanted_.load(std::memory_order_acquire); }
+
+ private:
+  [[nodiscard]] Result<void> wait_for_probe(const std::stop_token& stop, bool came_back);
+  [[nodiscard]] Result<void> open_session(const std::stop_token& stop);
+  [[nodiscard]] Result<void> wait_ready(const std::stop_token& stop);
+  [[nodiscard]] Result<void> take_input();
+  [[nodiscard]] Result<void> follow_wish();
+  void close_session();
+  void enter(FeedState state, const std::string& message = {});
+
+  ProbeLink& link_;
+  FeedSink& sink_;
+  FeedConfig config_;
+  Clock& clock_;
+  std::atomic<bool> scanning_wanted_;
+  FeedState state_ = FeedState::kWaiting;
+  bool started_ = false;  ///< SCAN_START was accepted in this life of the probe
+  bool ended_ = false;
+};
+
+}  // namespace enamel::host

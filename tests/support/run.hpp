@@ -1,0 +1,64 @@
+// Runs a program of the build to its end and returns what it printed. For end-to-end tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/app/child_process.hpp"
+#include "protocol/base/file.hpp"
+
+namespace enamel::test {
+
+struct Ran {
+  int code = -1;  ///< exit code, 128 + signal, or -1 when it had to be killed
+  std::string out, err;
+};
+
+/// A fresh folder under the system's temporary folder, removed at the end of the test.
+class TempFolder {
+ public:
+  TempFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "enamel-test-XXXXXX").string();
+    path_ = ::mkdtemp(pattern.data());
+  }
+  ~TempFolder() {
+    std::error_code ec;
+    std::filesystem::remove_all(path_, ec);
+  }
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::string program(const std::string& name) { return std::string(ENAMEL_BIN_DIR) + "/" + name; }
+
+/// A DDS tag that no other test or session uses.
+inline std::string unique_tag() {
+  static int count = 0;
+  return "enamel-test-" + std::to_string(::getpid()) + "-" + std::to_string(count++);
+}
+
+inline Ran run(const std::vector<std::string>& argv, std::chrono::seconds timeout = std::chrono::seconds(60)) {
+  const TempFolder folder;
+  Ran ran;
+  auto child = app::ChildProcess::start(argv, {folder / "out", folder / "err"});
+  if (!child) {
+    ran.err = child.error().message();
+    return ran;
+  }
+  SteadyClock clock;
+  ran.code = child->wait(clock, timeout).value_or(-1);
+  ran.out = read_file(folder / "out").value_or("");
+  ran.err = read_file(folder / "err").value_or("");
+  return ran;
+}
+
+}  // namespace enamel::test
