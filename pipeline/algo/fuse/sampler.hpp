@@ -1,0 +1,37 @@
+// Trilinear interpolation of the distance field and its gradient.
+#pragma once
+
+#include "pipeline/algo/fuse/block_grid.hpp"
+#include "pipeline/types/geometry.hpp"
+
+namespace enamel::algo {
+
+/// Positions are in voxels (model coordinates / voxel_mm). Remembers the last block: neighbouring queries are cheap.
+/// Not thread-safe; make one a thread.
+class Sampler {
+ public:
+  explicit Sampler(const BlockGrid& grid) : grid_(grid) {}
+
+  /// Interpolated distance (mm) and the gradient of the interpolant (mm a voxel). False where one of the eight voxels
+  /// is unobserved.
+  bool sample(const Vec3d& at, float& distance_mm, Vec3f& gradient);
+
+  /// Gradient by central differences over two voxels, interpolated trilinearly: continuous, second order. False where
+  /// one of its 32 voxels is unobserved.
+  bool smooth_gradient(const Vec3d& at, Vec3f& gradient);
+
+ private:
+  struct Cell {
+    std::array<int, 3> local{};   ///< lower corner within the block, 0 … 7
+    std::array<float, 3> part{};  ///< position between lower and upper corner, 0 … 1
+  };
+  bool locate(const Vec3d& at, Cell& cell);
+  bool corners(const Cell& cell, std::array<float, 8>& value) const;
+  /// Voxel at an offset from the current block's first voxel, each -8 … 15. False if unobserved.
+  bool voxel(int x, int y, int z, float& value) const;
+
+  const BlockGrid& grid_;
+  const Block* block_ = nullptr;
+};
+
+}  // namespace enamel::algo
