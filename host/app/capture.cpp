@@ -10,7 +10,7 @@
 #include "host/record/burst_stream.hpp"
 #include "host/record/capture_tools.hpp"
 #include "host/record/exchange_folder.hpp"
-#include "host/session/stage_trace.hpp"
+#include "host/report/stage_trace.hpp"
 #include "protocol/base/file.hpp"
 
 namespace enamel::app {

@@ -1,4 +1,4 @@
-#include "host/session/report.hpp"
+#include "host/report/report.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "host/session/stage_trace.hpp"
+#include "host/report/stage_trace.hpp"
 
 #include <fmt/format.h>
 

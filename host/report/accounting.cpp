@@ -1,4 +1,4 @@
-#include "host/session/accounting.hpp"
+#include "host/report/accounting.hpp"
 
 #include <algorithm>
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/session/accounting.hpp"
+#include "host/report/accounting.hpp"
 #include "protocol/base/result.hpp"
 
 namespace enamel::host {
