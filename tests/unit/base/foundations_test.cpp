@@ -1,0 +1,154 @@
+#include <gmock/gmock.h>
+
+#include <array>
+#include <set>
+#include <sstream>
+
+#include "protocol/base/check.hpp"
+#include "protocol/base/clock.hpp"
+#include "protocol/base/ids.hpp"
+#include "protocol/base/log.hpp"
+#include "protocol/base/progress.hpp"
+#include "protocol/base/result.hpp"
+
+namespace enamel {
+namespace {
+
+using ::testing::HasSubstr;
+
+template <class A, class B>
+concept Comparable = requires(A a, B b) {
+  a == b;
+};
+template <class A, class B>
+concept Subtractable = requires(A a, B b) {
+  a - b;
+};
+
+TEST(Ids, AreDistinctTypes) {
+  static_assert(Comparable<BurstId, BurstId>);
+  static_assert(!Comparable<BurstId, SessionId>);
+  static_assert(!std::is_convertible_v<int, BurstId>);
+  EXPECT_LT(BurstId{1}, BurstId{2});
+}
+TEST(Time, HostAndDeviceDoNotMix) {
+  static_assert(Subtractable<HostTime, HostTime>);
+  static_assert(!Subtractable<HostTime, DeviceTime>);
+  EXPECT_EQ(to_ns(device_time(5) + Nanoseconds{3}), 8);
+}
+
+constexpr auto kAllCodes = std::to_array<std::pair<ErrorCode, std::string_view>>({
+#define ENAMEL_ERROR(id, number, text, cause, remedy) {ErrorCode::id, #id},
+#include "protocol/base/error_codes.def"
+#undef ENAMEL_ERROR
+});
+TEST(Result, EveryCodeHasTextCauseRemedyAndExitClass) {
+  std::set<int> numbers;
+  for (const auto& [code, id] : kAllCodes) {
+    EXPECT_TRUE(numbers.insert(static_cast<int>(code)).second) << id << " shares its number";
+    const ErrorInfo info = describe(code);
+    EXPECT_EQ(info.name, id);
+    EXPECT_FALSE(info.text.empty() || info.cause.empty() || info.remedy.empty()) << id;
+    EXPECT_TRUE(exit_code(code) >= 1 && exit_code(code) <= 6) << id;
+  }
+}
+TEST(Result, MessageGivesDetailCauseAndRemedy) {
+  const std::string m = Error{ErrorCode::kFileNotFound, "a.png"}.message();
+  EXPECT_THAT(m, HasSubstr("file not found: a.png"));
+  EXPECT_THAT(m, HasSubstr("likely cause: "));
+  EXPECT_THAT(m, HasSubstr("what to do: "));
+}
+TEST(Result, TryReturnsTheErrorAndAssignsTheValue) {
+  const auto half = [](int v) -> Result<int> {
+    if (v % 2 != 0) return fail(ErrorCode::kUsage, "odd");
+    return v / 2;
+  };
+  const auto quarter = [&](int v) -> Result<int> {
+    ENAMEL_TRY_ASSIGN(const int h, half(v));
+    ENAMEL_TRY(half(h));
+    return half(h);
+  };
+  EXPECT_EQ(quarter(8).value(), 2);
+  EXPECT_EQ(quarter(6).error().detail, "odd");
+  EXPECT_EQ(quarter(3).error().code, ErrorCode::kUsage);
+}
+
+TEST(Clock, SteadyClockNeverGoesBack) {
+  const SteadyClock clock;
+  const HostTime a = clock.now();
+  EXPECT_LE(a, clock.now());
+}
+TEST(Clock, SteadyClockSleepsAtLeastUntil) {
+  SteadyClock clock;
+  const HostTime until = clock.now() + Nanoseconds{1'000'000};
+  clock.sleep_until(until);
+  EXPECT_GE(clock.now(), until);
+  clock.sleep_until(until - Nanoseconds{1'000'000'000});  // in the past: returns
+}
+TEST(Clock, ManualClockMovesOnlyWhenMoved) {
+  ManualClock clock(host_time(100));
+  EXPECT_EQ(to_ns(clock.now()), 100);
+  clock.advance(Nanoseconds{50});
+  EXPECT_EQ(to_ns(clock.now()), 150);
+  clock.sleep_until(host_time(150));
+}
+
+TEST(CheckDeathTest, FailsWithExpressionAndMeaning) {
+  EXPECT_DEATH(ENAMEL_CHECK(1 + 1 == 3, "arithmetic"), "check failed: 1 \\+ 1 == 3 arithmetic");
+}
+TEST(Check, PassingCheckDoesNothing) { ENAMEL_CHECK(true); }
+TEST(Check, HandlerCanBeReplaced) {
+  const CheckHandler before = set_check_handler(
+      [](const char* expression, const char*, int, std::string_view) { throw std::string(expression); });
+  EXPECT_THROW(ENAMEL_CHECK(false), std::string);
+  set_check_handler(before);
+}
+
+TEST(Log, WritesLevelModuleAndTextToStderr) {
+  ::testing::internal::CaptureStderr();
+  log::set_level(log::Level::kInfo);
+  log::info("unit", "burst {} of {}", 3, 7);
+  log::debug("unit", "hidden");
+  log::set_level(log::Level::kOff);
+  log::error("unit", "off means off");
+  log::set_level(log::Level::kInfo);
+  const std::string text = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(text, ::testing::ContainsRegex("I [0-9]+ +[0-9]+\\.[0-9]+ \\[unit\\] burst 3 of 7\n"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("hidden")));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("off means")));
+}
+TEST(Log, UnknownLevelIsRefused) {
+  EXPECT_EQ(log::parse_level("debug").value(), log::Level::kDebug);
+  EXPECT_EQ(log::parse_level("loud").error().code, ErrorCode::kConfigValue);
+}
+
+TEST(Progress, LinesAppearAtTheirIntervalWithRestTime) {
+  ManualClock clock;
+  std::ostringstream out;
+  Progress p(clock, "decode", 100, out, Progress::Target::kLines);
+  p.update(10);
+  EXPECT_EQ(out.str(), "");
+  clock.advance(Nanoseconds{2'000'000'000});
+  p.update(20);
+  EXPECT_EQ(out.str(), "decode: 20/100 (20 %), 2 s, 8 s left\n");
+  p.advance(5);
+  EXPECT_EQ(out.str(), "decode: 20/100 (20 %), 2 s, 8 s left\n") << "no second line before the interval is over";
+  clock.advance(Nanoseconds{118'000'000'000});
+  p.update(100);
+  p.finish();
+  p.finish();
+  EXPECT_THAT(out.str(), ::testing::EndsWith("decode: 100/100 (100 %), 2:00 min\ndecode: 100/100 (100 %), 2:00 min\n"));
+}
+TEST(Progress, TerminalGetsOneUpdatingLine) {
+  ManualClock clock;
+  std::ostringstream out;
+  {
+    Progress p(clock, "scan", 0, out, Progress::Target::kTerminal);
+    clock.advance(Nanoseconds{100'000'000});
+    p.update(3);
+  }
+  EXPECT_EQ(out.str(), "\rscan: 3, 0 s\x1b[K\rscan: 3, 0 s\x1b[K\n");
+}
+
+}  // namespace
+}  // namespace enamel
