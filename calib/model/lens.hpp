@@ -1,0 +1,47 @@
+// The lens model of rig/1: OpenCV's pinhole with k1 k2 p1 p2 k3, for the camera and (as an inverse camera) the
+// projector. Normalised coordinates are x = X/Z, y = Y/Z (z forward); pixel centres lie at integers. Pure functions,
+// thread-safe.
+#pragma once
+
+#include <vector>
+
+#include "calib/model/rig.hpp"
+
+namespace enamel::calib {
+
+struct PlanePoint {
+  double x = 0, y = 0;
+};
+
+/// Normalised ideal -> normalised distorted.
+[[nodiscard]] inline PlanePoint distort(const LensValues& lens, PlanePoint p) noexcept {
+  const auto& [k1, k2, p1, p2, k3] = lens.dist;
+  const double r2 = p.x * p.x + p.y * p.y;
+  const double g = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  return {p.x * g + 2 * p1 * p.x * p.y + p2 * (r2 + 2 * p.x * p.x),
+          p.y * g + p1 * (r2 + 2 * p.y * p.y) + 2 * p2 * p.x * p.y};
+}
+
+/// Normalised ideal -> pixel.
+[[nodiscard]] inline PlanePoint project(const LensValues& lens, PlanePoint p) noexcept {
+  const PlanePoint d = distort(lens, p);
+  return {lens.fx * d.x + lens.cx, lens.fy * d.y + lens.cy};
+}
+
+/// Pixel -> normalised ideal: Newton on distort(), residual below 1e-13 for any lens whose distortion is invertible
+/// there.
+[[nodiscard]] PlanePoint undistort(const LensValues& lens, PlanePoint pixel) noexcept;
+
+/// A pixel and depth (camera z, mm) of the camera seen by the projector: its pixel. Exact, no iteration.
+/// Needs z > 0 and the point in front of the projector.
+[[nodiscard]] PlanePoint project_to_projector(const Rig& rig, PlanePoint ray, double z_mm) noexcept;
+
+/// Ideal directions (x, y, 1) of all pixel centres, row major.
+struct RayTable {
+  int width = 0, height = 0;
+  std::vector<float> x, y;
+};
+
+[[nodiscard]] RayTable make_ray_table(const LensValues& camera);
+
+}  // namespace enamel::calib
