@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "calib/model/lens.hpp"
+
 namespace enamel::algo {
 namespace {
 
@@ -46,14 +48,12 @@ void window_sums(const Map<Vec3f>& normals, int radius, Map<Vec3f>& sums, Map<Ve
 
 }  // namespace
 
-Reference::Reference(const ModelView& view, const ViewCamera& camera, const ReferenceConfig& config)
-    : T_model_cam_(view.T_model_cam) {
-  if (view.empty || view.points.empty() || camera.width() == 0) return;
-  const double view_scale = static_cast<double>(camera.width()) / view.points.width();
-  const int step = std::max(1, static_cast<int>(std::lround(config.step_px / view_scale)));
+Reference::Reference(const ModelView& view, const ReferenceConfig& config) : T_model_cam_(view.T_model_cam) {
+  if (view.empty || view.points.empty() || view.stride < 1) return;
+  const int step = std::max(1, config.step_px / view.stride);
   const int width = (view.points.width() + step - 1) / step;
   const int height = (view.points.height() + step - 1) / step;
-  scale_ = static_cast<float>(1.0 / (view_scale * step));
+  scale_ = 1.0F / static_cast<float>(view.stride * step);
   Map<Vec3f> points(width, height, Vec3f::Constant(kNan));
   Map<Vec3f> normals(width, height, Vec3f::Constant(kNan));
   for (int v = 0; v < height; ++v) {
@@ -83,22 +83,29 @@ Reference::Reference(const ModelView& view, const ViewCamera& camera, const Refe
   }
 }
 
-ModelView view_from_patch(const SurfacePatch& patch, const Pose& T_model_cam, int step) {
+ModelView view_from_patch(const SurfacePatch& patch, const Pose& T_model_cam, const calib::LensValues& lens,
+                          int stride) {
   ModelView view;
   view.T_model_cam = T_model_cam;
-  const int width = (patch.points.width() + step - 1) / step;
-  const int height = (patch.points.height() + step - 1) / step;
+  view.stride = stride;
+  const int width = (patch.points.width() + stride - 1) / stride;
+  const int height = (patch.points.height() + stride - 1) / stride;
   view.points = Map<Vec3f>(width, height, Vec3f::Constant(kNan));
   view.normals = view.points;
   const Eigen::Matrix3f R = T_model_cam.linear().cast<float>();
   const Vec3f t = T_model_cam.translation().cast<float>();
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      const Vec3f& p = patch.points(u * step, v * step);
-      const Vec3f& n = patch.normals(u * step, v * step);
+  for (int j = 0; j < height; ++j) {
+    for (int i = 0; i < width; ++i) {
+      // The patch lies in the lens's picture, the view in the ideal one.
+      const auto px = calib::project(lens, {(i * stride - lens.cx) / lens.fx, (j * stride - lens.cy) / lens.fy});
+      const int u = static_cast<int>(std::floor(px.x + 0.5));
+      const int v = static_cast<int>(std::floor(px.y + 0.5));
+      if (!patch.points.contains(u, v)) continue;
+      const Vec3f& p = patch.points(u, v);
+      const Vec3f& n = patch.normals(u, v);
       if (!std::isfinite(p.x()) || !std::isfinite(n.x())) continue;
-      view.points(u, v) = R * p + t;
-      view.normals(u, v) = R * n;
+      view.points(i, j) = R * p + t;
+      view.normals(i, j) = R * n;
       view.empty = false;
     }
   }

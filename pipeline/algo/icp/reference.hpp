@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pipeline/algo/icp/view_camera.hpp"
+#include "calib/model/rig.hpp"
 #include "pipeline/types/model_view.hpp"
 #include "pipeline/types/patch.hpp"
 
@@ -18,19 +18,18 @@ struct ReferenceConfig {
   double min_coherence = 0.85;  ///< length of the mean normal: below it the window straddles an edge, not matched
 };
 
-/// View pixel (i, j) looks along the ray of camera pixel (i*scale, j*scale), scale = camera width / view width: a view
-/// may be drawn at a half or a quarter of the camera's size. Keeps its own thinned copy; immutable after construction.
+/// A thinned copy of the usable pixels of a view; immutable after construction.
 class Reference {
  public:
   Reference() = default;
-  Reference(const ModelView& view, const ViewCamera& camera, const ReferenceConfig& config);
+  Reference(const ModelView& view, const ReferenceConfig& config);
 
   [[nodiscard]] bool empty() const noexcept { return usable_px_ == 0; }
   [[nodiscard]] std::size_t usable_px() const noexcept { return usable_px_; }
   [[nodiscard]] const Pose& T_model_cam() const noexcept { return T_model_cam_; }
   [[nodiscard]] int width() const noexcept { return points_.width(); }
   [[nodiscard]] int height() const noexcept { return points_.height(); }
-  [[nodiscard]] float pixels_per_camera_pixel() const noexcept { return scale_; }
+  [[nodiscard]] float pixels_per_camera_pixel() const noexcept { return scale_; }  ///< 1 / camera pixels a kept pixel
   /// NaN where it may not be matched.
   [[nodiscard]] const Vec3f& point(std::size_t i) const noexcept { return points_[i]; }
   [[nodiscard]] const Vec3f& normal(std::size_t i) const noexcept { return normals_[i]; }
@@ -44,7 +43,8 @@ class Reference {
 };
 
 /// The patch itself as a view of the model from its own pose: the reference while the model does not yet show this
-/// place. step: keep every step-th pixel (1, 2, 4 …).
-[[nodiscard]] ModelView view_from_patch(const SurfacePatch& patch, const Pose& T_model_cam, int step = 1);
+/// place. lens: of the camera that took the patch. stride >= 1: camera pixels a view pixel.
+[[nodiscard]] ModelView view_from_patch(const SurfacePatch& patch, const Pose& T_model_cam,
+                                        const calib::LensValues& lens, int stride = 1);
 
 }  // namespace enamel::algo

@@ -19,7 +19,7 @@ struct Scene {
   IcpConfig config;
   ts::SyntheticSurface surface{7};
   ModelView view = ts::make_view(surface, lens, ts::looking_down(0, 0));
-  Reference reference{view, camera, config.reference};
+  Reference reference{view, config.reference};
 };
 
 const Scene& scene() {

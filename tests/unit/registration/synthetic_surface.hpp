@@ -187,16 +187,18 @@ inline SurfacePatch make_patch(const SyntheticSurface& surface, const calib::Len
   return out;
 }
 
-/// The exact surface as the model shows it from a pose, expressed in T_world: model frame = T_frame_world * surface
-/// frame.
-inline ModelView make_view(const SyntheticSurface& surface, const calib::LensValues& camera, const Pose& T_model_cam) {
-  const SurfacePatch exact = make_patch(surface, camera, T_model_cam, {0, 0, 1});
+/// The exact surface as the model shows it from a pose; T_model_surface = frame^-1: the model frame is that of `frame`.
+inline ModelView view_in_frame(const SyntheticSurface& surface, const calib::LensValues& camera,
+                               const Pose& T_surface_cam, const Pose& frame) {
+  calib::LensValues ideal = camera;
+  ideal.dist = {};
+  const SurfacePatch exact = make_patch(surface, ideal, T_surface_cam, {0, 0, 1});
   ModelView view;
-  view.T_model_cam = T_model_cam;
+  view.T_model_cam = frame.inverse() * T_surface_cam;
   view.points = exact.points;
   view.normals = exact.normals;
-  const Eigen::Matrix3f R = T_model_cam.linear().cast<float>();
-  const Vec3f t = T_model_cam.translation().cast<float>();
+  const Eigen::Matrix3f R = view.T_model_cam.linear().cast<float>();
+  const Vec3f t = view.T_model_cam.translation().cast<float>();
   for (std::size_t i = 0; i < view.points.size(); ++i) {
     if (!std::isfinite(view.points[i].x())) continue;
     view.points[i] = R * exact.points[i] + t;
@@ -204,6 +206,10 @@ inline ModelView make_view(const SyntheticSurface& surface, const calib::LensVal
   }
   view.empty = exact.valid_px == 0;
   return view;
+}
+inline ModelView make_view(const SyntheticSurface& surface, const calib::LensValues& camera,
+                           const Pose& T_surface_cam) {
+  return view_in_frame(surface, camera, T_surface_cam, Pose::Identity());
 }
 
 /// Distance that two poses put between their images of the point 48 mm before the camera, and the angle between them.

@@ -1,0 +1,68 @@
+// Places each burst in the model: predict, align to the model's view, fall back to the last patch, else find it again.
+#pragma once
+
+#include <optional>
+
+#include "calib/model/rig.hpp"
+#include "pipeline/algo/icp/icp.hpp"
+#include "pipeline/algo/track/acceptance.hpp"
+#include "pipeline/algo/track/keyframes.hpp"
+#include "pipeline/algo/track/motion_model.hpp"
+#include "pipeline/algo/track/relocalise.hpp"
+#include "pipeline/types/model_view.hpp"
+#include "pipeline/types/patch.hpp"
+#include "pipeline/types/track.hpp"
+#include "protocol/base/ids.hpp"
+#include "protocol/base/time.hpp"
+
+namespace enamel::algo {
+
+struct TrackerConfig {
+  IcpConfig icp;
+  AcceptConfig accept;
+  FeatureConfig features;
+  KeyframeConfig keyframes;
+  RelocaliseConfig relocalise;
+  MotionConfig motion;
+  double start_coverage = 0.05;  ///< share of the image's grid that must be good surface to define the model
+  double max_gap_s = 0.5;       ///< of data time without a burst, or without a placed one: found again by features only
+  double max_speed_mm_s = 200;  ///< of the point at the working distance: no hand is faster, an alignment may be
+  double max_turn_deg_s = 360;
+  double slack_mm = 0.5;  ///< added to what the speed limits allow
+  double slack_deg = 3;
+};
+
+/// One burst after the other, in order of burst; single-threaded. Results are a function of the sequence of arguments
+/// only. A patch whose result is kLost must not be fused. The model frame is that of the first patch placed and never
+/// changes.
+class Tracker {
+ public:
+  Tracker(const calib::Rig& rig, const TrackerConfig& config);
+
+  /// view: the model as it was some bursts ago, drawn from any recent pose, or empty. t_mid: data time of mid-burst.
+  [[nodiscard]] TrackResult track(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view);
+
+  [[nodiscard]] const std::vector<Keyframe>& keyframes() const noexcept { return keyframes_.all(); }
+
+ private:
+  [[nodiscard]] std::optional<IcpResult> align_near(const PatchPyramid& pyramid, const ModelView& view,
+                                                    DeviceTime t) const;
+  [[nodiscard]] std::optional<IcpResult> find_again(BurstId burst, const SurfacePatch& patch,
+                                                    const PatchPyramid& pyramid, const ModelView& view);
+  [[nodiscard]] bool plausible(const Pose& T_model_cam, DeviceTime t) const;
+  [[nodiscard]] TrackResult accept(TrackState state, DeviceTime t, const SurfacePatch& patch, const IcpResult& icp);
+  [[nodiscard]] TrackResult lost() const;
+
+  TrackerConfig config_;
+  calib::LensValues lens_;
+  ViewCamera camera_;
+  double px_per_mm_ = 1;
+  std::size_t grid_size_ = 0;  ///< samples of a full image at the finest level
+  MotionModel motion_;
+  KeyframeStore keyframes_;
+  std::optional<ModelView> last_patch_;  ///< of the last placed burst
+  std::optional<DeviceTime> last_seen_;  ///< of the last burst handed in
+  std::uint64_t searches_ = 0;
+};
+
+}  // namespace enamel::algo
