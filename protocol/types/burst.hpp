@@ -63,8 +63,8 @@ struct Burst {
   std::uint32_t payload_crc32 = 0;  ///< CRC-32 of payload
   std::array<float, 3> accel_mps2{};
   std::array<float, 3> gyro_rps{};
-  std::vector<FrameMeta> meta;        ///< one a frame, in pattern order
-  std::vector<std::uint8_t> payload;  ///< rows top-down, no padding
+  std::vector<FrameMeta> meta{};        ///< one a frame, in pattern order
+  std::vector<std::uint8_t> payload{};  ///< rows top-down, no padding
 
   [[nodiscard]] BurstId id() const noexcept { return {burst_index}; }
   friend bool operator==(const Burst&, const Burst&) = default;

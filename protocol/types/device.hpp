@@ -125,15 +125,15 @@ enum class ReplyStatus : std::int32_t {
 
 struct DeviceInfo {
   std::uint32_t probe_id = 0;
-  std::string serial;  ///< <= 32 bytes
-  std::string model;   ///< <= 32 bytes
+  std::string serial{};  ///< <= 32 bytes
+  std::string model{};   ///< <= 32 bytes
   std::uint16_t hw_rev = 0;
-  std::string fw_version;  ///< <= 32 bytes
+  std::string fw_version{};  ///< <= 32 bytes
   std::array<std::uint8_t, 32> fw_manifest_sha256{};
   std::uint32_t protocol_version = kProtocolVersion;
   std::uint32_t calib_crc32 = 0;  ///< CRC-32 of calibration_blob
   std::uint8_t recovery = 0;
-  std::vector<std::uint8_t> calibration_blob;  ///< rig.json byte for byte, <= 65536 bytes
+  std::vector<std::uint8_t> calibration_blob{};  ///< rig.json byte for byte, <= 65536 bytes
   friend bool operator==(const DeviceInfo&, const DeviceInfo&) = default;
 };
 
@@ -155,7 +155,7 @@ struct Status {
   std::uint16_t batt_mv = 0;
   std::uint8_t batt_pct = 0;
   std::uint8_t buttons = 0;
-  std::string fw_version;  ///< <= 32 bytes
+  std::string fw_version{};  ///< <= 32 bytes
   std::uint8_t slot_active = 0;
   std::array<std::uint8_t, 2> slot_state{};
   std::uint32_t session_id = 0;    ///< that the counters belong to; 0 before the first
@@ -171,7 +171,7 @@ struct Command {
   Opcode opcode = Opcode::kPing;
   std::array<std::int64_t, 4> arg_i{};
   std::array<double, 4> arg_f{};
-  std::string arg_s;              ///< <= 256 bytes
+  std::string arg_s{};            ///< <= 256 bytes
   std::uint64_t deadline_ns = 0;  ///< device clock; 0 = none. A command past it is answered kExpired, never executed
   friend bool operator==(const Command&, const Command&) = default;
 };
@@ -181,7 +181,7 @@ struct CommandReply {
   std::uint64_t cmd_id = 0;
   std::uint32_t client_id = 0;
   ReplyStatus status = ReplyStatus::kOk;
-  std::string detail;  ///< <= 256 bytes
+  std::string detail{};  ///< <= 256 bytes
   std::uint64_t t_ns = 0;
   friend bool operator==(const CommandReply&, const CommandReply&) = default;
 };
@@ -198,7 +198,7 @@ struct Event {
   std::uint64_t t_ns = 0;  ///< device clock
   std::uint16_t code = 0;  ///< ProbeState entered, |ReplyStatus| of a fault, or kEvent…
   Severity severity = Severity::kInfo;
-  std::string text;  ///< <= 200 bytes
+  std::string text{};  ///< <= 200 bytes
   friend bool operator==(const Event&, const Event&) = default;
 };
 

@@ -1,0 +1,128 @@
+#include "protocol/types/cdr.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/protocol/random_messages.hpp"
+
+namespace enamel::proto {
+namespace {
+
+using test::Random;
+
+template <class T>
+class Cdr : public ::testing::Test {};
+using Messages =
+    ::testing::Types<Burst, DeviceInfo, Status, Command, CommandReply, Event, TimeSyncReq, TimeSyncRep, ShedNote>;
+TYPED_TEST_SUITE(Cdr, Messages);
+
+TYPED_TEST(Cdr, ComesBackEqual) {
+  Random random(1);
+  for (int i = 0; i < 200; ++i) {
+    TypeParam value;
+    test::randomize(random, value);
+    const auto bytes = to_cdr(value);
+    ASSERT_TRUE(bytes) << bytes.error().message();
+    const auto back = from_cdr<TypeParam>(*bytes);
+    ASSERT_TRUE(back) << back.error().message();
+    EXPECT_EQ(*back, value);
+  }
+}
+
+TYPED_TEST(Cdr, EveryTruncationIsAnError) {
+  Random random(2);
+  for (int i = 0; i < 10; ++i) {
+    TypeParam value;
+    test::randomize(random, value);
+    const Bytes bytes = *to_cdr(value);
+    for (std::size_t n = 0; n < bytes.size(); ++n) {
+      const auto back = from_cdr<TypeParam>(ByteView(bytes).first(n));
+      ASSERT_FALSE(back) << "kept " << n << " of " << bytes.size();
+      ASSERT_EQ(back.error().code, ErrorCode::kMessageInvalid);
+    }
+  }
+}
+
+// A flipped bit may make another valid value; it must then encode again without complaint, and never crash.
+TYPED_TEST(Cdr, FlippedBitsGiveAValueOrAnError) {
+  Random random(3);
+  int errors = 0;
+  for (int i = 0; i < 3000; ++i) {
+    TypeParam value;
+    test::randomize(random, value);
+    Bytes bytes = *to_cdr(value);
+    for (std::size_t flips = 1 + random.below(4); flips > 0; --flips) {
+      bytes[random.below(bytes.size())] ^= static_cast<std::uint8_t>(1U << random.below(8));
+    }
+    const auto back = from_cdr<TypeParam>(bytes);
+    if (back) {
+      EXPECT_TRUE(to_cdr(*back));
+    } else {
+      EXPECT_EQ(back.error().code, ErrorCode::kMessageInvalid);
+      ++errors;
+    }
+  }
+  EXPECT_GT(errors, 0);
+}
+
+TYPED_TEST(Cdr, GarbageGivesAValueOrAnError) {
+  Random random(4);
+  for (int i = 0; i < 3000; ++i) {
+    Bytes bytes = random.octets(random.below(400));
+    if (bytes.size() >= 4 && i % 2 == 0) {
+      const Bytes good = *to_cdr(TypeParam{});
+      std::copy_n(good.begin(), 4, bytes.begin());
+    }
+    const auto back = from_cdr<TypeParam>(bytes);
+    if (!back) {
+      EXPECT_EQ(back.error().code, ErrorCode::kMessageInvalid);
+    }
+  }
+}
+
+TEST(CdrBounds, TooLongTextsAndSequencesAreRefused) {
+  EXPECT_TRUE(to_cdr(Event{.text = std::string(200, 'x')}));
+  EXPECT_EQ(to_cdr(Event{.text = std::string(201, 'x')}).error().code, ErrorCode::kMessageInvalid);
+  EXPECT_EQ(to_cdr(Event{.text = std::string("a\0b", 3)}).error().code, ErrorCode::kMessageInvalid);
+  EXPECT_EQ(to_cdr(DeviceInfo{.serial = std::string(33, 'x')}).error().code, ErrorCode::kMessageInvalid);
+  EXPECT_TRUE(to_cdr(DeviceInfo{.calibration_blob = Bytes(65536)}));
+  EXPECT_EQ(to_cdr(DeviceInfo{.calibration_blob = Bytes(65537)}).error().code, ErrorCode::kMessageInvalid);
+  EXPECT_EQ(to_cdr(Burst{.meta = std::vector<FrameMeta>(9)}).error().code, ErrorCode::kMessageInvalid);
+}
+
+TEST(CdrBounds, MembersOfALaterMinorVersionAreSkipped) {
+  const Event event{.probe_id = 7, .seq = 8, .t_ns = 9, .code = 10, .severity = Severity::kError, .text = "abc"};
+  Bytes bytes = *to_cdr(event);
+  bytes.resize(bytes.size() - bytes[3]);
+  bytes.insert(bytes.end(), {1, 2, 3, 4, 5, 6, 7, 8});
+  bytes[3] = 0;
+  bytes[4] = static_cast<std::uint8_t>(bytes.size() - 8);
+  EXPECT_EQ(from_cdr<Event>(bytes).value(), event);
+}
+
+TEST(CdrBounds, AStateOutOfRangeIsAnError) {
+  Bytes bytes = *to_cdr(Status{});
+  const std::size_t state = 4 + 4 + 4 + 4 + 8;
+  bytes[state] = 10;
+  EXPECT_TRUE(from_cdr<Status>(bytes));
+  bytes[state] = 11;
+  EXPECT_FALSE(from_cdr<Status>(bytes));
+}
+
+TEST(Texts, AreClippedAtACharacter) {
+  EXPECT_EQ(clip_text("abc", 8), "abc");
+  EXPECT_EQ(clip_text("abcdef", 3), "abc");
+  EXPECT_EQ(clip_text("ab\xC3\xA9z", 3), "ab");
+  EXPECT_EQ(clip_text("\xE2\x82\xAC", 2), "");
+}
+
+TEST(Names, CoverEveryEnumerator) {
+  EXPECT_EQ(name_of(ProbeState::kScanning), "SCANNING");
+  EXPECT_EQ(name_of(static_cast<ProbeState>(11)), "?");
+  EXPECT_EQ(name_of(DropReason::kQueueFull), "queue_full");
+  EXPECT_EQ(name_of(Opcode::kSafeOff), "SAFE_OFF");
+  EXPECT_EQ(name_of(static_cast<Opcode>(0x7777)), "?");
+  EXPECT_EQ(name_of(ReplyStatus::kBadState), "BAD_STATE");
+}
+
+}  // namespace
+}  // namespace enamel::proto
