@@ -1,0 +1,109 @@
+#include "pipeline/algo/phase/phase.hpp"
+
+#include <array>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "pipeline/algo/phase/poly_trig.hpp"
+
+namespace enamel::algo {
+namespace {
+
+using Rows = std::array<std::vector<float>, 4>;
+
+void load_row(const BurstView& view, std::size_t row, Rows& rows) {
+  const auto width = static_cast<std::size_t>(view.width);
+  for (std::size_t k = 0; k < 4; ++k) {
+    float* out = rows[k].data();
+    if (view.bit_depth == 8) {
+      const std::uint8_t* in = view.frames[k].data() + row * width;
+      for (std::size_t u = 0; u < width; ++u) out[u] = in[u];
+    } else {
+      const std::uint8_t* in = view.frames[k].data() + 2 * row * width;
+      for (std::size_t u = 0; u < width; ++u) {
+        std::uint16_t value = 0;
+        std::memcpy(&value, in + 2 * u, 2);
+        out[u] = value;
+      }
+    }
+  }
+}
+
+struct RowOut {
+  float* mean;
+  float* cosine;
+  float* sine;
+  float* code;
+  float* modulation;
+  float* phase;
+  float* sigma;
+};
+
+void solve_row(const Rows& rows, std::size_t width, const NoiseModel& noise, float saturated_dn, const RowOut& o) {
+  const float* __restrict i0 = rows[0].data();
+  const float* __restrict i1 = rows[1].data();
+  const float* __restrict i2 = rows[2].data();
+  const float* __restrict i3 = rows[3].data();
+  for (std::size_t u = 0; u < width; ++u) {
+    const float a = 0.5F * (i0[u] + i2[u]);
+    const float c = 0.5F * (i0[u] - i2[u]);
+    const float s = a - i1[u];
+    const float b2 = c * c + s * s + 1e-6F;
+    // First-order propagation of the three frames' noise through atan2(s, c).
+    const float e0 = 0.5F * (c - s), e2 = 0.5F * (c + s);
+    const float var = e0 * e0 * noise.variance(i0[u]) + e2 * e2 * noise.variance(i2[u]) + c * c * noise.variance(i1[u]);
+    o.mean[u] = a;
+    o.cosine[u] = c;
+    o.sine[u] = s;
+    o.code[u] = i3[u] < saturated_dn ? i3[u] - a : std::numeric_limits<float>::quiet_NaN();
+    o.modulation[u] = sqrt_poly(b2);
+    o.phase[u] = atan2_poly(s, c);
+    o.sigma[u] = sqrt_poly(var) / b2;
+  }
+}
+
+void mask_row(const Rows& rows, std::size_t width, const NoiseModel& noise, const PhaseConfig& config,
+              const float* sigma, PixelReject* reject) {
+  const float* __restrict i0 = rows[0].data();
+  const float* __restrict i1 = rows[1].data();
+  const float* __restrict i2 = rows[2].data();
+  const float saturated_dn = config.saturation * noise.full_scale_dn;
+  const float clip_dn = noise.black_dn > 0 ? 0.5F : -1.0F;  // a pedestal exists so that dark pixels are not clipped
+  const float dark_dn = noise.black_dn + config.dark_sigmas * sqrt_poly(noise.floor_dn2);
+  for (std::size_t u = 0; u < width; ++u) {
+    const float high = i0[u] > i1[u] ? (i0[u] > i2[u] ? i0[u] : i2[u]) : (i1[u] > i2[u] ? i1[u] : i2[u]);
+    const float low = i0[u] < i1[u] ? (i0[u] < i2[u] ? i0[u] : i2[u]) : (i1[u] < i2[u] ? i1[u] : i2[u]);
+    int why =
+        sigma[u] < config.max_sigma_rad ? static_cast<int>(PixelReject::kNone) : static_cast<int>(PixelReject::kNoisy);
+    why = high >= saturated_dn ? static_cast<int>(PixelReject::kSaturated) : why;
+    why = (high <= dark_dn) | (low < clip_dn) ? static_cast<int>(PixelReject::kDark) : why;
+    reject[u] = static_cast<PixelReject>(why);
+  }
+}
+
+}  // namespace
+
+void PhaseMaps::resize(int width, int height) {
+  if (mean_dn.width() == width && mean_dn.height() == height) return;
+  for (Map<float>* map : {&mean_dn, &cosine_dn, &sine_dn, &code_dn, &modulation_dn, &phase_rad, &sigma_rad})
+    *map = Map<float>(width, height);
+  reject = Map<PixelReject>(width, height);
+}
+
+void compute_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {
+  maps.resize(view.width, view.height);
+  const auto width = static_cast<std::size_t>(view.width);
+  Rows rows;
+  for (auto& row : rows) row.resize(width);
+  for (std::size_t v = 0; v < static_cast<std::size_t>(view.height); ++v) {
+    load_row(view, v, rows);
+    const std::size_t at = v * width;
+    solve_row(rows, width, noise, config.saturation * noise.full_scale_dn,
+              {&maps.mean_dn[at], &maps.cosine_dn[at], &maps.sine_dn[at], &maps.code_dn[at], &maps.modulation_dn[at],
+               &maps.phase_rad[at], &maps.sigma_rad[at]});
+    mask_row(rows, width, noise, config, &maps.sigma_rad[at], &maps.reject[at]);
+  }
+}
+
+}  // namespace enamel::algo
