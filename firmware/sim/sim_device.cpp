@@ -1,0 +1,274 @@
+#include "firmware/sim/sim_device.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace enamel::fw {
+namespace {
+
+constexpr Nanoseconds kWaitSlice{20'000'000};  // how long stop() may go unnoticed
+constexpr int kLedMa = 400;
+constexpr std::uint8_t kLeakDn = 90;  // what a stuck LED does to a dark frame
+
+std::size_t pixel_bytes(int width, int height, int bit_depth) {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * (bit_depth > 8 ? 2U : 1U);
+}
+
+std::vector<std::uint8_t> blank_frame(const CameraMode& mode, std::uint8_t dn8) {
+  std::vector<std::uint8_t> pixels(pixel_bytes(mode.width, mode.height, mode.bit_depth), dn8);
+  if (mode.bit_depth <= 8) return pixels;
+  const unsigned level = unsigned{dn8} << static_cast<unsigned>(mode.bit_depth - 8);
+  for (std::size_t i = 0; i + 1 < pixels.size(); i += 2) {
+    pixels[i] = static_cast<std::uint8_t>(level & 0xFFU);
+    pixels[i + 1] = static_cast<std::uint8_t>(level >> 8U);
+  }
+  return pixels;
+}
+
+}  // namespace
+
+SimDevice::SimDevice(std::unique_ptr<BurstFeed> feed, Clock& clock, const SimConfig& config)
+    : feed_(std::move(feed)), clock_(clock), config_(config), timeline_(config.speed) {}
+
+Result<std::unique_ptr<SimDevice>> SimDevice::create(std::unique_ptr<BurstSource> source, Clock& clock,
+                                                     const SimConfig& config) {
+  if (!(config.speed >= 0.01 && config.speed <= 100)) {
+    return fail(ErrorCode::kConfigValue, "speed " + std::to_string(config.speed) + ", must be from 0.01 to 100");
+  }
+  auto feed = std::make_unique<BurstFeed>(std::move(source), config.read_ahead);
+  ENAMEL_TRY(feed->wait_first());
+  std::unique_ptr<SimDevice> device(new SimDevice(std::move(feed), clock, config));
+  ENAMEL_TRY(device->set_mode());
+  return device;
+}
+
+Result<void> SimDevice::set_mode() {
+  const SimBurst& first = feed_->first();
+  const std::int64_t period = (first.t_exposure_ns[3] - first.t_exposure_ns[0]) / 3;
+  const std::int64_t exposure = std::int64_t{first.exposure_us} * 1000;
+  if (period <= 0 || period > 1'000'000'000 || exposure <= 0 || exposure > period) {
+    return fail(ErrorCode::kConfigValue, "burst " + std::to_string(first.burst_index) + ": frame period " +
+                                             std::to_string(period) + " ns, exposure " + std::to_string(exposure) + " ns");
+  }
+  exposure_ = timeline_.scale(exposure);
+  const auto exposure_us = static_cast<std::uint32_t>(std::max<std::int64_t>(1, exposure_.count() / 1000));
+  mode_ = {first.width, first.height, first.bit_depth, timeline_.scale(period), exposure_us};
+  exposure_ = Nanoseconds{std::int64_t{exposure_us} * 1000};
+  return {};
+}
+
+StretchCount SimDevice::stretched() const {
+  const std::lock_guard lock(mutex_);
+  return timeline_.stretched();
+}
+
+void SimDevice::set_faults(SimFaults faults) {
+  const std::lock_guard lock(mutex_);
+  faults_ = std::move(faults);
+}
+
+Result<void> SimDevice::start() {
+  const std::lock_guard lock(mutex_);
+  if (faults_.camera_unplugged) return fail(ErrorCode::kHal, "camera disconnected");
+  running_ = true;
+  startup_left_ = config_.startup_frames;
+  last_start_ = device_now(clock_) - mode_.frame_period;
+  known_until_ = last_start_;
+  return {};
+}
+
+void SimDevice::stop() noexcept {
+  const std::lock_guard lock(mutex_);
+  running_ = false;
+  armed_ = false;
+  if (next_position_ >= 0) burst_.reset();  // stopped in the middle of it
+  next_position_ = SimStep::kFreeRunning;
+  timeline_.forget();
+  delivered_.clear();
+  edges_.clear();
+}
+
+Result<CameraFrame> SimDevice::next_frame() {
+  for (;;) {
+    Plan step;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!running_) return fail(ErrorCode::kCancelled, "camera stopped");
+      if (faults_.camera_unplugged) return fail(ErrorCode::kHal, "camera disconnected");
+      if (!delivered_.empty()) {
+        CameraFrame frame = std::move(delivered_.front());
+        delivered_.pop_front();
+        return frame;
+      }
+      ENAMEL_TRY_ASSIGN(step, plan());
+    }
+    if (!wait_until(step.t + exposure_ + config_.stamp_delay)) continue;
+    const std::lock_guard lock(mutex_);
+    if (running_) perform(step);
+  }
+}
+
+/// False when stopped meanwhile.
+bool SimDevice::wait_until(DeviceTime t) {
+  for (;;) {
+    const HostTime now = clock_.now();
+    const HostTime end = host_time(to_ns(t));
+    if (now >= end) return true;
+    clock_.sleep_until(std::min(end, now + kWaitSlice));
+    const std::lock_guard lock(mutex_);
+    if (!running_) return false;
+  }
+}
+
+Result<SimDevice::Plan> SimDevice::plan() {
+  const auto k = static_cast<std::size_t>(std::max(0, next_position_));
+  if (next_position_ >= 0) return Plan{timeline_.map(burst_->t_exposure_ns[k]), next_position_};
+  // A machine that slept does not make the camera deliver the missed frames one by one.
+  const DeviceTime next =
+      std::max(last_start_ + mode_.frame_period, device_now(clock_) - config_.max_lag);
+  if (armed_ && !burst_) {
+    ENAMEL_TRY_ASSIGN(auto polled, feed_->poll());
+    if (polled.state == BurstFeed::State::kEnd) {
+      ended_ = true;
+      armed_ = false;
+      return fail(ErrorCode::kCancelled, "the source has no further burst");
+    }
+    if (polled.burst) {
+      burst_ = std::move(polled.burst);
+      if (pixel_bytes(burst_->width, burst_->height, burst_->bit_depth) !=
+          pixel_bytes(mode_.width, mode_.height, mode_.bit_depth)) {
+        const SimBurst odd = *std::exchange(burst_, std::nullopt);
+        return fail(ErrorCode::kImageInvalid, "burst " + std::to_string(odd.burst_index) + " has another frame size");
+      }
+    }
+  }
+  if (armed_ && burst_) {
+    const DeviceTime sentinel = burst_start(next + mode_.frame_period) - mode_.frame_period;
+    if (sentinel <= next + mode_.frame_period / 2) return Plan{sentinel, SimStep::kSentinel};
+  }
+  return Plan{next, SimStep::kFreeRunning};
+}
+
+/// Start of the loaded burst's first exposure, not before `earliest`.
+DeviceTime SimDevice::burst_start(DeviceTime earliest) {
+  const std::int64_t t0 = burst_->t_exposure_ns[0];
+  if (!timeline_.based() || t0 <= last_source_ns_) timeline_.rebase(t0, earliest);
+  const Nanoseconds late = earliest - timeline_.map(t0);
+  if (late > mode_.frame_period / 8) timeline_.stretch(late);
+  return timeline_.map(t0);
+}
+
+void SimDevice::perform(const Plan& plan) {
+  SimStep step;
+  step.position = plan.position;
+  if (step.position == SimStep::kSentinel && !armed_) step.position = SimStep::kFreeRunning;  // taken back meanwhile
+  expose(plan, step);
+  if (step.position == SimStep::kSentinel) {
+    armed_ = false;
+    next_position_ = 0;
+    step.burst_index = burst_->burst_index;
+    optics_c_ = burst_->temp_c;
+    step.edges.push_back({EdgeKind::kGate, plan.t + mode_.frame_period / 2, burst_->burst_index});
+  } else if (step.position == 3) {
+    last_source_ns_ = burst_->t_exposure_ns[3];
+    burst_.reset();
+    next_position_ = SimStep::kFreeRunning;
+  } else if (step.position >= 0) {
+    ++next_position_;
+  }
+  last_start_ = plan.t;
+  known_until_ = plan.t + exposure_ + config_.stamp_delay;
+  if (faults_.on_step) faults_.on_step(step);
+  for (CameraFrame& frame : step.frames) delivered_.push_back(std::move(frame));
+  edges_.insert(edges_.end(), step.edges.begin(), step.edges.end());
+}
+
+bool SimDevice::lit() const noexcept { return faults_.led_stuck_on || (light_on_ && !faults_.led_open); }
+
+void SimDevice::expose(const Plan& plan, SimStep& step) {
+  CameraFrame frame;
+  frame.sensor_seq = sensor_seq_++;
+  frame.status = startup_left_ > 0 ? FrameStatus::kStartup : FrameStatus::kSuccess;
+  startup_left_ = std::max(0, startup_left_ - 1);
+  frame.t_sensor = plan.t + exposure_ + config_.stamp_delay;
+  frame.exposure_us = mode_.exposure_us;
+  frame.width = mode_.width;
+  frame.height = mode_.height;
+  frame.bit_depth = mode_.bit_depth;
+  step.edges.push_back({EdgeKind::kStrobe, plan.t, strobes_++});
+  bool pattern_shown = false;
+  if (step.position >= 0) {
+    step.burst_index = burst_->burst_index;
+    const bool missed = faults_.trigger_missed && faults_.trigger_missed(burst_->burst_index, step.position);
+    if (!missed) {
+      const int pattern = std::exchange(next_pattern_, (next_pattern_ + 1) % 4);
+      const DeviceTime rise = plan.t + exposure_ * 3 / 100;
+      if (pattern == 0) step.edges.push_back({EdgeKind::kT1, plan.t + exposure_ / 100, 0});
+      step.edges.push_back({EdgeKind::kT2Rise, rise, 0});
+      step.edges.push_back({EdgeKind::kT2Fall, plan.t + exposure_ * 97 / 100, 0});
+      if (lit()) frame.pixels = burst_->frames[static_cast<std::size_t>(pattern)];  // kept: a slipped projector shows one twice
+      pattern_shown = lit();
+    }
+  }
+  if (!pattern_shown) {
+    const bool leak = faults_.led_stuck_on && step.position < 0;
+    frame.pixels = blank_frame(mode_, leak ? kLeakDn : config_.dark_dn);
+  }
+  step.frames.push_back(std::move(frame));
+}
+
+Result<void> SimDevice::arm() {
+  const std::lock_guard lock(mutex_);
+  if (ended_) return fail(ErrorCode::kCancelled, "the source has no further burst");
+  armed_ = true;
+  return {};
+}
+
+void SimDevice::disarm() noexcept {
+  const std::lock_guard lock(mutex_);
+  armed_ = false;
+}
+
+Result<void> SimDevice::restart() {
+  const std::lock_guard lock(mutex_);
+  next_pattern_ = 0;
+  return {};
+}
+
+ProjectorStatus SimDevice::status() const { return {.ready = true, .sequence_abort = false, .watchdog = false}; }
+
+DeviceTime SimDevice::read(std::vector<Edge>& edges) {
+  const std::lock_guard lock(mutex_);
+  edges.insert(edges.end(), edges_.begin(), edges_.end());
+  edges_.clear();
+  return known_until_;
+}
+
+void SimDevice::set_enabled(bool on) noexcept {
+  const std::lock_guard lock(mutex_);
+  light_on_ = on;
+}
+
+bool SimDevice::enabled() const noexcept {
+  const std::lock_guard lock(mutex_);
+  return light_on_;
+}
+
+int SimDevice::sensed_ma() const noexcept {
+  const std::lock_guard lock(mutex_);
+  return lit() ? kLedMa : 0;
+}
+
+Temperatures SimDevice::read() const {
+  const std::lock_guard lock(mutex_);
+  Temperatures t;
+  if (!faults_.thermistor_open) t.tip_cc = config_.tip_cc;
+  t.led_cc = 3800;
+  t.soc_cc = 4500;
+  t.optics_cc = static_cast<std::int16_t>(std::llround(std::clamp(optics_c_, -40.0, 120.0) * 100.0));
+  return t;
+}
+
+}  // namespace enamel::fw

@@ -1,0 +1,127 @@
+// A whole probe in software: free-running camera, gated projector, trigger edges, LED and temperatures in one consistent
+// virtual device. What the sensor sees comes from a BurstSource. SIMULATION ONLY.
+//
+// Between bursts the camera delivers dark frames at its period. When armed, the next burst of the source is played at its
+// recorded distance from the one before: a dark sentinel one period ahead, the gate, then four lit frames with their edges at
+// the source's exact frame distances. When the source or the machine is too slow, everything later moves and stretched() says
+// by how much.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/hal/hardware.hpp"
+#include "firmware/sim/burst_feed.hpp"
+#include "firmware/sim/play_timeline.hpp"
+
+namespace enamel::fw {
+
+struct SimConfig {
+  double speed = 1.0;             ///< 0.5: the whole device in slow motion, exposure and frame period included
+  std::size_t read_ahead = 3;     ///< bursts; 0 = read when needed
+  int startup_frames = 2;         ///< not usable after each start of the camera
+  std::uint8_t dark_dn = 2;       ///< of frames without light, in 8-bit levels
+  Nanoseconds stamp_delay{20'000};  ///< of the sensor stamp behind the end of exposure
+  Nanoseconds max_lag{100'000'000};  ///< scheduling delays up to this are made good, longer ones stretch time
+  std::int16_t tip_cc = 3650;
+};
+
+/// One exposure before it is delivered. Fault injection changes it at will.
+struct SimStep {
+  static constexpr int kFreeRunning = -2;
+  static constexpr int kSentinel = -1;
+  int position = kFreeRunning;  ///< 0…3: lit frame of the burst
+  std::uint64_t burst_index = 0;
+  std::vector<CameraFrame> frames;
+  std::vector<Edge> edges;
+};
+
+struct SimFaults {
+  std::function<void(SimStep&)> on_step;
+  std::function<bool(std::uint64_t burst_index, int position)> trigger_missed;
+  bool led_open = false;      ///< no light whatever is commanded
+  bool led_stuck_on = false;  ///< light in dark frames too
+  bool thermistor_open = false;
+  bool camera_unplugged = false;
+};
+
+class SimDevice final : public Camera, public Projector, public EdgeStream, public Light, public Thermal {
+ public:
+  /// Waits for the source's first burst. Errors: the source's; kEmptyInput; kConfigValue (frame times or sizes not usable,
+  /// speed outside 0.01 … 100).
+  [[nodiscard]] static Result<std::unique_ptr<SimDevice>> create(std::unique_ptr<BurstSource> source, Clock& clock,
+                                                                 const SimConfig& config);
+
+  [[nodiscard]] Hardware hardware() noexcept { return {*this, *this, *this, *this, *this}; }
+  [[nodiscard]] const std::string& rig_text() const noexcept { return feed_->rig_text(); }
+  [[nodiscard]] StretchCount stretched() const;
+  /// Thread-safe; takes effect with the next frame.
+  void set_faults(SimFaults faults);
+
+  // Camera. next_frame(): kCancelled also when armed and the source has no further burst.
+  [[nodiscard]] CameraMode mode() const override { return mode_; }
+  [[nodiscard]] Result<void> start() override;
+  void stop() noexcept override;
+  [[nodiscard]] Result<CameraFrame> next_frame() override;
+  // Projector
+  [[nodiscard]] Result<void> arm() override;
+  void disarm() noexcept override;
+  [[nodiscard]] Result<void> restart() override;
+  [[nodiscard]] ProjectorStatus status() const override;
+  // EdgeStream
+  [[nodiscard]] DeviceTime read(std::vector<Edge>& edges) override;
+  // Light
+  void set_enabled(bool on) noexcept override;
+  [[nodiscard]] bool enabled() const noexcept override;
+  [[nodiscard]] int sensed_ma() const noexcept override;
+  // Thermal
+  [[nodiscard]] Temperatures read() const override;
+
+ private:
+  struct Plan {
+    DeviceTime t{};
+    int position = SimStep::kFreeRunning;
+  };
+
+  SimDevice(std::unique_ptr<BurstFeed> feed, Clock& clock, const SimConfig& config);
+  [[nodiscard]] Result<void> set_mode();
+  [[nodiscard]] Result<Plan> plan();
+  [[nodiscard]] DeviceTime burst_start(DeviceTime earliest);
+  [[nodiscard]] bool wait_until(DeviceTime t);
+  void perform(const Plan& plan);
+  void expose(const Plan& plan, SimStep& step);
+  [[nodiscard]] bool lit() const noexcept;
+
+  std::unique_ptr<BurstFeed> feed_;
+  Clock& clock_;
+  SimConfig config_;
+  CameraMode mode_;
+  Nanoseconds exposure_{};
+
+  mutable std::mutex mutex_;  ///< all below
+  SimFaults faults_;
+  PlayTimeline timeline_;
+  bool running_ = false;
+  bool armed_ = false;
+  bool light_on_ = false;
+  bool ended_ = false;
+  int startup_left_ = 0;
+  int next_position_ = SimStep::kFreeRunning;  ///< 0…3 inside a burst
+  int next_pattern_ = 0;                       ///< of the projector's sequence
+  std::optional<SimBurst> burst_;              ///< loaded, or being played
+  std::int64_t last_source_ns_ = 0;
+  double optics_c_ = 25;
+  DeviceTime last_start_{};
+  DeviceTime known_until_{};
+  std::uint32_t sensor_seq_ = 0;
+  std::uint64_t strobes_ = 0;
+  std::deque<CameraFrame> delivered_;
+  std::vector<Edge> edges_;
+};
+
+}  // namespace enamel::fw
