@@ -8,8 +8,9 @@
 
 namespace enamel::view {
 
-/// Size from `options` (at most 8192 x 8192). Errors: kDisplay when no surfaceless EGL with OpenGL >= 3.3 exists.
-/// May be called from any thread, also while a window is open on another one; not from the window's thread.
+/// Size from `options` (16 to 4096 px a side). Errors: kUsage (size), kDisplay when no surfaceless EGL with OpenGL >= 3.3 exists.
+/// May be called from any thread that has no GL context current (while a window is open use its screenshot()); one call
+/// at a time.
 [[nodiscard]] Result<Picture> draw_offscreen(const PreviewFrame& frame, const ViewerOptions& options);
 
 }  // namespace enamel::view

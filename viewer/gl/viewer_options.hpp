@@ -5,19 +5,9 @@
 #include <string>
 
 #include "viewer/scene/probe_field.hpp"
+#include "viewer/scene/toggles.hpp"
 
 namespace enamel::view {
-
-struct DisplayToggles {
-  bool quality_map = false;  ///< Q
-  bool mono = false;         ///< M: matte grey light instead of tooth colour
-  bool follow = true;        ///< F
-  bool frustum = true;       ///< P
-  bool trail = true;         ///< T
-  bool live_image = true;    ///< I
-  bool help = false;         ///< F1
-  bool overlay = true;       ///< O: panels; the outline and its words always stay
-};
 
 struct ViewerOptions {
   std::string title = "enamel";

@@ -21,8 +21,9 @@
 namespace enamel::view {
 
 struct UserCommands {
-  bool quit = false;         ///< close button, Ctrl-Q or Esc
-  bool toggle_scan = false;  ///< Space or the button: scan/pause
+  bool quit = false;          ///< close button or Ctrl-Q
+  bool toggle_scan = false;   ///< Space or the button: scan/pause
+  bool save_picture = false;  ///< F12: the caller chooses the file and calls screenshot()
 };
 
 struct ViewerStats {
@@ -48,8 +49,9 @@ class ViewerWindow {
   /// Handles events; what the person asked for since the last call.
   [[nodiscard]] UserCommands poll();
 
-  /// Draws and shows `frame`. A null pointer draws the previous one again (empty scene before the first).
-  void render(std::shared_ptr<const PreviewFrame> frame);
+  /// Draws and shows `frame`. A null pointer draws the previous one again (empty scene before the first). Skips the work when
+  /// nothing would change. Errors: kDisplay when the driver refuses a buffer (the window stays usable).
+  Result<void> render(std::shared_ptr<const PreviewFrame> frame);
 
   /// The last frame drawn anew at twice the resolution and scaled down (smooth edges), mesh complete, without the budget.
   [[nodiscard]] Result<Picture> screenshot();

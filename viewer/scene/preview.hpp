@@ -36,7 +36,8 @@ struct PreviewFrame {
   double surface_distance_mm = std::numeric_limits<double>::quiet_NaN();  ///< median depth of this burst, NaN = none seen
   std::shared_ptr<const Map<std::uint8_t>> live;        ///< fringe-free 8-bit texture of this burst, or null
   std::shared_ptr<const ModelSnapshot> model;           ///< or null while nothing is fused
-  std::shared_ptr<const std::vector<Vec3f>> trail;      ///< camera centres so far, model frame; null: the viewer collects them
+  double track_overlap = std::numeric_limits<double>::quiet_NaN();  ///< TrackResult::overlap, 0…1; NaN = unknown
+  std::shared_ptr<const std::vector<Vec3f>> trail;      ///< path so far (trail_point of every placed burst); null: the viewer collects it
   PreviewCounters counters;
   double rate_hz = 0;     ///< fused bursts a second, as measured by the session
   double latency_ms = 0;  ///< last exposure to publication of this frame

@@ -1,0 +1,83 @@
+#include "viewer/scene/status.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace enamel::view {
+namespace {
+
+StatusLine tracking_line(const PreviewFrame& frame) noexcept {
+  if (!frame.placed) {
+    return {kIdle, "READY", "Hold the probe over a tooth"};
+  }
+  switch (frame.track) {
+    case TrackState::kLost: return {kBad, "TRACKING LOST", "Go back to a place already scanned"};
+    case TrackState::kRelocalised: return {kWeak, "FOUND AGAIN", "Stay here for a moment"};
+    case TrackState::kStarted:
+    case TrackState::kTracking: break;
+  }
+  if (frame.track_overlap < kWeakOverlap) {  // false for NaN: unknown is not weak
+    return {kWeak, "TRACKING WEAK", "Move slower, keep the model in view"};
+  }
+  return {kGood, "TRACKING", ""};
+}
+
+}  // namespace
+
+StatusLine status_line(const PreviewFrame& frame) noexcept {
+  switch (frame.state) {
+    case ScanState::kWaitingForProbe: return {kIdle, "WAITING FOR PROBE", "Switch the probe on"};
+    case ScanState::kPaused: return {kAccent, "PAUSED", "Space continues"};
+    case ScanState::kProbeLost: return {kBad, "PROBE LOST", "Reconnect the probe; the model is kept"};
+    case ScanState::kFinished: return {kAccent, "SCAN FINISHED", ""};
+    case ScanState::kScanning: break;
+  }
+  return tracking_line(frame);
+}
+
+DistanceReading distance_reading(double surface_distance_mm, const ProbeField& field) noexcept {
+  const double range_mm = field.far_mm - field.near_mm;
+  const double from_mm = field.near_mm - 0.25 * range_mm;
+  const double span_mm = 1.5 * range_mm;
+  const auto on_bar = [&](double mm) { return std::clamp((mm - from_mm) / span_mm, 0.0, 1.0); };
+  DistanceReading out;
+  out.optimum_from = on_bar(field.optimum_near_mm);
+  out.optimum_to = on_bar(field.optimum_far_mm);
+  out.words = "No surface";
+  out.icon = "-";
+  if (!std::isfinite(surface_distance_mm) || !(range_mm > 0)) {
+    return out;
+  }
+  out.position = on_bar(surface_distance_mm);
+  const auto say = [&out](DistanceZone zone, Colour colour, std::string_view words, std::string_view icon) {
+    out.zone = zone;
+    out.colour = colour;
+    out.words = words;
+    out.icon = icon;
+    return out;
+  };
+  if (surface_distance_mm < field.near_mm) {
+    return say(DistanceZone::kTooNear, kBad, "Too near", "^");
+  }
+  if (surface_distance_mm < field.optimum_near_mm) {
+    return say(DistanceZone::kNear, kWeak, "Move away", "^");
+  }
+  if (surface_distance_mm <= field.optimum_far_mm) {
+    return say(DistanceZone::kOptimum, kGood, "Good distance", "o");
+  }
+  if (surface_distance_mm <= field.far_mm) {
+    return say(DistanceZone::kFar, kAccent, "Move closer", "v");
+  }
+  return say(DistanceZone::kTooFar, kViolet, "Too far", "v");
+}
+
+std::string grouped(std::uint64_t value) {
+  std::string digits = std::to_string(value);
+  for (std::size_t at = digits.size(); at > 3;) {
+    at -= 3;
+    digits.insert(at, 1, ' ');
+  }
+  return digits;
+}
+
+}  // namespace enamel::view

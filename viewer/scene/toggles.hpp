@@ -1,0 +1,17 @@
+// What a person switched on or off.
+#pragma once
+
+namespace enamel::view {
+
+struct DisplayToggles {
+  bool quality_map = false;
+  bool mono = false;  ///< matte grey light instead of tooth colour: shows steps and holes
+  bool follow = true;
+  bool frustum = true;
+  bool trail = true;
+  bool live_image = true;
+  bool panels = true;  ///< the outline and the state's words always stay
+  bool help = false;
+};
+
+}  // namespace enamel::view
