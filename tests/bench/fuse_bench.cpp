@@ -41,20 +41,24 @@ void integrate(benchmark::State& state) {
   algo::TsdfModel model(s.rig);
   std::uint64_t k = 0;
   std::uint64_t voxels = 0;
+  std::uint64_t blocks = 0;
   for (auto _ : state) {
     const std::size_t i = k % s.patches.size();
-    voxels += model.integrate(BurstId{k}, s.patches[i], s.poses[i]).voxels_updated;
+    const algo::FuseStats stats = model.integrate(BurstId{k}, s.patches[i], s.poses[i]);
+    voxels += stats.voxels_updated;
+    blocks += stats.blocks_touched;
     ++k;
   }
   state.counters["blocks"] = static_cast<double>(model.grid().size());
+  state.counters["blocks_per_burst"] = static_cast<double>(blocks) / static_cast<double>(k);
   state.counters["voxels_per_burst"] = static_cast<double>(voxels) / static_cast<double>(k);
 }
 BENCHMARK(integrate)->Unit(benchmark::kMillisecond)->Iterations(60);
 
 void prepare_surfels(benchmark::State& state) {
   const Sweep& s = sweep();
-  algo::SurfelMap surfels;
   const algo::FuseConfig config;
+  algo::SurfelMap surfels(s.rig, config);
   algo::FuseStats stats;
   for (auto _ : state) {
     surfels.build(s.patches[0], config, stats);

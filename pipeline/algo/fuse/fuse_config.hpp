@@ -21,8 +21,8 @@ struct FuseConfig {
 
 /// What one burst did to the model.
 struct FuseStats {
-  std::uint64_t pixels_used = 0;
-  std::uint64_t pixels_steep = 0;  ///< rejected: incidence beyond max_incidence_deg
+  std::uint64_t surfels_used = 0;   ///< sampled pixels (every second one at full size) that were fused
+  std::uint64_t surfels_steep = 0;  ///< rejected: incidence beyond max_incidence_deg
   std::uint64_t voxels_updated = 0;
   std::uint32_t blocks_touched = 0;
   std::uint32_t blocks_new = 0;

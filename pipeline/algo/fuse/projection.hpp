@@ -14,7 +14,7 @@ struct LocalProjection {
   float v0 = 0, vX = 0, vY = 0;
 };
 
-/// Around camera point p (mm), p.z > 0.
-[[nodiscard]] LocalProjection local_projection(const calib::LensValues& lens, const Vec3d& p);
+/// Around camera point p (mm), p.z > 0, in units of `stride` pixels.
+[[nodiscard]] LocalProjection local_projection(const calib::LensValues& lens, const Vec3d& p, int stride = 1);
 
 }  // namespace enamel::algo

@@ -13,7 +13,8 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr int kNewtonSteps = 6;
-constexpr float kConvergedMm = 5e-5F;
+constexpr float kConvergedMm = 1e-3F;  ///< one more step from here is exact to nanometres
+constexpr float kSameSurfaceMm = 0.3F;
 
 /// Points o + s d in voxels, s = camera depth in mm.
 struct Ray {
@@ -38,10 +39,10 @@ class Caster {
       if (!(slope < -0.1)) {
         return false;  // seen from behind, or too flat a field to trust
       }
+      s -= static_cast<double>(d) / slope;
       if (std::fabs(d) < kConvergedMm) {
         return true;
       }
-      s -= static_cast<double>(d) / slope;
       if (std::fabs(s - start) > 2.0 * band_mm_) {
         return false;
       }
@@ -70,19 +71,37 @@ class Caster {
     return false;
   }
 
-  Vec3f normal(const Ray& ray, double s, const Vec3f& coarse) {
-    Vec3f smooth = coarse;
-    if (!sampler_.smooth_gradient(ray.origin + s * ray.direction, smooth)) {
-      smooth = coarse;
-    }
-    const float length = std::sqrt((smooth.x() * smooth.x() + smooth.y() * smooth.y()) + smooth.z() * smooth.z());
-    return smooth / length;
-  }
-
  private:
   Sampler sampler_;
   double voxel_mm_, band_mm_;
 };
+
+/// Unit normals from the gradients of the 3 x 3 neighbours on the same surface: the gradient of a trilinear interpolant
+/// jumps between voxels, the mean over about one voxel does not.
+Map<Vec3f> smooth_normals(const Map<Vec3f>& points, const Map<Vec3f>& gradients) {
+  const int w = points.width();
+  const int h = points.height();
+  Map<Vec3f> normals(w, h, Vec3f::Constant(kNan));
+  for (int j = 0; j < h; ++j) {
+    for (int i = 0; i < w; ++i) {
+      const Vec3f& p = points(i, j);
+      if (std::isnan(p.x())) {
+        continue;
+      }
+      Vec3f sum = Vec3f::Zero();
+      for (int y = std::max(0, j - 1); y <= std::min(h - 1, j + 1); ++y) {
+        for (int x = std::max(0, i - 1); x <= std::min(w - 1, i + 1); ++x) {
+          const Vec3f e = points(x, y) - p;
+          if ((e.x() * e.x() + e.y() * e.y()) + e.z() * e.z() < kSameSurfaceMm * kSameSurfaceMm) {  // false for NaN
+            sum += gradients(x, y);
+          }
+        }
+      }
+      normals(i, j) = sum / std::sqrt((sum.x() * sum.x() + sum.y() * sum.y()) + sum.z() * sum.z());
+    }
+  }
+  return normals;
+}
 
 }  // namespace
 
@@ -99,7 +118,7 @@ ModelView TsdfModel::view(const Pose& T_model_cam, const SurfacePatch& hint) con
   const int width = (camera_.width + view.stride - 1) / view.stride;
   const int height = (camera_.height + view.stride - 1) / view.stride;
   view.points = Map<Vec3f>(width, height, Vec3f::Constant(kNan));
-  view.normals = Map<Vec3f>(width, height, Vec3f::Constant(kNan));
+  Map<Vec3f> gradients(width, height, Vec3f::Zero());
   const CoarseDepth coarse(hint.depth_mm);
   Caster caster(grid_, config_);
   Ray ray;
@@ -125,9 +144,10 @@ ModelView TsdfModel::view(const Pose& T_model_cam, const SurfacePatch& hint) con
         continue;
       }
       view.points(i, j) = (T_model_cam.translation() + s * in_model).cast<float>();
-      view.normals(i, j) = caster.normal(ray, s, gradient);
+      gradients(i, j) = gradient;
     }
   }
+  view.normals = smooth_normals(view.points, gradients);
   return view;
 }
 

@@ -14,23 +14,25 @@ inline std::size_t voxel_index(int x, int y, int z) noexcept { return static_cas
 }  // namespace
 
 bool Sampler::locate(const Vec3d& at, Cell& cell) {
-  if (!(at.cwiseAbs().maxCoeff() < kBias - kBlockEdge)) {
+  constexpr double kLimit = kBias - kBlockEdge;
+  if (!(std::fabs(at.x()) < kLimit && std::fabs(at.y()) < kLimit && std::fabs(at.z()) < kLimit)) {
     return false;
   }
-  BlockIndex index{};
-  for (int k = 0; k < 3; ++k) {
-    // Truncation of a positive number is its floor, without a library call.
-    const auto lower = static_cast<std::int32_t>(at[k] + kBias) - static_cast<std::int32_t>(kBias);
-    const auto axis = static_cast<std::size_t>(k);
-    index[axis] = lower >> 3;
-    cell.local[axis] = lower & 7;
-    cell.part[axis] = static_cast<float>(at[k] - lower);
+  std::array<std::uint32_t, 3> biased{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double shifted = at[static_cast<int>(k)] + kBias;
+    const auto lower = static_cast<std::int32_t>(shifted);  // truncation of a positive number is its floor
+    biased[k] = static_cast<std::uint32_t>(lower) >> 3U;
+    cell.local[k] = lower & 7;
+    cell.part[k] = static_cast<float>(shifted - lower);
   }
-  if (block_ != nullptr && block_->index == index) {
-    return true;
+  const std::uint64_t key = biased[0] | (std::uint64_t{biased[1]} << 21U) | (std::uint64_t{biased[2]} << 42U);
+  if (key != key_) {
+    key_ = key;
+    const auto index = [](std::uint32_t b) { return static_cast<std::int32_t>(b) - kBlockRange; };
+    const std::int32_t id = grid_.find({index(biased[0]), index(biased[1]), index(biased[2])});
+    block_ = id == kNoBlock ? nullptr : &grid_.block(id);
   }
-  const std::int32_t id = grid_.find(index);
-  block_ = id == kNoBlock ? nullptr : &grid_.block(id);
   return block_ != nullptr;
 }
 
@@ -87,35 +89,6 @@ bool Sampler::sample(const Vec3d& at, float& distance_mm, Vec3f& gradient) {
   gradient.x() = mix(mix(f[1] - f[0], f[3] - f[2], ty), mix(f[5] - f[4], f[7] - f[6], ty), tz);
   gradient.y() = mix(x10 - x00, x11 - x01, tz);
   gradient.z() = y1 - y0;
-  return true;
-}
-
-bool Sampler::smooth_gradient(const Vec3d& at, Vec3f& gradient) {
-  Cell cell;
-  if (!locate(at, cell)) {
-    return false;
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t side1 = (axis + 1) % 3;
-    const std::size_t side2 = (axis + 2) % 3;
-    std::array<float, 4> slope{};
-    for (std::size_t c = 0; c < 4; ++c) {
-      std::array<int, 3> at_voxel = cell.local;
-      at_voxel[side1] += static_cast<int>(c & 1U);
-      at_voxel[side2] += static_cast<int>(c >> 1U);
-      std::array<float, 4> f{};
-      for (std::size_t k = 0; k < 4; ++k) {
-        std::array<int, 3> q = at_voxel;
-        q[axis] += static_cast<int>(k) - 1;
-        if (!voxel(q[0], q[1], q[2], f[k])) {
-          return false;
-        }
-      }
-      slope[c] = 0.5F * mix(f[2] - f[0], f[3] - f[1], cell.part[axis]);
-    }
-    gradient[static_cast<int>(axis)] =
-        mix(mix(slope[0], slope[1], cell.part[side1]), mix(slope[2], slope[3], cell.part[side1]), cell.part[side2]);
-  }
   return true;
 }
 

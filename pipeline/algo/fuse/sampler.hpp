@@ -16,10 +16,6 @@ class Sampler {
   /// is unobserved.
   bool sample(const Vec3d& at, float& distance_mm, Vec3f& gradient);
 
-  /// Gradient by central differences over two voxels, interpolated trilinearly: continuous, second order. False where
-  /// one of its 32 voxels is unobserved.
-  bool smooth_gradient(const Vec3d& at, Vec3f& gradient);
-
  private:
   struct Cell {
     std::array<int, 3> local{};   ///< lower corner within the block, 0 … 7
@@ -32,6 +28,7 @@ class Sampler {
 
   const BlockGrid& grid_;
   const Block* block_ = nullptr;
+  std::uint64_t key_ = ~std::uint64_t{0};  ///< of the block last looked up
 };
 
 }  // namespace enamel::algo

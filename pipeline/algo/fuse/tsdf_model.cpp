@@ -17,7 +17,8 @@ bool usable(const SurfacePatch& patch, const calib::LensValues& camera) {
          fits(patch.normals);
 }
 
-BlockInCamera place(const Block& block, double voxel_mm, const Pose& T_cam_model, const calib::LensValues& camera) {
+BlockInCamera place(const Block& block, double voxel_mm, const Pose& T_cam_model, const calib::LensValues& camera,
+                    int stride) {
   const Vec3d first = Vec3d(block.index[0], block.index[1], block.index[2]) * (kBlockEdge * voxel_mm);
   const Vec3d middle = first + Vec3d::Constant(0.5 * (kBlockEdge - 1) * voxel_mm);
   const Eigen::Matrix3d step = T_cam_model.linear() * voxel_mm;
@@ -26,23 +27,25 @@ BlockInCamera place(const Block& block, double voxel_mm, const Pose& T_cam_model
   at.step_x = step.col(0).cast<float>();
   at.step_y = step.col(1).cast<float>();
   at.step_z = step.col(2).cast<float>();
-  at.projection = local_projection(camera, T_cam_model * middle);
+  at.projection = local_projection(camera, T_cam_model * middle, stride);
   return at;
 }
 
 }  // namespace
 
-TsdfModel::TsdfModel(const calib::Rig& rig, const FuseConfig& config) : config_(config), camera_(rig.camera) {}
+TsdfModel::TsdfModel(const calib::Rig& rig, const FuseConfig& config)
+    : config_(config), camera_(rig.camera), surfels_(rig, config) {}
 
 void TsdfModel::touch(const Vec3f& p_model, FuseStats& stats) {
   const auto per_block = static_cast<float>(1.0 / (config_.voxel_mm * kBlockEdge));
   BlockIndex index{};
   for (int k = 0; k < 3; ++k) {
-    const float at = std::floor(p_model[k] * per_block);
-    if (!(std::fabs(at) < static_cast<float>(kBlockRange - 1))) {
-      return;  // beyond what the index can name: kilometres from the origin
+    const float at = p_model[k] * per_block;
+    if (!(std::fabs(at) < static_cast<float>(kBlockRange - 2))) {
+      return;  // beyond what the index can name: hundreds of metres from the origin
     }
-    index[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(at);
+    const auto whole = static_cast<std::int32_t>(at);
+    index[static_cast<std::size_t>(k)] = whole - static_cast<std::int32_t>(at < static_cast<float>(whole));  // floor
   }
   if (last_id_ != kNoBlock && index == last_index_) {
     return;
@@ -67,13 +70,15 @@ void TsdfModel::allocate_band(const SurfacePatch& patch, const Pose& T_model_cam
   const auto reach = static_cast<float>(config_.voxel_mm * config_.truncation_voxels);
   touched_.clear();
   last_id_ = kNoBlock;
-  for (int v = 0; v < surfels_.height(); v += kBandStride) {
-    for (int u = 0; u < surfels_.width(); u += kBandStride) {
-      if (!(surfels_(u, v).weight > 0.0F)) {
+  const int step = kBandStride / surfels_.stride();
+  for (int j = 0; j < surfels_.height(); j += step) {
+    for (int i = 0; i < surfels_.width(); i += step) {
+      if (!(surfels_(i, j).weight > 0.0F)) {
         continue;
       }
-      const Vec3f p = R * patch.points(u, v) + t;
-      const Vec3f along = R * patch.normals(u, v) * reach;
+      const std::size_t pixel = patch.points.index(i * surfels_.stride(), j * surfels_.stride());
+      const Vec3f p = R * patch.points[pixel] + t;
+      const Vec3f along = R * patch.normals[pixel] * reach;
       for (const float s : {-1.0F, 0.0F, 1.0F}) {
         touch(p + along * s, stats);
       }
@@ -88,7 +93,7 @@ FuseStats TsdfModel::integrate(BurstId burst, const SurfacePatch& patch, const P
     return stats;
   }
   surfels_.build(patch, config_, stats);
-  if (stats.pixels_used == 0) {
+  if (stats.surfels_used == 0) {
     return stats;
   }
   ++integrations_;
@@ -97,7 +102,7 @@ FuseStats TsdfModel::integrate(BurstId burst, const SurfacePatch& patch, const P
   const Pose T_cam_model = T_model_cam.inverse();
   for (const std::int32_t id : touched_) {
     Block& block = grid_.block(id);
-    const BlockInCamera at = place(block, config_.voxel_mm, T_cam_model, camera_);
+    const BlockInCamera at = place(block, config_.voxel_mm, T_cam_model, camera_, surfels_.stride());
     stats.voxels_updated += integrate_block(surfels_, at, config_, block);
     if (!block.pending && (block.grown || block.moved_mm > 0.0F)) {
       block.pending = true;
@@ -125,14 +130,15 @@ void TsdfModel::carve(const SurfacePatch& patch, const Pose& T_cam_model, FuseSt
     if (p.z() < 1.0) {
       continue;
     }
-    const LocalProjection local = local_projection(camera_, p);
+    const LocalProjection local = local_projection(camera_, p, surfels_.stride());
     const double u = local.u0 + (local.uX * p.x() + local.uY * p.y()) / p.z();
     const double v = local.v0 + (local.vX * p.x() + local.vY * p.y()) / p.z();
-    if (!(u >= 0.0 && v >= 0.0 && u < camera_.width - 1.0 && v < camera_.height - 1.0)) {
+    if (!(u >= 0.0 && v >= 0.0 && u < surfels_.width() - 1.0 && v < surfels_.height() - 1.0)) {
       continue;
     }
-    const std::size_t pixel = patch.depth_mm.index(static_cast<int>(u + 0.5), static_cast<int>(v + 0.5));
-    if (surfels_[pixel].weight > 0.0F && patch.depth_mm[pixel] > p.z() + margin) {
+    const int i = static_cast<int>(u + 0.5);
+    const int j = static_cast<int>(v + 0.5);
+    if (surfels_(i, j).weight > 0.0F && patch.depth_mm(i * surfels_.stride(), j * surfels_.stride()) > p.z() + margin) {
       block.distance_mm.fill(0.0F);
       block.weight.fill(0.0F);
       block.observations.fill(0);

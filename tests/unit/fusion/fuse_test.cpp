@@ -59,11 +59,11 @@ TEST(Fuse, AfterOneNoiseFreeBurstTheViewIsTheSphereWithinAMicrometre) {
   const SurfacePatch patch = render(rig, synthetic::sphere(Vec3d::Zero(), 5.0), pose);
   const FuseStats stats = model.integrate(BurstId{7}, patch, pose);
   EXPECT_GT(stats.voxels_updated, 40000U);
-  EXPECT_GT(stats.pixels_steep, 1000U);
+  EXPECT_GT(stats.surfels_steep, 1000U);
   const ModelView view = model.view(pose, patch);
   EXPECT_EQ(view.after_burst, 7U);
   const Deviation d = to_sphere(view, 5.0);
-  EXPECT_GT(d.count, stats.pixels_used / 4 * 95 / 100);
+  EXPECT_GT(d.count, stats.surfels_used * 95 / 100);
   EXPECT_LT(std::abs(d.mean_um), 1.0);
   EXPECT_LT(d.rms_um, 1.0);
   EXPECT_LT(d.normal_rad, 0.01);
@@ -122,7 +122,7 @@ TEST(Fuse, ASurfaceBeyondTheGrazingLimitIsNotFused) {
   const auto patch = render(rig, synthetic::plane({std::sin(tilt), 0, -std::cos(tilt)}, 0.0), pose);
   const FuseStats stats = model.integrate(BurstId{0}, patch, pose);
   EXPECT_EQ(stats.voxels_updated, 0U);
-  EXPECT_GT(stats.pixels_steep, 1000U);
+  EXPECT_GT(stats.surfels_steep, 1000U);
   EXPECT_TRUE(model.empty());
 }
 
