@@ -78,13 +78,8 @@ class ByteWriter {
   void put(T value) {
     put_bytes(std::as_bytes(std::span<const T>(&value, 1)));
   }
-  // Not insert(): g++ 12 sees an overflow in its inlined growth that is not there.
-  void put_bytes(std::span<const std::byte> b) {
-    if (b.empty()) return;
-    const std::size_t at = out_.size();
-    out_.resize(at + b.size());
-    std::memcpy(out_.data() + at, b.data(), b.size());
-  }
+  // Not inlined: g++ 12 sees overflows in the vector's inlined growth that are not there.
+  [[gnu::noinline]] void put_bytes(std::span<const std::byte> b) { out_.insert(out_.end(), b.begin(), b.end()); }
   void put_text(std::string_view text) { put_bytes(std::as_bytes(std::span(text.data(), text.size()))); }
   void align(std::size_t alignment, std::size_t origin = 0) {
     while ((out_.size() - origin) % alignment != 0) out_.push_back(std::byte{0});
