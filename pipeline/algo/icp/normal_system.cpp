@@ -28,7 +28,6 @@ Vector6 motion_between(const Pose& from, const Pose& to, const Vec3d& centre, do
 Solution solve(const NormalSystem& system, const Vector6& x_prior, const PriorConfig& config) {
   Solution out;
   Matrix6 H = system.H / system.weight;
-  H = Matrix6(H.selfadjointView<Eigen::Lower>());
   Vector6 rhs = -system.g / system.weight;
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(H);
   out.eigenvalues = eigen.eigenvalues();

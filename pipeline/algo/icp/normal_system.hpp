@@ -17,19 +17,16 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /// The x with apply_motion(x, centre, rho, from) == to.
 [[nodiscard]] Vector6 motion_between(const Pose& from, const Pose& to, const Vec3d& centre, double rho_mm);
 
-/// Sums over points in a fixed order, in double: H = sum w J J^T, g = sum w J e, J = ((p - c) x n / rho, n).
+/// Sums over points in a fixed order: H = sum w J J^T, g = sum w J e, J = ((p - c) x n / rho, n).
 struct NormalSystem {
-  Matrix6 H = Matrix6::Zero();  ///< lower triangle is filled by add(); solve() mirrors it
+  Matrix6 H = Matrix6::Zero();  ///< symmetric
   Vector6 g = Vector6::Zero();
   double weight = 0;
 
-  void add(const Eigen::Matrix<float, 6, 1>& J, float e, float w) noexcept {
-    for (int i = 0; i < 6; ++i) {
-      const double wj = static_cast<double>(w * J[i]);
-      for (int k = 0; k <= i; ++k) H(i, k) += wj * static_cast<double>(J[k]);
-      g[i] += wj * static_cast<double>(e);
-    }
-    weight += static_cast<double>(w);
+  void add(const Vector6& J, double e, double w) {
+    H += w * J * J.transpose();
+    g += w * e * J;
+    weight += w;
   }
 };
 

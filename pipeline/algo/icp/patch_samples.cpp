@@ -15,6 +15,20 @@ bool far_from_edges(const Map<float>& depth, int u, int v, int reach, float jump
          std::abs(depth(u, v - reach) - z) < jump && std::abs(depth(u, v + reach) - z) < jump;
 }
 
+void append(SampleSet& out, const Vec3f& p, const Vec3f& n, float weight) {
+  out.x.push_back(p.x());
+  out.y.push_back(p.y());
+  out.z.push_back(p.z());
+  out.nx.push_back(n.x());
+  out.ny.push_back(n.y());
+  out.nz.push_back(n.z());
+  out.weights.push_back(weight);
+}
+
+void reserve(SampleSet& out, std::size_t n) {
+  for (auto* field : {&out.x, &out.y, &out.z, &out.nx, &out.ny, &out.nz, &out.weights}) field->reserve(n);
+}
+
 class SigmaHistogram {
  public:
   void add(float sigma_mm) {
@@ -45,6 +59,7 @@ SampleSet sample_patch(const SurfacePatch& patch, int stride, const SampleConfig
   const auto min_cos = static_cast<float>(std::cos(config.max_incidence_deg * std::numbers::pi / 180));
   const auto floor2 = static_cast<float>(config.sigma_floor_mm * config.sigma_floor_mm);
   const int offset = std::max(stride / 2, reach);
+  reserve(out, patch.depth_mm.size() / static_cast<std::size_t>(stride * stride));
   SigmaHistogram sigmas;
   Vec3d sum = Vec3d::Zero();
   for (int v = offset; v < patch.depth_mm.height() - reach; v += stride) {
@@ -56,9 +71,7 @@ SampleSet sample_patch(const SurfacePatch& patch, int stride, const SampleConfig
       const float cosine = -n.dot(p) / p.norm();
       const float weight = cosine / (sigma * sigma + floor2);
       if (!(cosine > min_cos) || !std::isfinite(weight) || !(sigma >= 0)) continue;
-      out.points.push_back(p);
-      out.normals.push_back(n);
-      out.weights.push_back(weight);
+      append(out, p, n, weight);
       sigmas.add(sigma);
       sum += p.cast<double>();
     }

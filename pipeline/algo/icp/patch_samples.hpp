@@ -17,12 +17,12 @@ struct SampleConfig {
 
 /// One resolution level. Camera frame, mm. weight = cos(incidence)/(sigma_z^2 + floor^2), mm^-2, > 0.
 struct SampleSet {
-  std::vector<Vec3f> points;
-  std::vector<Vec3f> normals;
+  std::vector<float> x, y, z;     ///< one array a coordinate: the inner loop of ICP is worked four samples at a time
+  std::vector<float> nx, ny, nz;  ///< unit normal
   std::vector<float> weights;
-  Vec3d centroid = Vec3d::Zero();  ///< unweighted mean of points
+  Vec3d centroid = Vec3d::Zero();  ///< unweighted mean of the points
   double median_sigma_mm = 0;      ///< of sigma_z, by histogram (1 µm bins up to 0.25 mm)
-  [[nodiscard]] std::size_t size() const noexcept { return points.size(); }
+  [[nodiscard]] std::size_t size() const noexcept { return weights.size(); }
 };
 
 /// Samples every stride-th pixel in both directions, row by row. stride >= 1. Pure.

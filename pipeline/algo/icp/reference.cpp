@@ -13,37 +13,38 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 bool close(const Vec3f& a, const Vec3f& b, float jump2) { return (a - b).squaredNorm() < jump2; }
 
-/// One direction of a box sum with zeros beyond the border.
-void box_sum(const Map<Vec3f>& in, int radius, bool along_u, Map<Vec3f>& out) {
-  const int limit = along_u ? in.width() : in.height();
+/// Sum of unit normals and, last, their number.
+using Sum = Eigen::Vector4f;
+
+/// Box sums down the columns, zeros beyond the border. Whole rows at a time: contiguous.
+void column_sums(const Map<Sum>& in, int radius, Map<Sum>& out) {
+  for (int v = 0; v < in.height(); ++v) {
+    for (int k = std::max(0, v - radius); k <= std::min(in.height() - 1, v + radius); ++k) {
+      for (int u = 0; u < in.width(); ++u) out(u, v) += in(u, k);
+    }
+  }
+}
+
+void row_sums(const Map<Sum>& in, int radius, Map<Sum>& out) {
   for (int v = 0; v < in.height(); ++v) {
     for (int u = 0; u < in.width(); ++u) {
-      const int centre = along_u ? u : v;
-      Vec3f sum = Vec3f::Zero();
-      for (int k = std::max(0, centre - radius); k <= std::min(limit - 1, centre + radius); ++k) {
-        sum += along_u ? in(k, v) : in(u, k);
-      }
+      Sum sum = Sum::Zero();
+      for (int k = std::max(0, u - radius); k <= std::min(in.width() - 1, u + radius); ++k) sum += in(k, v);
       out(u, v) = sum;
     }
   }
 }
 
-/// Sum of unit normals over the window and their number (x of the second map).
-void window_sums(const Map<Vec3f>& normals, int radius, Map<Vec3f>& sums, Map<Vec3f>& counts) {
-  Map<Vec3f> known(normals.width(), normals.height(), Vec3f::Zero());
-  Map<Vec3f> ones(normals.width(), normals.height(), Vec3f::Zero());
+Map<Sum> window_sums(const Map<Vec3f>& normals, int radius) {
+  Map<Sum> known(normals.width(), normals.height(), Sum::Zero());
+  Map<Sum> rows(normals.width(), normals.height(), Sum::Zero());
   for (std::size_t i = 0; i < normals.size(); ++i) {
-    if (!std::isfinite(normals[i].x())) continue;
-    known[i] = normals[i];
-    ones[i].x() = 1;
+    if (std::isfinite(normals[i].x())) known[i] << normals[i], 1.0F;
   }
-  Map<Vec3f> rows(normals.width(), normals.height(), Vec3f::Zero());
-  sums = rows;
-  counts = rows;
-  box_sum(known, radius, true, rows);
-  box_sum(rows, radius, false, sums);
-  box_sum(ones, radius, true, rows);
-  box_sum(rows, radius, false, counts);
+  row_sums(known, radius, rows);
+  std::fill(known.pixels().begin(), known.pixels().end(), Sum::Zero());
+  column_sums(rows, radius, known);
+  return known;
 }
 
 }  // namespace
@@ -62,11 +63,8 @@ Reference::Reference(const ModelView& view, const ReferenceConfig& config) : T_m
       normals(u, v) = view.normals(u * step, v * step);
     }
   }
-  Map<Vec3f> sums;
-  Map<Vec3f> counts;
-  window_sums(normals, config.normal_radius, sums, counts);
-  points_ = Map<Vec3f>(width, height, Vec3f::Constant(kNan));
-  normals_ = points_;
+  const Map<Sum> sums = window_sums(normals, config.normal_radius);
+  pixels_ = Map<Pixel>(width, height, Pixel{Vec3f::Constant(kNan), 0, Vec3f::Constant(kNan), 0});
   const auto jump2 = static_cast<float>(config.edge_jump_mm * config.edge_jump_mm);
   const auto coherence = static_cast<float>(config.min_coherence);
   for (int v = 1; v + 1 < height; ++v) {
@@ -74,10 +72,11 @@ Reference::Reference(const ModelView& view, const ReferenceConfig& config) : T_m
       const Vec3f& p = points(u, v);
       const bool inside = close(points(u - 1, v), p, jump2) && close(points(u + 1, v), p, jump2) &&
                           close(points(u, v - 1), p, jump2) && close(points(u, v + 1), p, jump2);
-      const float length = sums(u, v).norm();
-      if (!inside || !std::isfinite(normals(u, v).x()) || !(length > coherence * counts(u, v).x())) continue;
-      points_(u, v) = p;
-      normals_(u, v) = sums(u, v) / length;
+      const Vec3f sum = sums(u, v).head<3>();
+      const float length = sum.norm();
+      if (!inside || !std::isfinite(normals(u, v).x()) || !(length > coherence * sums(u, v).w())) continue;
+      pixels_(u, v).point = p;
+      pixels_(u, v).normal = sum / length;
       ++usable_px_;
     }
   }

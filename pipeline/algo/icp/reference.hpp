@@ -27,17 +27,22 @@ class Reference {
   [[nodiscard]] bool empty() const noexcept { return usable_px_ == 0; }
   [[nodiscard]] std::size_t usable_px() const noexcept { return usable_px_; }
   [[nodiscard]] const Pose& T_model_cam() const noexcept { return T_model_cam_; }
-  [[nodiscard]] int width() const noexcept { return points_.width(); }
-  [[nodiscard]] int height() const noexcept { return points_.height(); }
+  [[nodiscard]] int width() const noexcept { return pixels_.width(); }
+  [[nodiscard]] int height() const noexcept { return pixels_.height(); }
   [[nodiscard]] float pixels_per_camera_pixel() const noexcept { return scale_; }  ///< 1 / camera pixels a kept pixel
-  /// NaN where it may not be matched.
-  [[nodiscard]] const Vec3f& point(std::size_t i) const noexcept { return points_[i]; }
-  [[nodiscard]] const Vec3f& normal(std::size_t i) const noexcept { return normals_[i]; }
+
+  /// Model frame. x of the point is NaN where nothing may be matched. Padded: one cache line serves two.
+  struct alignas(32) Pixel {
+    Vec3f point;
+    float unused0;
+    Vec3f normal;
+    float unused1;
+  };
+  [[nodiscard]] const Pixel& pixel(std::size_t i) const noexcept { return pixels_[i]; }
 
  private:
   Pose T_model_cam_ = Pose::Identity();
-  Map<Vec3f> points_;
-  Map<Vec3f> normals_;
+  Map<Pixel> pixels_;
   float scale_ = 1;
   std::size_t usable_px_ = 0;
 };

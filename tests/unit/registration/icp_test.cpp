@@ -52,9 +52,7 @@ TEST(NormalSystem, PriorTakesOnlyTheDirectionThatPointsLeaveFree) {
   NormalSystem system;
   for (int i = 0; i < 6; ++i) {
     if (i == 3) continue;
-    Eigen::Matrix<float, 6, 1> J = Eigen::Matrix<float, 6, 1>::Zero();
-    J[i] = 1;
-    system.add(J, -0.25F, 1.0F);
+    system.add(Vector6::Unit(i), -0.25, 1.0);
   }
   Vector6 prior = Vector6::Constant(9.0);
   prior[3] = 0.125;
