@@ -89,7 +89,8 @@ struct CaptureInfo {
 
 struct Record {
   std::int64_t log_ns = 0;
-  std::variant<proto::Burst, proto::ShedNote, proto::Status, proto::Event, proto::DeviceInfo> value;
+  std::variant<proto::Burst, proto::ShedNote, proto::Status, proto::Event, proto::DeviceInfo> value{};
+  friend bool operator==(const Record&, const Record&) = default;
 };
 
 /// Reads one recording. One thread. Every length is checked and every chunk's CRC verified before it is used.

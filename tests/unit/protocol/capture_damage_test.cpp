@@ -1,0 +1,180 @@
+// What happens to recordings: killed writers, full disks, flipped bits, cuts.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+
+#include "protocol/mcap/reader.hpp"
+#include "tests/unit/protocol/sample_capture.hpp"
+#include "tests/unit/protocol/temp_folder.hpp"
+
+namespace enamel::capture {
+namespace {
+
+using test::collect;
+using test::TempFolder;
+
+class Damage : public ::testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override {
+    auto out = CaptureWriter::create(path_, test::sample_header(), {.compress = GetParam()});
+    records_ = test::write_sample(*out, 5);
+    ASSERT_TRUE(out->attach("truth/x", "text/plain", proto::Bytes(50, 7)));
+    ASSERT_TRUE(out->finish());
+    bytes_ = test::slurp(path_);
+  }
+  TempFolder folder_;
+  std::string path_ = folder_ / "c.mcap";
+  std::vector<Record> records_;
+  std::vector<std::uint8_t> bytes_;
+};
+INSTANTIATE_TEST_SUITE_P(Compression, Damage, ::testing::Bool());
+
+TEST_P(Damage, ATruncatedFileOpensUpToItsLastWholeChunk) {
+  std::size_t seen = records_.size();
+  bool opened_some = false;
+  for (std::size_t n = bytes_.size() - 1; n > 0; n -= std::min<std::size_t>(n, 37)) {
+    ASSERT_EQ(truncate(path_.c_str(), static_cast<off_t>(n)), 0);
+    auto in = CaptureReader::open(path_);
+    if (!in) {
+      ASSERT_EQ(in.error().code, ErrorCode::kCaptureInvalid) << n << in.error().message();
+      continue;
+    }
+    opened_some = true;
+    EXPECT_TRUE(in->info().truncated);
+    const auto all = collect(*in);
+    EXPECT_TRUE(all.errors.empty()) << n;
+    ASSERT_LE(all.records.size(), seen) << "a shorter file may not hold more";
+    EXPECT_TRUE(std::equal(all.records.begin(), all.records.end(), records_.begin())) << n;
+    EXPECT_EQ(in->rig_text(), test::kRigText);
+    const CaptureInfo& info = in->info();
+    EXPECT_EQ(info.bursts + info.shed + info.statuses + info.events + info.device_infos, all.records.size());
+    seen = all.records.size();
+  }
+  EXPECT_TRUE(opened_some);
+  EXPECT_LT(seen, 5U);
+}
+
+// Every flipped bit is noticed by at least one check, and never gives a record that was not written.
+TEST_P(Damage, AFlippedBitIsFoundWhereverItIs) {
+  test::Random random(3);
+  int corrupt = 0;
+  for (std::size_t at = 0; at < bytes_.size(); at += 1 + random.below(40)) {
+    auto damaged = bytes_;
+    damaged[at] ^= static_cast<std::uint8_t>(1U << random.below(8));
+    test::spill(path_, damaged);
+    auto in = CaptureReader::open(path_);
+    bool found = !in;
+    if (in) {
+      const auto all = collect(*in);
+      for (const Record& r : all.records) {
+        ASSERT_NE(std::find(records_.begin(), records_.end(), r), records_.end()) << "byte " << at;
+      }
+      for (const Error& e : all.errors) EXPECT_EQ(e.code, ErrorCode::kCaptureCorrupt);
+      corrupt += all.errors.empty() ? 0 : 1;
+      const auto mcap = mcap::Reader::open(path_);
+      found = !all.errors.empty() || in->info().truncated || !in->attachment("truth/x") || !mcap->verify_data_section();
+    }
+    EXPECT_TRUE(found) << "byte " << at << " of " << bytes_.size();
+  }
+  EXPECT_GT(corrupt, 20);
+}
+
+TEST_P(Damage, ADamagedChunkIsNamedAndTheOthersAreRead) {
+  const auto mcap = mcap::Reader::open(path_);
+  ASSERT_EQ(mcap->chunks().size(), 6U);
+  const auto& chunk = mcap->chunks()[2];
+  bytes_[chunk.offset + chunk.length - 5] ^= 4U;
+  test::spill(path_, bytes_);
+  auto in = CaptureReader::open(path_);
+  ASSERT_TRUE(in);
+  const auto all = collect(*in);
+  ASSERT_EQ(all.errors.size(), 1U);
+  EXPECT_EQ(all.errors[0].code, ErrorCode::kCaptureCorrupt);
+  EXPECT_NE(all.errors[0].detail.find("chunk 2"), std::string::npos) << all.errors[0].detail;
+  EXPECT_EQ(all.records.size(), records_.size() - 4);
+  EXPECT_TRUE(in->burst_with_id({12}).has_value());
+  EXPECT_EQ(in->burst_with_id({14}).error().code, ErrorCode::kCaptureCorrupt);
+}
+
+// Random rubbish between the right magics, and rubbish with a right first part: an answer, never a crash.
+TEST_P(Damage, RubbishIsAnError) {
+  test::Random random(8);
+  for (int i = 0; i < 400; ++i) {
+    auto damaged = bytes_;
+    const std::size_t begin = 8 + random.below(damaged.size() - 16);
+    const std::size_t end = std::min(damaged.size() - 8, begin + 1 + random.below(60));
+    for (std::size_t k = begin; k < end; ++k) damaged[k] = random.number<std::uint8_t>();
+    if (i % 3 == 0) damaged.resize(damaged.size() - 1 - random.below(200));
+    test::spill(path_, damaged);
+    auto in = CaptureReader::open(path_);
+    if (!in) continue;
+    for (const Record& r : collect(*in).records) {
+      EXPECT_NE(std::find(records_.begin(), records_.end(), r), records_.end());
+    }
+  }
+}
+
+TEST_P(Damage, AKilledWriterLosesAtMostTheBurstInHand) {
+  const pid_t child = fork();
+  if (child == 0) {
+    auto out = CaptureWriter::create(path_, test::sample_header(), {.compress = GetParam()});
+    for (std::uint64_t i = 0; i < 7; ++i) static_cast<void>(out->write_burst(test::camera_burst(i, 16, 12), 1));
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  auto in = CaptureReader::open(path_);
+  ASSERT_TRUE(in) << in.error().message();
+  EXPECT_TRUE(in->info().truncated);
+  EXPECT_GE(in->info().bursts, 6U);
+  EXPECT_EQ(in->rig_text(), test::kRigText);
+  EXPECT_EQ(in->burst(5).value(), test::camera_burst(5, 16, 12));
+}
+
+TEST_P(Damage, AFullDiskIsReportedOnceAndWhatWasWrittenStaysReadable) {
+  signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  auto out = CaptureWriter::create(path_, test::sample_header(), {.compress = GetParam()});
+  ASSERT_TRUE(out);
+  rlimit limit = before;
+  limit.rlim_cur = std::filesystem::file_size(path_) + 6000;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  int errors = 0;
+  std::uint64_t written = 0;
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    const auto result = out->write_burst(test::camera_burst(i, 16, 12), 1);
+    if (!result) {
+      EXPECT_EQ(result.error().code, ErrorCode::kFileWrite);
+      ++errors;
+    } else if (!out->failed()) {
+      ++written;
+    }
+  }
+  const auto finished = out->finish();
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(errors, 1);
+  EXPECT_TRUE(out->failed());
+  EXPECT_EQ(out->dropped(), 20 - written - 1);
+  EXPECT_EQ(finished.error().code, ErrorCode::kFileWrite);
+  ASSERT_GT(written, 0U);
+  auto in = CaptureReader::open(path_);
+  ASSERT_TRUE(in) << in.error().message();
+  EXPECT_TRUE(in->info().truncated);
+  EXPECT_EQ(in->info().bursts, written);
+  EXPECT_EQ(in->burst(written - 1).value(), test::camera_burst(written - 1, 16, 12));
+}
+
+TEST(FullDisk, IsReportedAtCreationToo) {
+  const auto out = CaptureWriter::create("/dev/full", {});
+  ASSERT_FALSE(out);
+  EXPECT_EQ(out.error().code, ErrorCode::kFileWrite);
+}
+
+}  // namespace
+}  // namespace enamel::capture
