@@ -47,11 +47,29 @@ Map<Sum> window_sums(const Map<Vec3f>& normals, int radius) {
   return known;
 }
 
+/// Mean distance of neighbours in a row, over every eighth row; edges apart. 0 when there are none.
+double mean_pitch_mm(const Map<Vec3f>& points) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (int v = 0; v < points.height(); v += 8) {
+    for (int u = 1; u < points.width(); ++u) {
+      const float d = (points(u, v) - points(u - 1, v)).norm();
+      if (!(d < 0.5F)) continue;
+      sum += static_cast<double>(d);
+      ++count;
+    }
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
 }  // namespace
 
 Reference::Reference(const ModelView& view, const ReferenceConfig& config) : T_model_cam_(view.T_model_cam) {
   if (view.empty || view.points.empty() || view.stride < 1) return;
-  const int step = std::max(1, config.step_px / view.stride);
+  const double pitch = mean_pitch_mm(view.points);
+  if (!(pitch > 0)) return;
+  const int step = std::max(1, static_cast<int>(std::lround(config.pitch_mm / pitch)));
+  const int radius = std::max(1, static_cast<int>(std::lround(config.normal_radius_mm / (pitch * step))));
   const int width = (view.points.width() + step - 1) / step;
   const int height = (view.points.height() + step - 1) / step;
   scale_ = 1.0F / static_cast<float>(view.stride * step);
@@ -63,7 +81,7 @@ Reference::Reference(const ModelView& view, const ReferenceConfig& config) : T_m
       normals(u, v) = view.normals(u * step, v * step);
     }
   }
-  const Map<Sum> sums = window_sums(normals, config.normal_radius);
+  const Map<Sum> sums = window_sums(normals, radius);
   pixels_ = Map<Pixel>(width, height, Pixel{Vec3f::Constant(kNan), 0, Vec3f::Constant(kNan), 0});
   const auto jump2 = static_cast<float>(config.edge_jump_mm * config.edge_jump_mm);
   const auto coherence = static_cast<float>(config.min_coherence);

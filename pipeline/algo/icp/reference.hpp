@@ -11,10 +11,11 @@
 namespace enamel::algo {
 
 struct ReferenceConfig {
-  int step_px = 2;              ///< camera pixels between kept pixels: finer ones cost time and add nothing (0.2 µm)
-  double edge_jump_mm = 0.25;   ///< a kept pixel's four neighbours farther than this apart: silhouette, not matched
-  int normal_radius = 3;        ///< normals are averaged over (2r+1)^2 kept pixels, about a period of the ripple that a
-                                ///< moving burst leaves: else it holds on to the next burst's (same place in the image)
+  double pitch_mm = 0.056;     ///< views are thinned to about this between pixels: finer costs time, adds 0.2 µm
+  double edge_jump_mm = 0.25;  ///< a kept pixel's four neighbours farther than this apart: silhouette, not matched
+  double normal_radius_mm =
+      0.17;  ///< normals are averaged over a square of this half width, about a period of the ripple
+             ///< that a moving burst leaves: else it holds on to the next burst's (same place in the image)
   double min_coherence = 0.85;  ///< length of the mean normal: below it the window straddles an edge, not matched
 };
 

@@ -102,7 +102,7 @@ bool Tracker::plausible(const Pose& T_model_cam, DeviceTime t) const {
 
 TrackResult Tracker::accept(TrackState state, DeviceTime t, const SurfacePatch& patch, const IcpResult& icp) {
   motion_.add(t, icp.T_model_cam);
-  last_patch_ = view_from_patch(patch, icp.T_model_cam, lens_, config_.icp.reference.step_px);
+  last_patch_ = view_from_patch(patch, icp.T_model_cam, lens_, config_.keyframes.view_stride);
   if (keyframes_.wants(icp.T_model_cam)) {
     keyframes_.add(patch, icp.T_model_cam, extract_features(patch, px_per_mm_, config_.features));
   }
