@@ -14,6 +14,8 @@ namespace {
 using proto::DropReason;
 using proto::ReplyStatus;
 
+constexpr Nanoseconds kAbortTimeout{200'000'000};
+
 AcquisitionReport failed(ReplyStatus fault) { return {AcquisitionPhase::kFailed, fault, false}; }
 AcquisitionReport done() { return {AcquisitionPhase::kDone, ReplyStatus::kOk, false}; }
 
@@ -37,34 +39,33 @@ Acquisition::~Acquisition() {
   abort();
 }
 
-void Acquisition::begin(const Request& request) {
+void Acquisition::begin(Job job, SessionTag session, std::optional<std::uint64_t> limit) {
   {
     const std::lock_guard lock(mutex_);
-    request_ = request;
+    request_ = Request{job, ++requests_, session, limit};
     report_ = {AcquisitionPhase::kRunning, ReplyStatus::kOk, false};
-    abort_ = false;
-    drain_ = false;
   }
   changed_.notify_all();
 }
 
-void Acquisition::scan(SessionId session, std::optional<std::uint64_t> limit) { begin({Job::kScan, session, limit}); }
-void Acquisition::self_test() { begin({Job::kSelfTest, {}, {}}); }
-void Acquisition::calibrate() { begin({Job::kCalibrate, {}, {}}); }
+void Acquisition::scan(SessionTag session, std::optional<std::uint64_t> limit) { begin(Job::kScan, session, limit); }
+void Acquisition::self_test() { begin(Job::kSelfTest); }
+void Acquisition::calibrate() { begin(Job::kCalibrate); }
 
 void Acquisition::drain() {
   const std::lock_guard lock(mutex_);
-  drain_ = true;
+  drain_until_ = requests_;
 }
 
 void Acquisition::abort() {
-  std::unique_lock lock(mutex_);
-  abort_ = true;
-  lock.unlock();
+  {
+    const std::lock_guard lock(mutex_);
+    abort_until_ = requests_;
+  }
   hw_.camera.stop();  // ends a wait for the next frame
-  lock.lock();
+  std::unique_lock lock(mutex_);
   changed_.notify_all();
-  changed_.wait_for(lock, Nanoseconds{200'000'000}, [&] { return report_.phase != AcquisitionPhase::kRunning; });
+  changed_.wait_for(lock, kAbortTimeout, [&] { return report_.phase != AcquisitionPhase::kRunning; });
 }
 
 AcquisitionReport Acquisition::report() const {
@@ -74,12 +75,12 @@ AcquisitionReport Acquisition::report() const {
 
 bool Acquisition::aborted() const {
   const std::lock_guard lock(mutex_);
-  return abort_;
+  return current_ <= abort_until_;
 }
 
 bool Acquisition::drain_asked() const {
   const std::lock_guard lock(mutex_);
-  return drain_;
+  return current_ <= drain_until_;
 }
 
 void Acquisition::run(const std::stop_token& stop) {
@@ -89,6 +90,7 @@ void Acquisition::run(const std::stop_token& stop) {
       std::unique_lock lock(mutex_);
       if (!changed_.wait(lock, stop, [&] { return request_.has_value(); })) return;
       request = *std::exchange(request_, std::nullopt);
+      current_ = request.number;
     }
     const AcquisitionReport result = aborted() ? done() : do_job(request);
     light_.want(false);
@@ -191,7 +193,7 @@ bool Acquisition::led_failed() {
 }
 
 /// Hands over what the assembler has decided.
-void Acquisition::settle(BurstAssembler& assembler, SessionId session) {
+void Acquisition::settle(BurstAssembler& assembler, SessionTag session) {
   const std::uint64_t begun = assembler.begun() - begun_seen_;
   begun_seen_ = assembler.begun();
   ledger_.begin(session, begun);

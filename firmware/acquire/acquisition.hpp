@@ -27,7 +27,7 @@ struct AcquisitionConfig {
 
 /// What the publisher needs beside the frames.
 struct CapturedBurst {
-  SessionId session{};
+  SessionTag session;
   AssembledBurst burst;
   Nanoseconds frame_period{};
   std::int16_t temp_centi_c = 0;
@@ -44,7 +44,7 @@ class Acquisition final : public AcquisitionPort {
   Acquisition(const Acquisition&) = delete;
   Acquisition& operator=(const Acquisition&) = delete;
 
-  void scan(SessionId session, std::optional<std::uint64_t> limit) override;
+  void scan(SessionTag session, std::optional<std::uint64_t> limit) override;
   void self_test() override;
   void calibrate() override;
   void drain() override;
@@ -55,18 +55,19 @@ class Acquisition final : public AcquisitionPort {
   enum class Job { kNone, kScan, kSelfTest, kCalibrate };
   struct Request {
     Job job = Job::kNone;
-    SessionId session{};
+    std::uint64_t number = 0;
+    SessionTag session;
     std::optional<std::uint64_t> limit;
   };
 
-  void begin(const Request& request);
+  void begin(Job job, SessionTag session = {}, std::optional<std::uint64_t> limit = std::nullopt);
   void run(const std::stop_token& stop);
   [[nodiscard]] AcquisitionReport do_job(const Request& request);
   [[nodiscard]] AcquisitionReport run_scan(const Request& request);
   [[nodiscard]] AcquisitionReport run_self_test();
   [[nodiscard]] AcquisitionReport run_calibration();
   [[nodiscard]] AcquisitionReport scan_loop(const Request& request, BurstAssembler& assembler);
-  void settle(BurstAssembler& assembler, SessionId session);
+  void settle(BurstAssembler& assembler, SessionTag session);
   [[nodiscard]] std::optional<AcquisitionReport> arm_next(bool under_way);
   [[nodiscard]] bool led_failed();
   [[nodiscard]] Result<CameraFrame> frame_with_edges(std::vector<Edge>& edges, DeviceTime& known_until);
@@ -88,8 +89,10 @@ class Acquisition final : public AcquisitionPort {
   std::condition_variable_any changed_;
   std::optional<Request> request_;
   AcquisitionReport report_;
-  bool abort_ = false;
-  bool drain_ = false;
+  std::uint64_t requests_ = 0;     ///< asked for so far; a request's number
+  std::uint64_t current_ = 0;      ///< being worked on
+  std::uint64_t abort_until_ = 0;  ///< requests up to this number are aborted …
+  std::uint64_t drain_until_ = 0;  ///< … or drained
   std::jthread thread_;  ///< last member: stops before the others go
 };
 

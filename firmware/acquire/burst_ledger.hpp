@@ -10,8 +10,15 @@
 
 namespace enamel::fw {
 
+/// Which scan a burst belongs to. Two hosts may choose the same session number: the epoch tells them apart.
+struct SessionTag {
+  SessionId id{};
+  std::uint32_t epoch = 0;  ///< counts sessions since the probe started
+  friend bool operator==(const SessionTag&, const SessionTag&) = default;
+};
+
 struct BurstCounts {
-  SessionId session{};
+  SessionTag session;
   std::uint64_t begun = 0;
   std::uint64_t emitted = 0;
   std::array<std::uint64_t, proto::kDropReasons> dropped{};
@@ -28,21 +35,21 @@ struct BurstCounts {
 class BurstLedger {
  public:
   /// A new session starts at zero; the same session goes on.
-  void open(SessionId session) {
+  void open(SessionTag session) {
     const std::lock_guard lock(mutex_);
     if (counts_.session == session) return;
     counts_ = BurstCounts{};
     counts_.session = session;
   }
-  void begin(SessionId session, std::uint64_t n) {
+  void begin(SessionTag session, std::uint64_t n) {
     const std::lock_guard lock(mutex_);
     if (counts_.session == session) counts_.begun += n;
   }
-  void emit(SessionId session) {
+  void emit(SessionTag session) {
     const std::lock_guard lock(mutex_);
     if (counts_.session == session) ++counts_.emitted;
   }
-  void drop(SessionId session, proto::DropReason reason) {
+  void drop(SessionTag session, proto::DropReason reason) {
     const std::lock_guard lock(mutex_);
     if (counts_.session == session) ++counts_.dropped[static_cast<std::size_t>(reason)];
   }

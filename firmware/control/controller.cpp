@@ -1,0 +1,285 @@
+#include "firmware/control/controller.hpp"
+
+#include <array>
+#include <cstdlib>
+#include <limits>
+#include <utility>
+
+#include <fmt/core.h>
+
+namespace enamel::fw {
+namespace {
+
+using proto::Opcode;
+using proto::ProbeState;
+using proto::ReplyStatus;
+using proto::Severity;
+
+constexpr std::array<Nanoseconds, 3> kRetryDelay{Nanoseconds{500'000'000}, Nanoseconds{1'000'000'000},
+                                                 Nanoseconds{2'000'000'000}};
+
+std::uint32_t fault_bit(ReplyStatus fault) {
+  return std::uint32_t{1} << static_cast<unsigned>(std::abs(static_cast<int>(fault)) / 100);
+}
+
+std::uint16_t event_code(ReplyStatus fault) { return static_cast<std::uint16_t>(std::abs(static_cast<int>(fault))); }
+
+}  // namespace
+
+ProbeController::ProbeController(AcquisitionPort& acquisition, LightSwitch& light, BurstLedger& ledger,
+                                 const ControllerConfig& config)
+    : acquisition_(acquisition), light_(light), ledger_(ledger), config_(config) {
+  light_.permit(false);
+}
+
+void ProbeController::boot(HostTime now) { (void)apply(Input::kBooted, now); }
+
+void ProbeController::shut_down() {
+  light_.permit(false);
+  acquisition_.abort();
+}
+
+std::vector<Notice> ProbeController::take_notices() { return std::exchange(notices_, {}); }
+
+void ProbeController::notice(std::uint16_t code, Severity severity, std::string text) {
+  notices_.push_back({code, severity, std::move(text)});
+}
+
+// ---- commands ----
+
+proto::CommandReply ProbeController::handle(const proto::Command& command, HostTime now) {
+  if (lease_ && lease_->client_id == command.client_id) lease_->expires = now + config_.lease;
+  if (const auto* earlier = replies_.find(command.client_id, command.cmd_id)) return *earlier;
+  Verdict verdict;
+  if (command.deadline_ns != 0 && to_ns(now) > 0 && static_cast<std::uint64_t>(to_ns(now)) > command.deadline_ns) {
+    verdict = {Status::kExpired, "deadline passed before the command was taken"};
+  } else {
+    verdict = execute(command, now);
+  }
+  proto::CommandReply reply;
+  reply.cmd_id = command.cmd_id;
+  reply.client_id = command.client_id;
+  reply.status = verdict.status;
+  reply.detail = proto::clip_text(verdict.detail, 256);
+  replies_.add(reply);
+  return reply;
+}
+
+ProbeController::Verdict ProbeController::execute(const proto::Command& command, HostTime now) {
+  switch (command.opcode) {
+    case Opcode::kPing:
+      return {};
+    case Opcode::kSafeOff:
+      return state_ == ProbeState::kSafe ? Verdict{} : apply(Input::kSafeOff, now);
+    case Opcode::kSessionOpen:
+      return open_session(command, now);
+    default:
+      break;
+  }
+  if (!lease_ || lease_->client_id != command.client_id) {
+    return {Status::kNotOwner, lease_ ? "another host holds the probe" : "open a session first"};
+  }
+  switch (command.opcode) {
+    case Opcode::kSessionClose:
+      return close_session(now);
+    case Opcode::kWarmup:
+      return state_ == ProbeState::kWarmup ? Verdict{} : apply(Input::kCmdWarmup, now);
+    case Opcode::kScanStart:
+    case Opcode::kSingleBurst:
+      return start_scan(command, now);
+    case Opcode::kScanPause:
+      return end_scan(Input::kPause, now);
+    case Opcode::kScanStop:
+      return end_scan(Input::kStop, now);
+    case Opcode::kSelftest:
+      return state_ == ProbeState::kSelftest ? Verdict{} : apply(Input::kCmdSelfTest, now);
+    default:
+      return {Status::kUnknownOp, fmt::format("{} is not in this firmware", proto::name_of(command.opcode))};
+  }
+}
+
+ProbeController::Verdict ProbeController::open_session(const proto::Command& command, HostTime now) {
+  if (lease_ && lease_->client_id != command.client_id) return {Status::kBusy, "another host holds the probe"};
+  lease_ = Lease{command.client_id, now + config_.lease};
+  session_closed_ = false;
+  return {};
+}
+
+ProbeController::Verdict ProbeController::close_session(HostTime now) {
+  if (state_ == ProbeState::kScanning) (void)end_scan(Input::kStop, now);
+  if (state_ == ProbeState::kPaused) (void)apply(Input::kStop, now);
+  lease_.reset();
+  session_closed_ = true;
+  return {};
+}
+
+ProbeController::Verdict ProbeController::start_scan(const proto::Command& command, HostTime now) {
+  const bool counted = command.opcode == Opcode::kSingleBurst;
+  const std::int64_t arg = command.arg_i[0];
+  const std::int64_t max = counted ? 1000 : std::int64_t{std::numeric_limits<std::uint32_t>::max()};
+  if (arg < 1 || arg > max) {
+    return {Status::kBadArg, fmt::format("{} {}: must be from 1 to {}", counted ? "burst count" : "session", arg, max)};
+  }
+  if (state_ == ProbeState::kScanning) {
+    if (drain_) return {Status::kBusy, "the scan is just ending"};
+    return counted || session_.id.value != static_cast<std::uint32_t>(arg) ? bad_state(Input::kCmdStart) : Verdict{};
+  }
+  if (!next_state(state_, Input::kCmdStart)) return bad_state(Input::kCmdStart);
+  if (!counted) {
+    const SessionId id{static_cast<std::uint32_t>(arg)};
+    if (session_.epoch == 0 || session_.id != id || session_client_ != command.client_id) {
+      session_ = {id, session_.epoch + 1};
+      session_client_ = command.client_id;
+    }
+  }
+  limit_ = counted ? std::optional(static_cast<std::uint64_t>(arg)) : std::nullopt;
+  source_ended_ = false;
+  ledger_.open(session_);
+  return apply(Input::kCmdStart, now);
+}
+
+/// The burst under way is finished first: a pause loses nothing.
+ProbeController::Verdict ProbeController::end_scan(Input input, HostTime now) {
+  if (state_ != ProbeState::kScanning) {
+    const bool there = input == Input::kPause ? state_ == ProbeState::kPaused : state_ == ProbeState::kReady;
+    return there ? Verdict{} : apply(input, now);
+  }
+  if (drain_) {
+    if (input == Input::kStop) drain_->input = input;
+    return {};
+  }
+  acquisition_.drain();
+  drain_ = Drain{input, now + config_.drain_timeout};
+  return {};
+}
+
+// ---- states ----
+
+ProbeController::Verdict ProbeController::bad_state(Input input) const {
+  return {Status::kBadState, fmt::format("{} is not possible in {}", name_of(input), proto::name_of(state_))};
+}
+
+ProbeController::Verdict ProbeController::apply(Input input, HostTime now) {
+  const auto next = next_state(state_, input);
+  if (!next) return bad_state(input);
+  enter(*next, input, now);
+  return {};
+}
+
+void ProbeController::enter(ProbeState next, Input why, HostTime now) {
+  if (!light_permitted(next)) light_.permit(false);
+  if (light_permitted(state_)) acquisition_.abort();  // returns at once when its job is done
+  drain_.reset();
+  flush_deadline_.reset();
+  const ProbeState left = std::exchange(state_, next);
+  entered_ = now;
+  notice(static_cast<std::uint16_t>(next), next == ProbeState::kSafe ? Severity::kSafety : Severity::kInfo,
+         fmt::format("{} -> {}: {}", proto::name_of(left), proto::name_of(next), name_of(why)));
+  light_.permit(light_permitted(next));
+  switch (next) {
+    case ProbeState::kSelftest:
+      return acquisition_.self_test();
+    case ProbeState::kWarmup:
+      return acquisition_.calibrate();
+    case ProbeState::kScanning:
+      return acquisition_.scan(session_, limit_);
+    case ProbeState::kIdle:
+      fault_mask_ = 0;
+      return;
+    case ProbeState::kReady:
+      retries_ = 0;
+      return;
+    default:
+      return;
+  }
+}
+
+void ProbeController::raise(Input input, ReplyStatus fault, HostTime now) {
+  if (!next_state(state_, input)) return;
+  fault_mask_ |= fault_bit(fault);
+  notice(event_code(fault), input == Input::kInterlock ? Severity::kSafety : Severity::kError,
+         fmt::format("{} in {}", proto::name_of(fault), proto::name_of(state_)));
+  (void)apply(input, now);
+}
+
+// ---- time ----
+
+void ProbeController::tick(HostTime now, const Temperatures& temperatures) {
+  check_lease(now);
+  check_temperatures(temperatures, now);
+  follow_acquisition(temperatures, now);
+  if (state_ == ProbeState::kFault) retry_fault(now);
+}
+
+void ProbeController::check_lease(HostTime now) {
+  if (!lease_ || now < lease_->expires) return;
+  notice(event_code(ReplyStatus::kLeaseLost), Severity::kWarning,
+         fmt::format("host {:08x} has not been heard from for {} ms", lease_->client_id, config_.lease.count() / 1'000'000));
+  lease_.reset();
+  if (state_ == ProbeState::kScanning) (void)end_scan(Input::kLeaseLost, now);
+}
+
+void ProbeController::check_temperatures(const Temperatures& t, HostTime now) {
+  if (t.tip_cc && *t.tip_cc > config_.max_tip_cc) raise(Input::kInterlock, ReplyStatus::kTipOvertemp, now);
+  if (t.soc_cc && *t.soc_cc > config_.max_soc_cc) raise(Input::kInterlock, ReplyStatus::kSocOvertemp, now);
+}
+
+void ProbeController::follow_acquisition(const Temperatures& t, HostTime now) {
+  if (!light_permitted(state_)) return;
+  const AcquisitionReport report = acquisition_.report();
+  if (report.led_stuck) return raise(Input::kInterlock, ReplyStatus::kLedStuck, now);
+  if (report.phase == AcquisitionPhase::kFailed) return raise(Input::kFault, report.fault, now);
+  if (state_ == ProbeState::kScanning) return follow_scan(report, now);
+  const bool measured = report.phase == AcquisitionPhase::kDone;
+  if (!measured && now - entered_ > config_.measure_timeout) return raise(Input::kFault, ReplyStatus::kCamTimeout, now);
+  if (state_ == ProbeState::kSelftest) {
+    if (measured) (void)apply(Input::kSelfTestOk, now);
+    return;
+  }
+  if (!t.tip_cc) return raise(Input::kFault, ReplyStatus::kThermistor, now);
+  if (measured && *t.tip_cc >= config_.warm_tip_cc) {
+    (void)apply(Input::kWarm, now);
+  } else if (now - entered_ > config_.warmup_timeout) {
+    raise(Input::kFault, ReplyStatus::kHeaterOpen, now);
+  }
+}
+
+void ProbeController::follow_scan(const AcquisitionReport& report, HostTime now) {
+  switch (report.phase) {
+    case AcquisitionPhase::kEnded:
+      return finish_source(now);
+    case AcquisitionPhase::kDone:
+      (void)apply(drain_ ? drain_->input : Input::kStop, now);
+      return;
+    default:
+      if (drain_ && now >= drain_->deadline) (void)apply(drain_->input, now);  // enter() aborts what is left
+      return;
+  }
+}
+
+/// The session's counters are final once the publisher has sent or shed everything.
+void ProbeController::finish_source(HostTime now) {
+  light_.permit(false);
+  if (!flush_deadline_) flush_deadline_ = now + config_.flush_timeout;
+  const BurstCounts counts = ledger_.counts();
+  if (counts.under_way() > 0 && now < *flush_deadline_) return;
+  source_ended_ = true;
+  (void)apply(Input::kSourceEnded, now);
+  std::string drops;
+  for (std::size_t i = 0; i < counts.dropped.size(); ++i) {
+    if (counts.dropped[i] == 0) continue;
+    drops += fmt::format(" {}={}", proto::name_of(static_cast<proto::DropReason>(i)), counts.dropped[i]);
+  }
+  notice(proto::kEventSessionEnded, Severity::kInfo,
+         fmt::format("session {} ended: begun={} emitted={} dropped={}{}", counts.session.id.value, counts.begun,
+                     counts.emitted, counts.dropped_total(), drops));
+}
+
+void ProbeController::retry_fault(HostTime now) {
+  const auto n = static_cast<std::size_t>(retries_);
+  if (n >= kRetryDelay.size() || now - entered_ < kRetryDelay[n]) return;
+  ++retries_;
+  (void)apply(Input::kRetry, now);
+}
+
+}  // namespace enamel::fw
