@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/algo/fuse/tsdf_model.hpp"
+#include "pipeline/algo/mesh/incremental_mesher.hpp"
 #include "tests/unit/fusion/synthetic.hpp"
 
 namespace enamel {
@@ -80,6 +81,40 @@ void view(benchmark::State& state) {
   }
 }
 BENCHMARK(view)->Unit(benchmark::kMillisecond)->Iterations(60);
+
+/// Blocks that moved by 2 um or more, after every burst of a sweep that comes over the same surface again and again.
+void mesh_update(benchmark::State& state) {
+  const Sweep& s = sweep();
+  algo::TsdfModel model(s.rig);
+  algo::IncrementalMesher mesher;
+  std::uint64_t k = 0;
+  std::uint64_t blocks = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    const std::size_t i = k % s.patches.size();
+    model.integrate(BurstId{k}, s.patches[i], s.poses[i]);
+    ++k;
+    state.ResumeTiming();
+    blocks += mesher.update(model, model.take_changed(0.002)).blocks_meshed;
+    benchmark::DoNotOptimize(mesher.snapshot());
+  }
+  state.counters["blocks_per_burst"] = static_cast<double>(blocks) / static_cast<double>(k);
+}
+BENCHMARK(mesh_update)->Unit(benchmark::kMillisecond)->Iterations(60);
+
+void mesh_all_touched(benchmark::State& state) {
+  const Sweep& s = sweep();
+  algo::TsdfModel model(s.rig);
+  model.integrate(BurstId{0}, s.patches[0], s.poses[0]);
+  model.integrate(BurstId{1}, s.patches[0], s.poses[0]);
+  const auto changed = model.take_changed();
+  algo::IncrementalMesher mesher;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(mesher.update(model, changed).blocks_meshed);
+  }
+  state.counters["blocks"] = static_cast<double>(changed.size());
+}
+BENCHMARK(mesh_all_touched)->Unit(benchmark::kMillisecond)->Iterations(30);
 
 }  // namespace
 }  // namespace enamel

@@ -1,5 +1,7 @@
 #include "pipeline/algo/fuse/projection.hpp"
 
+#include "calib/model/lens.hpp"
+
 namespace enamel::algo {
 
 LocalProjection local_projection(const calib::LensValues& lens, const Vec3d& p, int stride) {
@@ -9,8 +11,7 @@ LocalProjection local_projection(const calib::LensValues& lens, const Vec3d& p, 
   const double r2 = x * x + y * y;
   const double g = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
   const double dg = k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3);  // dg/d(r^2)
-  const double xd = x * g + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
-  const double yd = y * g + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
+  const auto [xd, yd] = calib::distort(lens, {x, y});
   const double xx = g + 2.0 * x * x * dg + 2.0 * p1 * y + 6.0 * p2 * x;
   const double xy = 2.0 * x * y * dg + 2.0 * p1 * x + 2.0 * p2 * y;  // the Jacobian is symmetric
   const double yy = g + 2.0 * y * y * dg + 6.0 * p1 * y + 2.0 * p2 * x;

@@ -1,0 +1,84 @@
+#include "pipeline/algo/mesh/incremental_mesher.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+#include <utility>
+
+#include "pipeline/algo/mesh/components.hpp"
+
+namespace enamel::algo {
+
+UpdateStats IncrementalMesher::update(const TsdfModel& model, std::span<const BlockIndex> changed) {
+  UpdateStats stats;
+  std::vector<std::int32_t> stale;
+  for (const BlockIndex& index : changed) {
+    const std::int32_t id = model.grid().find(index);
+    if (id == kNoBlock) {
+      continue;
+    }
+    // Lower neighbours' cells use this block's first voxels, normals on all sides look one voxel across.
+    for (const std::int32_t near : model.grid().block(id).neighbour) {
+      if (near != kNoBlock) {
+        stale.push_back(near);
+      }
+    }
+    stale.push_back(id);
+  }
+  std::sort(stale.begin(), stale.end());
+  stale.erase(std::unique(stale.begin(), stale.end()), stale.end());
+  MeshedBlock meshed;
+  for (const std::int32_t id : stale) {
+    mesher_.run(model, id, meshed);
+    ++stats.blocks_meshed;
+    if (meshed.mesh.triangles.empty()) {
+      blocks_.erase(model.grid().block(id).index);
+      continue;
+    }
+    ++stats.blocks_with_surface;
+    Entry& entry = blocks_[meshed.mesh.block];
+    entry.edge_keys = std::move(meshed.edge_keys);
+    entry.mesh = std::make_shared<const BlockMesh>(std::move(meshed.mesh));
+  }
+  after_burst_ = model.after_burst();
+  return stats;
+}
+
+ModelSnapshot IncrementalMesher::snapshot() const {
+  ModelSnapshot snapshot;
+  snapshot.after_burst = after_burst_;
+  snapshot.blocks.reserve(blocks_.size());
+  for (const auto& [index, entry] : blocks_) {
+    snapshot.blocks.push_back(entry.mesh);
+  }
+  return snapshot;
+}
+
+Mesh IncrementalMesher::extract(ExtractStats* stats) const {
+  Mesh mesh;
+  std::unordered_map<std::uint64_t, std::uint32_t> welded;  // looked up only, never iterated
+  std::vector<std::uint32_t> to;
+  for (const auto& [index, entry] : blocks_) {
+    const BlockMesh& block = *entry.mesh;
+    to.clear();
+    for (std::size_t i = 0; i < block.vertices.size(); ++i) {
+      const auto [at, is_new] =
+          welded.try_emplace(entry.edge_keys[i], static_cast<std::uint32_t>(mesh.vertices.size()));
+      if (is_new) {
+        mesh.vertices.push_back(block.vertices[i]);
+        mesh.normals.push_back(block.normals[i]);
+        mesh.quality.push_back(block.quality[i]);
+      }
+      to.push_back(at->second);
+    }
+    for (const auto& t : block.triangles) {
+      mesh.triangles.push_back({to[t[0]], to[t[1]], to[t[2]]});
+    }
+  }
+  const ComponentStats removed = remove_small_components(mesh, config_.min_component_triangles);
+  if (stats != nullptr) {
+    *stats = ExtractStats{removed.components, removed.removed, removed.triangles_removed};
+  }
+  return mesh;
+}
+
+}  // namespace enamel::algo
