@@ -162,12 +162,14 @@ inline SurfacePatch make_patch(const SyntheticSurface& surface, const calib::Len
   out.modulation_dn = Map<float>(camera.width, camera.height, 50.0F);
   const Eigen::Matrix3d R = T_model_cam.linear();
   const double sigma = noise.sigma_mm;
+  double start = 48;  // Newton begins at the last pixel's depth
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       const Vec3d ray = pixel_ray(camera, u, v);
       const Vec3d direction = R * ray;
-      const Vec3d p = surface.hit(T_model_cam.translation(), direction, -T_model_cam.translation().z() / direction.z());
+      const Vec3d p = surface.hit(T_model_cam.translation(), direction, start);
       if (!std::isfinite(p.x())) continue;
+      start = R.col(2).dot(p - T_model_cam.translation());
       const std::size_t i = out.depth_mm.index(u, v);
       const std::uint64_t key = mix(noise.seed) + 8 * i;
       const Vec3d normal_model = surface.normal_at(p.x(), p.y());

@@ -1,8 +1,9 @@
-// The tracker on the analytic surface: sweeps, feedback delay, loss, gaps, refusal.
+// The tracker on the analytic surface: sweeps with delayed feedback, loss, gaps, refusal, determinism.
 #include "pipeline/algo/track/tracker.hpp"
 
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "tests/unit/registration/synthetic_surface.hpp"
@@ -14,15 +15,8 @@ namespace ts = ::enamel::testing;
 
 constexpr std::int64_t kPeriodNs = 33'333'333;
 
-struct World {
-  calib::Rig rig = ts::test_rig();
-  ts::SyntheticSurface surface{11};
-  double sigma_mm = 0.01;
-
-  [[nodiscard]] SurfacePatch patch(const Pose& truth, std::uint64_t n) const {
-    return ts::make_patch(surface, rig.camera, truth, {sigma_mm, 0.03, n + 100});
-  }
-};
+DeviceTime time_of(int n) { return device_time(1'000'000'000 + n * kPeriodNs); }
+double seconds_of(int n) { return n * 1e-9 * kPeriodNs; }
 
 /// A hand moving 10 mm/s along x with 60 µm of 9 Hz tremor and a slow turn.
 Pose hand(double t_s) {
@@ -30,43 +24,184 @@ Pose hand(double t_s) {
   return ts::looking_down(10 * t_s, 0.06 * wave, {0.05 * t_s, 0.1 * t_s + 0.001 * wave, 0.03 * t_s}, 0.05 * wave);
 }
 
-DeviceTime time_of(int n) { return device_time(1'000'000'000 + n * kPeriodNs); }
+/// One tracker fed from one surface. Poses are judged in the frame of the first burst's true pose.
+class Session {
+ public:
+  explicit Session(std::uint64_t surface_seed) : surface_(surface_seed) {}
+
+  TrackResult feed(int n, const Pose& truth, const ModelView& view = {}) { return feed(n, surface_, truth, view); }
+  TrackResult feed(int n, const ts::SyntheticSurface& surface, const Pose& truth, const ModelView& view = {}) {
+    const auto id = static_cast<std::uint64_t>(n);
+    return tracker_.track(BurstId{id}, time_of(n), ts::make_patch(surface, rig_.camera, truth, {0.01, 0.03, id + 100}),
+                          view);
+  }
+  [[nodiscard]] ModelView model_from(const Pose& truth) const {
+    return ts::view_in_frame(surface_, rig_.camera, truth, hand(0));
+  }
+  [[nodiscard]] static double error_mm(const TrackResult& r, const Pose& truth) {
+    return ts::point_error_mm(hand(0) * r.T_model_cam, truth);
+  }
+  [[nodiscard]] const Tracker& tracker() const { return tracker_; }
+
+ private:
+  calib::Rig rig_ = ts::test_rig();
+  ts::SyntheticSurface surface_;
+  Tracker tracker_{rig_, {}};
+};
 
 TEST(Tracker, FollowsASweepWithTheModelTwoBurstsBehind) {
-  const World world;
-  Tracker tracker(world.rig, {});
-  const Pose first = hand(0);
+  Session s(11);
   for (int n = 0; n < 12; ++n) {
-    const Pose truth = hand(n * 1e-9 * kPeriodNs);
-    // The model after burst n-2: the exact surface, in the tracker's frame (that of burst 0), drawn from its pose
-    // there.
-    ModelView view;
-    if (n >= 2) view = ts::view_in_frame(world.surface, world.rig.camera, hand((n - 2) * 1e-9 * kPeriodNs), first);
-    const TrackResult r = tracker.track(BurstId{static_cast<std::uint64_t>(n)}, time_of(n),
-                                        world.patch(truth, static_cast<std::uint64_t>(n)), view);
+    const Pose truth = hand(seconds_of(n));
+    const ModelView view = n >= 2 ? s.model_from(hand(seconds_of(n - 2))) : ModelView{};
+    const TrackResult r = s.feed(n, truth, view);
     EXPECT_EQ(r.state, n == 0 ? TrackState::kStarted : TrackState::kTracking) << n;
-    EXPECT_LT(ts::point_error_mm(first * r.T_model_cam, truth), 0.005) << n;
+    EXPECT_LT(Session::error_mm(r, truth), 0.003) << n;
   }
 }
 
-TEST(Tracker, FindsItsPlaceAgainAfterAJump) {
-  const World world;
-  Tracker tracker(world.rig, {});
-  const Pose first = hand(0);
-  (void)tracker.track(BurstId{0}, time_of(0), world.patch(first, 0), {});
-  int found = 0;
-  for (int n = 1; n < 21; ++n) {
-    const auto key = static_cast<std::uint64_t>(n) * 10;
-    const Pose truth =
-        ts::looking_down(3 * ts::normal(key), 3 * ts::normal(key + 1),
-                         {0.1 * ts::normal(key + 2), 0.1 * ts::normal(key + 3), 0.5 * ts::normal(key + 4)});
-    const TrackResult r = tracker.track(BurstId{static_cast<std::uint64_t>(n)}, time_of(100 * n),
-                                        world.patch(truth, static_cast<std::uint64_t>(n)), {});
-    found += r.state == TrackState::kRelocalised;
-    if (r.state == TrackState::kLost) continue;
-    EXPECT_LT(ts::point_error_mm(first * r.T_model_cam, truth), 0.05) << n;
+TEST(Tracker, TracksFromPatchToPatchWhileThereIsNoModel) {
+  Session s(12);
+  for (int n = 0; n < 5; ++n) {
+    const Pose truth = hand(seconds_of(n));
+    const TrackResult r = s.feed(n, truth);
+    EXPECT_EQ(r.state, n == 0 ? TrackState::kStarted : TrackState::kTracking) << n;
+    EXPECT_LT(Session::error_mm(r, truth), 0.01) << n;
   }
+}
+
+TEST(Tracker, BridgesBurstsThatNeverCame) {
+  Session s(13);
+  for (const int n : {0, 1, 2, 3, 6, 7, 11, 12}) {
+    const Pose truth = hand(seconds_of(n));
+    const TrackResult r = s.feed(n, truth);
+    EXPECT_NE(r.state, TrackState::kLost) << n;
+    EXPECT_LT(Session::error_mm(r, truth), 0.02) << n;
+  }
+}
+
+TEST(Tracker, AnEmptyFirstPatchDoesNotDefineTheModel) {
+  Session s(14);
+  const Pose away = ts::looking_down(0, 0, Vec3d::Zero(), 30);  // everything nearer than 40 mm is not measured
+  EXPECT_EQ(s.feed(0, ts::SyntheticSurface(14), away).state, TrackState::kLost);
+  EXPECT_EQ(s.feed(1, hand(0)).state, TrackState::kStarted);
+}
+
+TEST(Tracker, IsLostOnAnotherSurfaceAndKeepsItsModel) {
+  Session s(15);
+  for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
+  const std::size_t keyframes = s.tracker().keyframes().size();
+  for (int n = 3; n < 6; ++n) {
+    const ts::SyntheticSurface other(300 + static_cast<std::uint64_t>(n));
+    EXPECT_EQ(s.feed(n, other, hand(seconds_of(n))).state, TrackState::kLost) << n;
+  }
+  EXPECT_EQ(s.tracker().keyframes().size(), keyframes);
+  const Pose truth = hand(seconds_of(6));
+  const TrackResult r = s.feed(6, truth);
+  EXPECT_NE(r.state, TrackState::kLost);
+  EXPECT_LT(Session::error_mm(r, truth), 0.02);
+}
+
+TEST(Tracker, AfterATimeGapFindsTheSameModelFrame) {
+  Session s(16);
+  for (int n = 0; n < 4; ++n) (void)s.feed(n, hand(seconds_of(n)));
+  const Pose truth = ts::looking_down(-2, 1.5, {0.05, -0.08, 0.4});
+  const TrackResult r = s.feed(60, truth);
+  EXPECT_EQ(r.state, TrackState::kRelocalised);
+  EXPECT_LT(Session::error_mm(r, truth), 0.02);
+}
+
+TEST(Tracker, AfterATimeGapOverUnknownGroundStartsNoSecondModel) {
+  Session s(17);
+  for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
+  for (int n = 60; n < 63; ++n) EXPECT_EQ(s.feed(n, ts::looking_down(60, 60)).state, TrackState::kLost) << n;
+}
+
+TEST(Tracker, FindsItsPlaceAfterJumpsOnManySurfaces) {
+  int found = 0;
+  int wrong = 0;
+  constexpr int kTrials = 20;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const auto key = static_cast<std::uint64_t>(trial);
+    Session s(500 + key);
+    (void)s.feed(0, hand(0));
+    const Vec3d turn(0.08 * ts::normal(10 * key), 0.08 * ts::normal(10 * key + 1), 0.6 * ts::normal(10 * key + 2));
+    const Pose truth = ts::looking_down(2 * ts::normal(10 * key + 3), 2 * ts::normal(10 * key + 4), turn);
+    const TrackResult r = s.feed(40, truth);
+    if (r.state == TrackState::kLost) continue;
+    ++(Session::error_mm(r, truth) < 0.05 ? found : wrong);
+  }
+  EXPECT_EQ(wrong, 0);
   EXPECT_GE(found, 19);
+}
+
+TEST(Tracker, RefusesForeignSurfacesAfterJumps) {
+  Session s(18);
+  for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
+  for (int trial = 0; trial < 12; ++trial) {
+    const ts::SyntheticSurface other(900 + static_cast<std::uint64_t>(trial));
+    EXPECT_EQ(s.feed(100 + 30 * trial, other, hand(0)).state, TrackState::kLost) << trial;
+  }
+}
+
+TEST(Tracker, TheSameSequenceGivesTheSameBitsWhateverTheThreads) {
+  const int before = cv::getNumThreads();
+  std::vector<std::vector<TrackResult>> runs;
+  for (const int threads : {1, 4}) {
+    cv::setNumThreads(threads);
+    Session s(19);
+    std::vector<TrackResult> results;
+    for (const int n : {0, 1, 40, 41})
+      results.push_back(s.feed(n, n < 40 ? hand(seconds_of(n)) : ts::looking_down(1, 1, {0, 0, 0.5})));
+    runs.push_back(results);
+  }
+  cv::setNumThreads(before);
+  for (std::size_t i = 0; i < runs[0].size(); ++i) {
+    EXPECT_EQ(runs[0][i].state, runs[1][i].state);
+    EXPECT_EQ(runs[0][i].T_model_cam.matrix(), runs[1][i].T_model_cam.matrix());
+  }
+  EXPECT_EQ(runs[0][2].state, TrackState::kRelocalised);
+}
+
+TEST(MotionModel, CarriesMeanVelocityOnAndStopsInTime) {
+  MotionModel motion({});
+  for (int n = 0; n < 4; ++n) motion.add(time_of(n), ts::looking_down(10 * seconds_of(n), 0));
+  const auto x_at = [&](int n) { return (motion.predict(time_of(n)) * Vec3d(0, 0, 48)).x(); };
+  EXPECT_NEAR(x_at(4), 10 * seconds_of(4), 1e-9);
+  EXPECT_NEAR(x_at(5), 10 * seconds_of(5), 1e-9);
+  EXPECT_NEAR(x_at(20), 10 * (seconds_of(3) + 0.1), 1e-9);
+}
+
+TEST(MotionModel, TimeThatStandsStillOrRunsBackwardsPredictsTheLastPose) {
+  MotionModel motion({});
+  for (int n = 0; n < 4; ++n) motion.add(time_of(n), ts::looking_down(10 * seconds_of(n), 0));
+  EXPECT_EQ(motion.predict(time_of(3)).matrix(), motion.last_pose().matrix());
+  EXPECT_EQ(motion.predict(time_of(1)).matrix(), motion.last_pose().matrix());
+}
+
+TEST(Keyframes, AreSpacedInPlaceAndAngle) {
+  KeyframeStore store(ts::test_rig().camera, {});
+  const SurfacePatch nothing =
+      ts::make_patch(ts::SyntheticSurface(1), ts::test_rig(8).camera, ts::looking_down(0, 0), {});
+  EXPECT_TRUE(store.wants(ts::looking_down(0, 0)));
+  store.add(nothing, ts::looking_down(0, 0), {});
+  EXPECT_FALSE(store.wants(ts::looking_down(1.9, 0)));
+  EXPECT_TRUE(store.wants(ts::looking_down(2.1, 0)));
+  EXPECT_TRUE(store.wants(ts::looking_down(0, 0, {0, 0.06, 0})));
+}
+
+TEST(Keyframes, EveryOneIsTriedWithinAFewBursts) {
+  KeyframeStore store(ts::test_rig(8).camera, {});
+  const SurfacePatch nothing =
+      ts::make_patch(ts::SyntheticSurface(1), ts::test_rig(8).camera, ts::looking_down(0, 0), {});
+  for (int i = 0; i < 70; ++i) store.add(nothing, ts::looking_down(3.0 * i, 0), {});
+  std::vector<int> tried(70, 0);
+  for (std::uint64_t turn = 0; turn < 4; ++turn) {
+    const auto chosen = store.candidates(ts::looking_down(0, 0), turn);
+    EXPECT_LE(chosen.size(), 32U);
+    for (const std::size_t i : chosen) ++tried[i];
+  }
+  for (int i = 0; i < 70; ++i) EXPECT_GT(tried[static_cast<std::size_t>(i)], 0) << i;
 }
 
 }  // namespace
