@@ -1,0 +1,204 @@
+#include "pipeline/algo/decode/burst_decoder.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "pipeline/algo/decode/burst_gates.hpp"
+#include "pipeline/algo/decode/surface.hpp"
+#include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/algo/unwrap/cells.hpp"
+#include "pipeline/algo/unwrap/flood.hpp"
+
+namespace enamel::algo {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+void resize_output(int w, int h, DecodedBurst& out) {
+  if (out.phase_rad.width() == w && out.phase_rad.height() == h) return;
+  for (Map<float>* m :
+       {&out.phase_rad, &out.patch.depth_mm, &out.patch.sigma_mm, &out.patch.texture_dn, &out.patch.modulation_dn})
+    *m = Map<float>(w, h);
+  out.order = Map<std::uint8_t>(w, h);
+  out.reject = Map<PixelReject>(w, h);
+  out.patch.points = out.patch.normals = Map<Vec3f>(w, h, Vec3f::Constant(kNan));
+}
+
+void clear_surface(DecodedBurst& out) {
+  for (Map<float>* m : {&out.patch.depth_mm, &out.patch.sigma_mm})
+    std::fill(m->pixels().begin(), m->pixels().end(), kNan);
+  for (Map<Vec3f>* m : {&out.patch.points, &out.patch.normals})
+    std::fill(m->pixels().begin(), m->pixels().end(), Vec3f::Constant(kNan));
+  std::fill(out.order.pixels().begin(), out.order.pixels().end(), kNoOrder);
+}
+
+void count_rejects(DecodedBurst& out) {
+  out.counts.fill(0);
+  for (const PixelReject r : out.reject.pixels()) ++out.counts[static_cast<std::size_t>(r)];
+  out.patch.valid_px = out.counts[static_cast<std::size_t>(PixelReject::kNone)];
+}
+
+std::size_t count_of(const PhaseMaps& maps, PixelReject reason) {
+  return static_cast<std::size_t>(std::count(maps.reject.pixels().begin(), maps.reject.pixels().end(), reason));
+}
+
+/// Spans of decided pieces; the others' pixels are rejected.
+void make_spans(const std::vector<Piece>& pieces, const OrderResult& orders, Map<PixelReject>& reject,
+                std::vector<CellSpan>& spans) {
+  spans.clear();
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const Piece& p = pieces[k];
+    const PieceOrder& o = orders.pieces[k];
+    if (o.decided && !o.speck) {
+      const bool whole = p.joined && k + 1 < pieces.size() && pieces[k + 1].joined;
+      spans.push_back({p.row, p.begin, p.end, p.cell + 2 * o.shift, whole});
+      continue;
+    }
+    const PixelReject why = o.decided ? PixelReject::kSpeck : PixelReject::kRelative;
+    std::fill(&reject(p.begin, p.row), &reject(p.begin, p.row) + (p.end - p.begin), why);
+  }
+}
+
+/// Grey image, modulation and wrapped phase: what is worth showing whatever becomes of the burst.
+void copy_images(const PhaseMaps& maps, const NoiseModel& noise, DecodedBurst& out) {
+  for (std::size_t i = 0; i < maps.mean_dn.size(); ++i) {
+    out.patch.texture_dn[i] = maps.mean_dn[i] - noise.black_dn;
+    out.patch.modulation_dn[i] = maps.modulation_dn[i];
+  }
+}
+
+/// Where no cell was decided the three-frame phase stands; unlit and noisy pixels have none.
+void finish_phase(const PhaseMaps& maps, bool with_cells, DecodedBurst& out) {
+  for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
+    const PixelReject r = out.reject[i];
+    const bool none = (r == PixelReject::kDark) | (r == PixelReject::kSaturated) | (r == PixelReject::kNoisy);
+    const bool solved = with_cells && ((r == PixelReject::kNone) | (r == PixelReject::kOutOfRange));
+    const float raw = solved ? out.phase_rad[i] : maps.phase_rad[i];
+    out.phase_rad[i] = none ? kNan : (raw >= kPiF ? -kPiF : raw);
+  }
+}
+
+}  // namespace
+
+struct DecodeWorkspace::Buffers {
+  PhaseMaps phase;
+  LinkMaps links;
+  FloodMaps flood;
+  std::vector<Piece> pieces;
+  OrderResult orders;
+  std::vector<CellSpan> spans;
+  PolarityMaps polarity;
+  ClosureFit closure;
+  Map<float> inverse_depth;
+  std::vector<float> scratch;
+};
+
+DecodeWorkspace::DecodeWorkspace() : buffers_(std::make_unique<Buffers>()) {}
+DecodeWorkspace::~DecodeWorkspace() = default;
+DecodeWorkspace::DecodeWorkspace(DecodeWorkspace&&) noexcept = default;
+DecodeWorkspace& DecodeWorkspace::operator=(DecodeWorkspace&&) noexcept = default;
+
+Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfig& config) {
+  BurstDecoder d;
+  ENAMEL_TRY_ASSIGN(d.signs_, make_cell_signs(rig.patterns, rig.projector));
+  const auto range = rig.depth_range ? rig.depth_range : config.depth_range_mm;
+  if (!range) return fail(ErrorCode::kRigInvalid, "key 'depth_range_mm' is missing and none was given");
+  ENAMEL_TRY_ASSIGN(RayDepth rays, RayDepth::bake(rig, *range));
+  d.rays_ = std::make_shared<const RayDepth>(std::move(rays));
+  const RayDepth& r = *d.rays_;
+  const auto width = static_cast<std::size_t>(r.width);
+  const std::size_t centre = static_cast<std::size_t>(r.height / 2) * width + width / 2;
+  const RaySlopes slopes{static_cast<double>(r.c0[centre]), static_cast<double>(r.c1[centre]), 1 / rig.camera.fx,
+                         1 / rig.camera.fy};
+  d.carrier_ = make_carrier(r.phase_mid_rad.data(), slopes, range->near_mm, config.links.max_slope_deg);
+  d.noise_ = rig.noise;
+  d.config_ = config;
+  return d;
+}
+
+BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const {
+  auto& b = *workspace.buffers_;
+  const auto step = [&](const char* name) {
+    if (workspace.on_step) workspace.on_step(name);
+  };
+  auto& diag = out.diagnostics;
+  diag = {};
+  diag.noise = noise_ ? noise_from_rig(*noise_, view.bit_depth) : noise_from_closure(view);
+  compute_phase(view, diag.noise, config_.phase, b.phase);
+  copy_images(b.phase, diag.noise, out);
+  step("phase");
+  if (count_of(b.phase, PixelReject::kNone) < config_.min_points) {
+    const bool bright = count_of(b.phase, PixelReject::kSaturated) >= config_.min_points;
+    return bright ? BurstVerdict::kSaturated : BurstVerdict::kTooDark;
+  }
+  diag.closure_share = closure_share(b.phase, diag.noise);
+  compute_links(b.phase, carrier_, config_.links, b.links);
+  diag.linked_share = b.links.pairs > 0 ? static_cast<double>(b.links.linked) / static_cast<double>(b.links.pairs) : 0;
+  reject_edges(b.links, b.phase.reject);
+  step("links");
+  if (diag.linked_share < config_.min_linked_share || diag.closure_share < config_.min_closure_share)
+    return BurstVerdict::kPatternMismatch;
+  flood(b.phase.phase_rad, b.links, b.flood);
+  step("unwrap");
+  find_pieces(b.phase, diag.noise, b.links, b.flood, {rays_->phase_near_rad.data(), rays_->phase_far_rad.data()},
+              b.pieces);
+  find_orders(b.pieces, b.flood.components, signs_, config_.order, b.orders);
+  make_spans(b.pieces, b.orders, b.phase.reject, b.spans);
+  const double judged = b.orders.agreeing_px + b.orders.contradicting_px;
+  diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;
+  step("order");
+  if (b.spans.empty()) return BurstVerdict::kNoCode;
+  if (signs_.informative && diag.code_agreement < config_.min_code_agreement) return BurstVerdict::kPatternMismatch;
+  apply_polarity(b.spans, signs_, diag.noise, config_.polarity, b.phase, b.polarity);
+  step("polarity");
+  if (config_.correct_closure) {
+    fit_closure(b.phase, b.polarity, config_.closure, b.closure);
+    correct_phase(b.polarity, b.closure, b.phase);
+    diag.motion_rad = b.closure.motion_rad;
+    diag.harmonic = b.closure.harmonic;
+  }
+  if (config_.correct_fourth) diag.fourth_rad = estimate_fourth_harmonic(b.spans, b.phase).a1_rad;
+  step("closure");
+  out.reject = b.phase.reject;
+  make_surface(b.phase, b.polarity, *rays_, diag.fourth_rad, b.inverse_depth, out);
+  step("triangulate");
+  compute_normals(*rays_, b.inverse_depth, out.patch.sigma_mm, config_.normals, b.scratch, out.patch.normals);
+  step("normals");
+  const auto points =
+      static_cast<std::size_t>(std::count(out.reject.pixels().begin(), out.reject.pixels().end(), PixelReject::kNone));
+  return points < config_.min_points ? BurstVerdict::kTooFewPoints : BurstVerdict::kAccepted;
+}
+
+void BurstDecoder::decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const {
+  const int w = rays_->width, h = rays_->height;
+  auto& b = *workspace.buffers_;
+  resize_output(w, h, out);
+  if (b.inverse_depth.width() != w || b.inverse_depth.height() != h) b.inverse_depth = Map<float>(w, h);
+  const bool fits = view.is_consistent() && view.width == w && view.height == h;
+  out.verdict = fits ? run(view, workspace, out) : BurstVerdict::kFrameMismatch;
+  const bool reached_surface = out.verdict == BurstVerdict::kAccepted || out.verdict == BurstVerdict::kTooFewPoints;
+  if (!fits) {
+    std::fill(out.reject.pixels().begin(), out.reject.pixels().end(), PixelReject::kDark);
+    for (Map<float>* m : {&out.phase_rad, &out.patch.texture_dn, &out.patch.modulation_dn})
+      std::fill(m->pixels().begin(), m->pixels().end(), kNan);
+  } else {
+    if (!reached_surface) out.reject = b.phase.reject;
+    finish_phase(b.phase, reached_surface, out);
+  }
+  if (!out.accepted()) {
+    clear_surface(out);
+    for (PixelReject& r : out.reject.pixels()) r = r == PixelReject::kNone ? PixelReject::kRelative : r;
+  }
+  count_rejects(out);
+}
+
+DecodedBurst BurstDecoder::decode(const BurstView& view) const {
+  DecodeWorkspace workspace;
+  DecodedBurst out;
+  decode(view, workspace, out);
+  return out;
+}
+
+}  // namespace enamel::algo

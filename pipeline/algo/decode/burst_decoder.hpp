@@ -1,0 +1,81 @@
+// One burst to one surface patch: phase, unwrapping, absolute order by the code, triangulation, normals.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "calib/model/rig.hpp"
+#include "pipeline/algo/decode/decoded_burst.hpp"
+#include "pipeline/algo/phase/burst_view.hpp"
+#include "pipeline/algo/phase/closure.hpp"
+#include "pipeline/algo/phase/phase.hpp"
+#include "pipeline/algo/phase/polarity.hpp"
+#include "pipeline/algo/triangulate/normals.hpp"
+#include "pipeline/algo/unwrap/links.hpp"
+#include "pipeline/algo/unwrap/order.hpp"
+
+namespace enamel::algo {
+
+struct DecodeConfig {
+  PhaseConfig phase;
+  LinkConfig links;
+  OrderConfig order;
+  PolarityConfig polarity;
+  ClosureConfig closure;
+  NormalConfig normals;
+  bool correct_closure = true;  ///< undo in-burst motion and the projector's second harmonic, both seen in the closure
+  bool correct_fourth = true;   ///< undo the sin 4phi error of a third harmonic, self-calibrated per burst
+  /// Used when the rig states none. A depth range is never assumed.
+  std::optional<calib::DepthRange> depth_range_mm;
+  std::size_t min_points = 1000;   ///< fewer cannot be registered
+  double min_linked_share = 0.65;  ///< see burst_gates.hpp
+  double min_closure_share = 0.65;
+  double min_code_agreement = 0.8;
+};
+
+/// Memory that one caller (one thread) reuses from burst to burst.
+class DecodeWorkspace {
+ public:
+  DecodeWorkspace();
+  ~DecodeWorkspace();
+  DecodeWorkspace(DecodeWorkspace&&) noexcept;
+  DecodeWorkspace& operator=(DecodeWorkspace&&) noexcept;
+
+  /// Called after each step with its name, for timing by whoever has a clock.
+  std::function<void(const char* step)> on_step;
+
+ private:
+  friend class BurstDecoder;
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
+};
+
+/// Immutable: decode() is const and thread-safe, each thread with its own workspace and output.
+class BurstDecoder {
+ public:
+  /// Bakes the rig's per-pixel geometry (about half a second for VGA). Errors: kPatternSet (modes M and multi, fringes
+  /// along v), kRigInvalid (no depth range given anywhere; geometry that does not determine depth).
+  [[nodiscard]] static Result<BurstDecoder> make(const calib::Rig& rig, const DecodeConfig& config = {});
+
+  /// `out` keeps its memory. On rejection the maps that were reached are filled, the patch is empty (all NaN).
+  void decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
+
+  /// The same with fresh memory.
+  [[nodiscard]] DecodedBurst decode(const BurstView& view) const;
+
+  [[nodiscard]] const RayDepth& rays() const noexcept { return *rays_; }
+  [[nodiscard]] const DecodeConfig& config() const noexcept { return config_; }
+
+ private:
+  BurstDecoder() = default;
+  BurstVerdict run(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
+
+  std::shared_ptr<const RayDepth> rays_;
+  CellSigns signs_;
+  Carrier carrier_;
+  std::optional<calib::NoiseValues> noise_;
+  DecodeConfig config_;
+};
+
+}  // namespace enamel::algo

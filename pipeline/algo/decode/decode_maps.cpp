@@ -1,0 +1,121 @@
+#include "pipeline/algo/decode/decode_maps.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <opencv2/imgcodecs.hpp>
+#include <string_view>
+
+#include "protocol/base/file.hpp"
+
+namespace enamel::algo {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the writers copy floats as they lie in memory");
+
+void append(std::string& out, const void* data, std::size_t bytes) {
+  out.append(static_cast<const char*>(data), bytes);
+}
+
+std::string_view name_of_mode(calib::PatternMode mode) {
+  switch (mode) {
+    case calib::PatternMode::kPlain4:
+      return "plain4";
+    case calib::PatternMode::kPolarity:
+      return "T";
+    case calib::PatternMode::kSingle:
+      return "single";
+    case calib::PatternMode::kMicro:
+      return "M";
+    case calib::PatternMode::kMulti:
+      return "multi";
+  }
+  return "unknown";
+}
+
+double median_sigma_um(const SurfacePatch& patch) {
+  std::vector<float> sigma;
+  for (const float s : patch.sigma_mm.pixels())
+    if (s == s) sigma.push_back(s);
+  if (sigma.empty()) return 0;
+  const auto middle = sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2);
+  std::nth_element(sigma.begin(), middle, sigma.end());
+  return 1e3 * static_cast<double>(*middle);
+}
+
+Result<std::string> png_bytes(const Map<std::uint8_t>& map) {
+  std::vector<std::uint8_t> pixels(map.pixels().begin(), map.pixels().end());
+  std::vector<std::uint8_t> png;
+  try {
+    const cv::Mat image(map.height(), map.width(), CV_8UC1, pixels.data());
+    if (!cv::imencode(".png", image, png)) return fail(ErrorCode::kFileWrite, "order.png cannot be encoded");
+  } catch (const cv::Exception& e) {
+    return fail(ErrorCode::kFileWrite, std::string("order.png: ") + e.what());
+  }
+  return std::string(png.begin(), png.end());
+}
+
+}  // namespace
+
+std::string pfm_bytes(const Map<float>& map) {
+  std::string out = fmt::format("Pf\n{} {}\n-1.0\n", map.width(), map.height());
+  const auto width = static_cast<std::size_t>(map.width());
+  for (int v = map.height() - 1; v >= 0; --v)
+    append(out, &map[static_cast<std::size_t>(v) * width], width * sizeof(float));
+  return out;
+}
+
+std::string points_ply(const SurfacePatch& patch) {
+  std::string body;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < patch.depth_mm.size(); ++i) {
+    if (!(patch.depth_mm[i] == patch.depth_mm[i])) continue;
+    const Vec3f n = patch.normals[i].allFinite() ? patch.normals[i] : Vec3f(Vec3f::Zero());
+    append(body, patch.points[i].data(), 3 * sizeof(float));
+    append(body, n.data(), 3 * sizeof(float));
+    append(body, &patch.texture_dn[i], sizeof(float));
+    ++count;
+  }
+  return fmt::format(
+             "ply\nformat binary_little_endian 1.0\ncomment camera frame, mm\nelement vertex {}\n"
+             "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+             "property float nz\nproperty float intensity\nend_header\n",
+             count) +
+         body;
+}
+
+std::string decode_json(const DecodedBurst& burst, const DecodeReport& report) {
+  std::string rejected, stages;
+  for (std::size_t r = 1; r < kPixelRejects; ++r)
+    rejected += fmt::format("{}\"{}\": {}", rejected.empty() ? "" : ", ", kPixelRejectNames[r], burst.counts[r]);
+  for (const auto& [name, ms] : report.stage_ms)
+    stages += fmt::format("{}\"{}\": {:.3f}", stages.empty() ? "" : ", ", name, ms);
+  const auto& d = burst.diagnostics;
+  return fmt::format(
+      "{{\"burst\": {}, \"mode\": \"{}\", \"verdict\": \"{}\", \"valid_px\": {}, \"undecided_px\": {},\n"
+      " \"rejected_px\": {{{}}},\n \"sigma_um_median\": {:.3f},\n"
+      " \"diagnostics\": {{\"linked_share\": {:.5f}, \"closure_share\": {:.5f}, \"code_agreement\": {:.5f}, "
+      "\"motion_rad\": {:.6f}, \"harmonic\": {:.6f}, \"fourth_rad\": {:.6f}, \"noise_from\": \"{}\"}},\n"
+      " \"stage_ms\": {{{}}}}}\n",
+      report.burst, name_of_mode(report.mode), name_of(burst.verdict), burst.patch.valid_px,
+      burst.counts[static_cast<std::size_t>(PixelReject::kRelative)], rejected, median_sigma_um(burst.patch),
+      d.linked_share, d.closure_share, d.code_agreement, d.motion_rad, d.harmonic, d.fourth_rad,
+      d.noise.source == NoiseSource::kRig ? "rig" : "closure", stages);
+}
+
+Result<void> write_decode_maps(const DecodedBurst& burst, const DecodeReport& report, const std::string& folder) {
+  ENAMEL_TRY(make_folder(folder));
+  ENAMEL_TRY_ASSIGN(const std::string order, png_bytes(burst.order));
+  ENAMEL_TRY(write_file(folder + "/phase.pfm", pfm_bytes(burst.phase_rad)));
+  ENAMEL_TRY(write_file(folder + "/modulation.pfm", pfm_bytes(burst.patch.modulation_dn)));
+  ENAMEL_TRY(write_file(folder + "/order.png", order));
+  ENAMEL_TRY(write_file(folder + "/depth.pfm", pfm_bytes(burst.patch.depth_mm)));
+  ENAMEL_TRY(write_file(folder + "/sigma.pfm", pfm_bytes(burst.patch.sigma_mm)));
+  ENAMEL_TRY(write_file(folder + "/points.ply", points_ply(burst.patch)));
+  return write_file(folder + "/decode.json", decode_json(burst, report));
+}
+
+}  // namespace enamel::algo

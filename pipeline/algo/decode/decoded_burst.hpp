@@ -1,0 +1,56 @@
+// Everything one burst decodes to: every intermediate map, the surface patch, the verdict and why.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "pipeline/algo/phase/noise_model.hpp"
+#include "pipeline/algo/phase/pixel_reject.hpp"
+#include "pipeline/types/map.hpp"
+#include "pipeline/types/patch.hpp"
+
+namespace enamel::algo {
+
+/// Whole-burst outcome. Anything but kAccepted is a rejection to be counted under its name, not an error.
+enum class BurstVerdict : std::uint8_t {
+  kAccepted,
+  kFrameMismatch,    ///< frame size or depth is not the rig's
+  kTooDark,          ///< hardly any pixel is lit
+  kSaturated,        ///< most lit pixels are at full scale
+  kPatternMismatch,  ///< frames permuted, or projected with other patterns than the rig's
+  kNoCode,           ///< phase is there, but no region shows enough code to be placed
+  kTooFewPoints,
+};
+
+[[nodiscard]] constexpr std::string_view name_of(BurstVerdict v) noexcept {
+  constexpr std::array<std::string_view, 7> kNames = {
+      "accepted", "frame_size_mismatch", "too_dark", "saturated", "pattern_set_mismatch", "no_code", "too_few_points"};
+  return kNames[static_cast<std::size_t>(v)];
+}
+
+/// Figures that the verdict and reports rest on.
+struct DecodeDiagnostics {
+  double linked_share = 0;    ///< neighbouring pixel pairs that follow the rig's fringe carrier
+  double closure_share = 0;   ///< lit pixels whose fourth frame is A + S or A - S
+  double code_agreement = 0;  ///< of pixels in decided cells: code as labelled
+  float motion_rad = 0;       ///< mean phase change per frame interval
+  float harmonic = 0;         ///< projector's B2/B1
+  float fourth_rad = 0;       ///< a1 of the sin 4phi correction that was subtracted
+  NoiseModel noise;
+};
+
+struct DecodedBurst {
+  BurstVerdict verdict = BurstVerdict::kFrameMismatch;
+  Map<float> phase_rad;     ///< [-pi, pi), atan2(I3-I1, I0-I2) with polarity undone; NaN where masked as unlit or noisy
+  Map<std::uint8_t> order;  ///< floor(u_p / period_px), kNoOrder where no depth
+  Map<PixelReject> reject;  ///< kNone exactly where the patch has depth
+  std::array<std::size_t, kPixelRejects> counts{};  ///< pixels per PixelReject; sums to the image
+  SurfacePatch patch;
+  DecodeDiagnostics diagnostics;
+
+  [[nodiscard]] bool accepted() const noexcept { return verdict == BurstVerdict::kAccepted; }
+};
+
+}  // namespace enamel::algo

@@ -1,0 +1,166 @@
+#include "pipeline/algo/phase/closure.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pipeline/algo/phase/poly_trig.hpp"
+
+namespace enamel::algo {
+namespace {
+
+constexpr std::size_t kSums = 6;  ///< x1x1 x1x2 x2x2 x1y x2y n, with x1 the motion's and x2 the harmonic's column
+using Sums = std::array<double, kSums>;
+
+/// Adds one image row to per-column sums, column by column: vectorises, and the order of additions is fixed.
+void add_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::size_t width, float limit, float* sums) {
+  const float *c = &m.cosine_dn[at], *s = &m.sine_dn[at], *b = &m.modulation_dn[at], *r = &m.code_dn[at];
+  const float* w = &p.weight[at];
+  float *s0 = sums, *s1 = s0 + width, *s2 = s1 + width, *s3 = s2 + width, *s4 = s3 + width, *s5 = s4 + width;
+  for (std::size_t u = 0; u < width; ++u) {
+    const bool used = ((w[u] > 0.999F) | (w[u] < -0.999F)) & (r[u] < limit * b[u]) & (r[u] > -limit * b[u]);
+    const float plus = w[u] > 0 ? 1.0F : 0.0F;
+    const float x1 = used ? 2 * (s[u] * plus - c[u]) : 0.0F;
+    const float x2 = used ? 4 * plus * (c[u] - s[u]) * (c[u] + s[u]) / (b[u] + 1e-6F) : 0.0F;
+    const float y = used ? r[u] : 0.0F;
+    s0[u] += x1 * x1;
+    s1[u] += x1 * x2;
+    s2[u] += x2 * x2;
+    s3[u] += x1 * y;
+    s4[u] += x2 * y;
+    s5[u] += used ? 1.0F : 0.0F;
+  }
+}
+
+struct Pair {
+  double motion = 0, harmonic = 0;
+};
+
+/// (X'X + diag(p1, p2)) theta = X'y + diag(p1, p2) prior.
+Pair solve(const double* s, double p1, double p2, Pair prior) {
+  const double a = s[0] + p1, b = s[1], d = s[2] + p2;
+  const double y1 = s[3] + p1 * prior.motion, y2 = s[4] + p2 * prior.harmonic;
+  const double det = a * d - b * b;
+  if (!(det > 1e-12 * a * d)) return prior;
+  return {(d * y1 - b * y2) / det, (a * y2 - b * y1) / det};
+}
+
+/// phase[u] -= error, with eps and rho interpolated between block columns; em/rm hold the row's values at block
+/// centres.
+void correct_row(const PhaseMaps& m, const float* w, const float* em, const float* rm, std::size_t at,
+                 std::size_t width, float* phase) {
+  const float *c = &m.cosine_dn[at], *s = &m.sine_dn[at], *b = &m.modulation_dn[at];
+  for (std::size_t u = 0; u < width; ++u) {
+    const float inv = 1.0F / (b[u] + 1e-6F);
+    const float cs = c[u] * inv, sn = s[u] * inv;
+    const float cos2 = (cs - sn) * (cs + sn), sin2 = 2 * cs * sn;
+    const float full = w[u] < 0 ? -w[u] : w[u];
+    const float half = 0.5F * em[u], ripple = 2 * rm[u] * cos2 * cs;
+    const float three = ripple + half * (sin2 - 1);
+    const float with_code = w[u] > 0 ? half * cos2 : ripple + half * (sin2 + cos2);
+    phase[u] -= three + full * (with_code - three);
+  }
+}
+
+struct Interpolation {
+  std::size_t low = 0, high = 0;
+  float share = 0;  ///< of `high`
+};
+
+Interpolation between_blocks(int pixel, int block_px, int blocks) {
+  const float x = (static_cast<float>(pixel) + 0.5F) / static_cast<float>(block_px) - 0.5F;
+  const int low = std::clamp(static_cast<int>(std::floor(x)), 0, blocks - 1);
+  const int high = std::min(low + 1, blocks - 1);
+  return {static_cast<std::size_t>(low), static_cast<std::size_t>(high),
+          std::clamp(x - static_cast<float>(low), 0.0F, 1.0F)};
+}
+
+}  // namespace
+
+void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureConfig& config, ClosureFit& out) {
+  const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
+  const auto width = static_cast<std::size_t>(w);
+  out.block_px = config.block_px;
+  out.columns = (w + config.block_px - 1) / config.block_px;
+  out.rows = (h + config.block_px - 1) / config.block_px;
+  const std::size_t blocks = static_cast<std::size_t>(out.columns) * static_cast<std::size_t>(out.rows);
+  out.work.block_sums.assign(blocks * kSums, 0.0);
+  Sums all{};
+  for (int br = 0; br < out.rows; ++br) {
+    out.work.column_sums.assign(kSums * width, 0.0F);
+    for (int v = br * config.block_px; v < std::min(h, (br + 1) * config.block_px); ++v)
+      add_row(maps, polarity, static_cast<std::size_t>(v) * width, width, config.max_residual,
+              out.work.column_sums.data());
+    for (std::size_t u = 0; u < width; ++u) {
+      const std::size_t block =
+          static_cast<std::size_t>(br * out.columns) + u / static_cast<std::size_t>(config.block_px);
+      for (std::size_t k = 0; k < kSums; ++k) {
+        const auto value = static_cast<double>(out.work.column_sums[k * width + u]);
+        out.work.block_sums[block * kSums + k] += value;
+        all[k] += value;
+      }
+    }
+  }
+  const Pair burst = solve(all.data(), 1e-3, 1e-3, {});
+  out.motion_rad = static_cast<float>(burst.motion);
+  out.harmonic = static_cast<float>(burst.harmonic);
+  // A residual's variance is about 4 DN^2 at a typical sigma of 1 DN; only its ratio to the prior's matters.
+  const double p1 = 4.0 / std::pow(static_cast<double>(config.motion_prior_rad), 2);
+  const double p2 = 4.0 / std::pow(static_cast<double>(config.harmonic_prior), 2);
+  out.block_motion_rad.resize(blocks);
+  out.block_harmonic.resize(blocks);
+  for (std::size_t k = 0; k < blocks; ++k) {
+    const Pair fit = solve(&out.work.block_sums[k * kSums], p1, p2, burst);
+    out.block_motion_rad[k] = static_cast<float>(fit.motion);
+    out.block_harmonic[k] = static_cast<float>(fit.harmonic);
+  }
+}
+
+void correct_phase(const PolarityMaps& polarity, ClosureFit& fit, PhaseMaps& maps) {
+  const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
+  const auto width = static_cast<std::size_t>(w), columns = static_cast<std::size_t>(fit.columns);
+  auto& buffer = fit.work.column_sums;
+  buffer.resize(std::max(buffer.size(), 2 * width));
+  std::vector<Interpolation> across(width);
+  for (int u = 0; u < w; ++u) across[static_cast<std::size_t>(u)] = between_blocks(u, fit.block_px, fit.columns);
+  for (int v = 0; v < h; ++v) {
+    const Interpolation down = between_blocks(v, fit.block_px, fit.rows);
+    const auto value = [&](const std::vector<float>& f, std::size_t column) {
+      return f[down.low * columns + column] * (1 - down.share) + f[down.high * columns + column] * down.share;
+    };
+    for (std::size_t u = 0; u < width; ++u) {
+      const Interpolation& a = across[u];
+      buffer[u] = value(fit.block_motion_rad, a.low) * (1 - a.share) + value(fit.block_motion_rad, a.high) * a.share;
+      buffer[width + u] =
+          value(fit.block_harmonic, a.low) * (1 - a.share) + value(fit.block_harmonic, a.high) * a.share;
+    }
+    const std::size_t at = static_cast<std::size_t>(v) * width;
+    correct_row(maps, &polarity.weight[at], buffer.data(), &buffer[width], at, width, &maps.phase_rad[at]);
+  }
+}
+
+FourthHarmonic estimate_fourth_harmonic(std::span<const CellSpan> spans, const PhaseMaps& maps) {
+  double sum = 0;
+  FourthHarmonic out;
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  for (const CellSpan& span : spans) {
+    if (!span.whole) continue;
+    const std::size_t at = static_cast<std::size_t>(span.row) * width;
+    float part = 0;
+    for (std::size_t i = at + static_cast<std::size_t>(span.begin); i < at + static_cast<std::size_t>(span.end); ++i) {
+      const float c = maps.cosine_dn[i], s = maps.sine_dn[i];
+      const float inv2 = 1.0F / (c * c + s * s + 1e-6F);
+      const float cos2 = (c - s) * (c + s) * inv2, sin2 = 2 * c * s * inv2;
+      // cos 4(phi + e) for the corrected phase phi + e, e small.
+      const float moved = maps.phase_rad[i] - atan2_poly(s, c);
+      const float e = moved > kPiF ? moved - kTwoPiF : (moved < -kPiF ? moved + kTwoPiF : moved);
+      part += 2 * cos2 * cos2 - 1 - 8 * e * sin2 * cos2;
+    }
+    sum += static_cast<double>(part);
+    out.pixels += span.end - span.begin;
+  }
+  if (out.pixels > 0) out.a1_rad = static_cast<float>(-0.5 * sum / out.pixels);
+  return out;
+}
+
+}  // namespace enamel::algo

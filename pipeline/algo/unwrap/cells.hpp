@@ -1,0 +1,33 @@
+// Pieces: runs of linked pixels of one row within one half fringe. The code gives each piece one sign; the absolute
+// order is looked for piece by piece, not pixel by pixel.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/algo/unwrap/flood.hpp"
+
+namespace enamel::algo {
+
+struct Piece {
+  std::int32_t row = 0, begin = 0, end = 0;  ///< pixels begin … end-1 of the row
+  std::int32_t component = -1;
+  std::int32_t cell = 0;            ///< floor(Phi/pi) of the flood's Phi; absolute cell = cell + 2*shift
+  std::int32_t up = -1, down = -1;  ///< the same surface and cell in the rows above and below
+  std::int32_t low = 0, high = -1;  ///< shifts that the depth range allows
+  bool joined = false;              ///< continues the run of the piece before it in the list
+  float code = 0;                   ///< T = sum(D S3)/sum(S3^2): about +1 or -1 (algorithms.md §2.2)
+  float code_variance = 1e9F;       ///< of T, noise and projector blur together
+};
+
+/// Phase at the two ends of the depth range, per pixel, rad, absolute.
+struct PhaseBounds {
+  const float* near_rad = nullptr;
+  const float* far_rad = nullptr;
+};
+
+/// Fills `pieces` in row order.
+void find_pieces(const PhaseMaps& phase, const NoiseModel& noise, const LinkMaps& links, const FloodMaps& flood,
+                 const PhaseBounds& bounds, std::vector<Piece>& pieces);
+
+}  // namespace enamel::algo
