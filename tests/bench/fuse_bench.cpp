@@ -95,12 +95,13 @@ void mesh_update(benchmark::State& state) {
     model.integrate(BurstId{k}, s.patches[i], s.poses[i]);
     ++k;
     state.ResumeTiming();
-    blocks += mesher.update(model, model.take_changed(0.002)).blocks_meshed;
+    const auto max_blocks = static_cast<std::size_t>(state.range(0));
+    blocks += mesher.update(model, model.take_changed(0.002), max_blocks).blocks_meshed;
     benchmark::DoNotOptimize(mesher.snapshot());
   }
   state.counters["blocks_per_burst"] = static_cast<double>(blocks) / static_cast<double>(k);
 }
-BENCHMARK(mesh_update)->Unit(benchmark::kMillisecond)->Iterations(60);
+BENCHMARK(mesh_update)->Arg(400)->Arg(1000000)->Unit(benchmark::kMillisecond)->Iterations(60);
 
 void mesh_all_touched(benchmark::State& state) {
   const Sweep& s = sweep();

@@ -27,7 +27,7 @@ void project_row(const Vec3f& start, const Vec3f& step, const LocalProjection& l
 }
 
 struct Limits {
-  float truncation, fade, weight_max;
+  float truncation, fade, weight_max, near_surface;
   unsigned min_observations, min_bursts;
 };
 
@@ -36,8 +36,12 @@ Limits limits_of(const FuseConfig& config) {
   const auto voxel = static_cast<float>(config.voxel_mm);
   const auto at_least_one = [](int n) { return static_cast<unsigned>(std::max(1, n)); };
   // Behind the surface the weight fades from one voxel's depth on: what lies there may belong to the other side.
-  return {truncation, 1.0F / std::max(truncation - voxel, 0.1F * voxel), static_cast<float>(config.voxel_weight_max),
-          at_least_one(config.min_observations), at_least_one(config.min_bursts)};
+  return {truncation,
+          1.0F / std::max(truncation - voxel, 0.1F * voxel),
+          static_cast<float>(config.voxel_weight_max),
+          1.5F * voxel,
+          at_least_one(config.min_observations),
+          at_least_one(config.min_bursts)};
 }
 
 // What the patch says about the eight voxels; weight 0 = nothing.
@@ -75,7 +79,7 @@ void update_distances(const Measured& in, const Limits& limits, float* distance,
     const float change = (in.distance[i] - distance[i]) * (in.weight[i] / (sum > 0.0F ? sum : 1.0F));
     distance[i] += change;
     weight[i] = std::min(sum, limits.weight_max);
-    moved[i] = std::max(moved[i], std::fabs(change));
+    moved[i] = std::max(moved[i], std::fabs(distance[i]) < limits.near_surface ? std::fabs(change) : 0.0F);
   }
 }
 

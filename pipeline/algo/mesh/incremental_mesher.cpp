@@ -8,37 +8,44 @@
 
 namespace enamel::algo {
 
-UpdateStats IncrementalMesher::update(const TsdfModel& model, std::span<const BlockIndex> changed) {
+void IncrementalMesher::enqueue(std::int32_t id) {
+  const auto at = static_cast<std::size_t>(id);
+  if (id == kNoBlock || queued_[at]) {
+    return;
+  }
+  queued_[at] = true;
+  queue_.push_back(id);
+}
+
+UpdateStats IncrementalMesher::update(const TsdfModel& model, std::span<const BlockIndex> changed,
+                                      std::size_t max_blocks) {
   UpdateStats stats;
-  std::vector<std::int32_t> stale;
+  queued_.resize(model.grid().size(), false);
   for (const BlockIndex& index : changed) {
     const std::int32_t id = model.grid().find(index);
     if (id == kNoBlock) {
       continue;
     }
-    // Lower neighbours' cells use this block's first voxels, normals on all sides look one voxel across.
+    enqueue(id);
     for (const std::int32_t near : model.grid().block(id).neighbour) {
-      if (near != kNoBlock) {
-        stale.push_back(near);
-      }
+      enqueue(near);
     }
-    stale.push_back(id);
   }
-  std::sort(stale.begin(), stale.end());
-  stale.erase(std::unique(stale.begin(), stale.end()), stale.end());
-  MeshedBlock meshed;
-  for (const std::int32_t id : stale) {
-    mesher_.run(model, id, meshed);
+  for (; !queue_.empty() && stats.blocks_meshed < max_blocks; queue_.pop_front()) {
+    const std::int32_t id = queue_.front();
+    queued_[static_cast<std::size_t>(id)] = false;
     ++stats.blocks_meshed;
-    if (meshed.mesh.triangles.empty()) {
+    mesher_.run(model, id, scratch_);
+    if (scratch_.mesh.triangles.empty()) {
       blocks_.erase(model.grid().block(id).index);
       continue;
     }
     ++stats.blocks_with_surface;
-    Entry& entry = blocks_[meshed.mesh.block];
-    entry.edge_keys = std::move(meshed.edge_keys);
-    entry.mesh = std::make_shared<const BlockMesh>(std::move(meshed.mesh));
+    Entry& entry = blocks_[scratch_.mesh.block];
+    entry.edge_keys = scratch_.edge_keys;  // copies are exactly as large as needed, the scratch keeps its capacity
+    entry.mesh = std::make_shared<const BlockMesh>(scratch_.mesh);
   }
+  stats.blocks_waiting = static_cast<std::uint32_t>(queue_.size());
   after_burst_ = model.after_burst();
   return stats;
 }

@@ -1,7 +1,9 @@
 // The model's surface kept up to date block by block.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <span>
@@ -17,6 +19,7 @@ namespace enamel::algo {
 struct UpdateStats {
   std::uint32_t blocks_meshed = 0;
   std::uint32_t blocks_with_surface = 0;  ///< of those
+  std::uint32_t blocks_waiting = 0;       ///< left for the next update
 };
 
 struct ExtractStats {
@@ -30,8 +33,12 @@ class IncrementalMesher {
  public:
   explicit IncrementalMesher(const MeshConfig& config = {}) : config_(config), mesher_(config) {}
 
-  /// Meshes the changed blocks (TsdfModel::take_changed) and their neighbours (cells and normals reach across) anew.
-  UpdateStats update(const TsdfModel& model, std::span<const BlockIndex> changed);
+  static constexpr std::size_t kAll = ~std::size_t{0};
+
+  /// Queues the changed blocks (TsdfModel::take_changed) and their neighbours (cells and normals reach across) and
+  /// meshes the first max_blocks of the queue anew: a bounded time a burst, a preview a few bursts behind. kAll empties
+  /// the queue.
+  UpdateStats update(const TsdfModel& model, std::span<const BlockIndex> changed, std::size_t max_blocks = kAll);
 
   /// What the viewer takes; blocks that did not change are shared with earlier snapshots.
   [[nodiscard]] ModelSnapshot snapshot() const;
@@ -42,6 +49,7 @@ class IncrementalMesher {
   [[nodiscard]] Mesh extract(ExtractStats* stats = nullptr) const;
 
  private:
+  void enqueue(std::int32_t id);
   struct Entry {
     std::shared_ptr<const BlockMesh> mesh;
     std::vector<std::uint64_t> edge_keys;
@@ -49,6 +57,9 @@ class IncrementalMesher {
   MeshConfig config_;
   BlockMesher mesher_;
   std::map<BlockIndex, Entry> blocks_;  ///< those with triangles
+  std::deque<std::int32_t> queue_;      ///< ids to mesh, first changed first
+  std::vector<bool> queued_;            ///< by id
+  MeshedBlock scratch_;
   std::uint64_t after_burst_ = 0;
 };
 

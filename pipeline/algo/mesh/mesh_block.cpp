@@ -128,6 +128,9 @@ std::uint32_t BlockMesher::vertex(const TsdfModel& model, std::int32_t block_id,
   const Vec3f g = gradient(lower) * (1.0F - t) + gradient(upper) * t;
   const float length = std::sqrt((g.x() * g.x() + g.y() * g.y()) + g.z() * g.z());
   const auto weight_of = [&](const std::array<int, 3>& q) {
+    if (((q[0] | q[1] | q[2]) & ~7) == 0) {
+      return block.weight[voxel_index(q[0], q[1], q[2])];
+    }
     return model.grid().block(owner(block, q[0], q[1], q[2])).weight[voxel_index(q[0] & 7, q[1] & 7, q[2] & 7)];
   };
   const float weight = weight_of(lower) * (1.0F - t) + weight_of(upper) * t;
@@ -169,9 +172,16 @@ void BlockMesher::mesh_cell(const TsdfModel& model, std::int32_t block_id, int x
 
 void BlockMesher::run(const TsdfModel& model, std::int32_t block_id, MeshedBlock& out) {
   const Block& block = model.grid().block(block_id);
-  out = MeshedBlock{};
+  out.mesh.vertices.clear();
+  out.mesh.normals.clear();
+  out.mesh.quality.clear();
+  out.mesh.triangles.clear();
+  out.edge_keys.clear();
   out.mesh.block = block.index;
   out.mesh.epoch = model.after_burst() + 1;
+  if (!block.confirmed) {
+    return;  // every cell's lowest corner lies in this block and would have to count as surface
+  }
   classify(model, block);
   if (!find_cells()) {
     return;
