@@ -65,6 +65,12 @@ class IngressGate {
     room_.notify_all();
   }
 
+  /// Closed and empty: nothing will come any more.
+  [[nodiscard]] bool drained() const {
+    const std::lock_guard lock(mutex_);
+    return closed_ && queue_.empty();
+  }
+
   [[nodiscard]] std::size_t size() const {
     const std::lock_guard lock(mutex_);
     return queue_.size();

@@ -84,7 +84,7 @@ Result<proto::CommandReply> ProbeLink::command(proto::Opcode opcode, std::array<
   const HostTime deadline = clock_.now() + config_.command_timeout;
   while (clock_.now() < deadline) {
     ENAMEL_TRY(send(command));
-    replies_.wait(config_.command_retry);
+    static_cast<void>(replies_.wait(config_.command_retry));
     ENAMEL_TRY_ASSIGN(const auto replies, replies_.take());
     for (const auto& reply : replies) {
       if (!reply.valid || reply.value.cmd_id != command.cmd_id || reply.value.client_id != config_.client_id) continue;

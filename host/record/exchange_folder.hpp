@@ -38,33 +38,44 @@ class ExchangeReader {
   /// Burst of rows()[n]. Errors: kImageInvalid (unreadable, colour, other size or depth than the folder's first frame
   /// or the rig's camera), kExchangeInvalid.
   [[nodiscard]] Result<proto::Burst> burst(std::size_t n) const;
+  [[nodiscard]] const std::string& table_text() const noexcept { return table_text_; }
   /// Every other file of the folder, as relative paths in sorted order: truth/, notes.
   [[nodiscard]] const std::vector<std::string>& extra_files() const noexcept { return extra_files_; }
   [[nodiscard]] const std::string& folder() const noexcept { return folder_; }
 
  private:
+  [[nodiscard]] Result<void> check_first_frame();
+
   std::string folder_;
   std::string rig_text_;
+  std::string table_text_;
   std::vector<ExchangeRow> rows_;
   std::vector<std::string> extra_files_;
-  int camera_width_ = 0;  ///< 0 when the rig does not say
-  int camera_height_ = 0;
+  int width_ = 0, height_ = 0;
+  int file_bits_ = 0;  ///< of the PNG files: 8 or 16
+  int rig_bits_ = 0;   ///< noise.bits of the rig, 0 when it does not say
 };
 
-/// Writes a folder burst by burst. Needs RAW8 or RAW16 bursts. The table is written at finish().
+/// Line of bursts.csv without its end. Needs four metas.
+[[nodiscard]] std::string row_text(const proto::Burst& burst);
+
+/// Writes a folder burst by burst. Needs RAW8 or RAW16 bursts. The table comes last, at finish(): a folder without it
+/// was not finished and is refused by every reader.
 class ExchangeWriter {
  public:
   /// Errors: kFileWrite, also when the folder already holds bursts.
   [[nodiscard]] static Result<ExchangeWriter> create(const std::string& folder, const std::string& rig_text);
   /// Errors: kImageInvalid (inconsistent burst or coded payload), kFileWrite.
-  [[nodiscard]] Result<void> write(const proto::Burst& burst);
-  /// A row already in text form, used instead of the burst's own values (keeps digits beyond 0.01 degC).
-  [[nodiscard]] Result<void> write(const proto::Burst& burst, const ExchangeRow& row);
+  [[nodiscard]] Result<void> write(const proto::Burst& burst) { return write(burst, row_text(burst)); }
+  /// With its line of the table, used instead of the burst's own values (keeps digits beyond 0.01 degC).
+  [[nodiscard]] Result<void> write(const proto::Burst& burst, const std::string& row);
   /// Extra file by relative path. Errors: kExchangeInvalid (path leaves the folder), kFileWrite.
   [[nodiscard]] Result<void> write_file(const std::string& name, proto::ByteView bytes);
-  [[nodiscard]] Result<void> finish();
+  /// `table`: the whole bursts.csv instead of the lines collected.
+  [[nodiscard]] Result<void> finish(const std::optional<std::string>& table = std::nullopt);
 
  private:
+  ExchangeWriter() = default;
   std::string folder_;
   std::string table_;
 };

@@ -42,10 +42,14 @@ void LossLedger::received(std::uint64_t burst_seq) {
   life.last_seq = std::max(life.last_seq.value_or(burst_seq), burst_seq);
 }
 
+void LossLedger::received_unreadable() { ++lives_[life_].received; }
+
 std::uint64_t LossLedger::sequence_gaps() const {
   std::uint64_t gaps = 0;
   for (const auto& [number, life] : lives_) {
-    if (life.first_seq) gaps += *life.last_seq - *life.first_seq + 1 - life.received;
+    if (!life.first_seq) continue;
+    const std::uint64_t spanned = *life.last_seq - *life.first_seq + 1;
+    if (spanned > life.received) gaps += spanned - life.received;
   }
   return gaps;
 }

@@ -45,6 +45,7 @@ class LossLedger {
   void probe_restarted();
 
   void received(std::uint64_t burst_seq);  ///< a sample arrived, whole or not
+  void received_unreadable();              ///< one arrived that does not even tell its number
   void damaged() { ++damaged_; }
   void shed() { ++host_shed_; }
   void accepted() { ++accepted_; }

@@ -29,7 +29,7 @@ std::string to_json(const Report& r) {
                         {"mesh", {{"vertices", r.mesh_vertices}, {"triangles", r.mesh_triangles}}},
                         {"simulated", r.simulated},
                         {"notes", r.notes},
-                        {"config", r.config_lines}};
+                        {"config", r.config_toml}};
   if (!r.accuracy_json.empty()) {
     out["accuracy"] = nlohmann::json::parse(r.accuracy_json, nullptr, /*allow_exceptions=*/false);
   }

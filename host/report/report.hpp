@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "host/report/accounting.hpp"
 #include "protocol/base/result.hpp"
@@ -26,7 +25,7 @@ struct Report {
   std::uint64_t mesh_triangles = 0;
   std::string accuracy_json;   ///< object with the keys of `enamel compare --json`, empty when the truth is not known
   std::map<std::string, std::string> notes;  ///< facts for people: what drew the picture, which pace, seed
-  std::vector<std::string> config_lines;     ///< resolved configuration, TOML
+  std::string config_toml;                   ///< resolved configuration
   bool simulated = false;
 };
 

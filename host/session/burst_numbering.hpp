@@ -8,21 +8,24 @@
 
 namespace enamel::host {
 
-/// The probe counts from zero in each of its lives; a burst_seq that does not grow begins a new one, whose numbers follow
-/// the last number given. Depends on the accepted bursts in their order alone, so live and replay agree.
+/// The probe counts from zero in each of its lives; a burst_seq or burst_index that does not grow begins a new one, whose
+/// numbers follow the last number given. Depends on the accepted bursts in their order alone, so live and replay agree.
 class BurstNumbering {
  public:
+  /// Strictly increasing.
   [[nodiscard]] BurstId number(const proto::Burst& burst) noexcept {
-    if (last_seq_ && burst.burst_seq <= *last_seq_) offset_ = last_id_ + 1 - burst.burst_index;
-    last_seq_ = burst.burst_seq;
-    last_id_ = offset_ + burst.burst_index;
-    return {last_id_};
+    const bool new_life = last_ && (burst.burst_seq <= last_->seq || burst.burst_index <= last_->index);
+    if (new_life) offset_ = last_->id + 1 - burst.burst_index;
+    last_ = Last{burst.burst_seq, burst.burst_index, offset_ + burst.burst_index};
+    return {last_->id};
   }
 
  private:
-  std::optional<std::uint64_t> last_seq_;
+  struct Last {
+    std::uint64_t seq, index, id;
+  };
+  std::optional<Last> last_;
   std::uint64_t offset_ = 0;  // wraps on purpose: only the sum counts
-  std::uint64_t last_id_ = 0;
 };
 
 }  // namespace enamel::host

@@ -1,0 +1,72 @@
+// enamel decode: one burst, every intermediate map.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "host/app/command.hpp"
+#include "host/app/run_options.hpp"
+#include "host/record/burst_stream.hpp"
+#include "pipeline/algo/decode/decode_maps.hpp"
+#include "pipeline/stages/burst_view.hpp"
+#include "protocol/base/clock.hpp"
+#include "protocol/base/log.hpp"
+
+namespace enamel::app {
+
+namespace {
+
+struct Options {
+  RunOptions run;
+  std::string input, rig;
+  std::uint64_t burst = 0;
+};
+
+Result<calib::Rig> rig_for(const Options& o, const host::BurstStream& stream) {
+  if (!o.rig.empty()) return calib::load_rig(o.rig);
+  if (stream.rig_text().empty()) return fail(ErrorCode::kRigMissing, o.input);
+  return calib::parse_rig(stream.rig_text());
+}
+
+Result<int> run_decode(const Options& o) {
+  SteadyClock clock;
+  ENAMEL_TRY_ASSIGN(const LoadedConfig config, load_config(o.run));
+  ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(o.input));
+  ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_for(o, *stream));
+  for (const std::string& key : rig.unknown_keys) log::info("rig", "unknown key '{}' kept and ignored", key);
+  ENAMEL_TRY_ASSIGN(const proto::Burst burst, stream->burst_with_id({o.burst}));
+  if (!proto::is_consistent(burst)) return fail(ErrorCode::kCaptureCorrupt, "burst " + std::to_string(o.burst));
+  ENAMEL_TRY_ASSIGN(const auto decoder, algo::BurstDecoder::make(rig, config.pipeline.decode));
+
+  algo::DecodeReport report{.burst = o.burst, .mode = rig.patterns.mode, .stage_ms = {}};
+  algo::DecodeWorkspace workspace;
+  HostTime last = clock.now();
+  workspace.on_step = [&](const char* step) {
+    const HostTime now = clock.now();
+    report.stage_ms.emplace_back(step, std::chrono::duration<double, std::milli>(now - last).count());
+    last = now;
+  };
+  algo::DecodedBurst decoded;
+  decoder.decode(stage::view_of(burst), workspace, decoded);
+  ENAMEL_TRY(algo::write_decode_maps(decoded, report, o.run.out));
+  std::fputs(algo::decode_json(decoded, report).c_str(), stdout);
+  if (decoded.accepted()) return 0;
+  std::fprintf(stderr, "burst %llu is rejected: %s; its maps were written as far as they go\n",
+               static_cast<unsigned long long>(o.burst), std::string(algo::name_of(decoded.verdict)).c_str());
+  return exit_code(ErrorCode::kQualityGate);
+}
+
+}  // namespace
+
+Run add_decode(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  app.add_option("CAPTURE", o->input, "recording or exchange folder")->required();
+  app.add_option("--burst", o->burst, "number of the burst")->required();
+  app.add_option("--out", o->run.out, "folder for the maps")->required();
+  app.add_option("--rig", o->rig, "another calibration than the recorded one");
+  app.add_option("--config", o->run.config_file, "configuration (TOML)");
+  app.add_option("--set", o->run.settings, "stage.key=value")->allow_extra_args(false);
+  app.add_flag("--json", o->run.json, "decode.json on stdout (always so)");
+  return [o]() -> Result<int> { return run_decode(*o); };
+}
+
+}  // namespace enamel::app

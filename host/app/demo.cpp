@@ -1,0 +1,148 @@
+// enamel demo: twin -> recording (cached) -> enamel-probe -> DDS -> this process -> mesh, accuracy, picture.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "host/app/child_process.hpp"
+#include "host/app/command.hpp"
+#include "host/app/scan_run.hpp"
+#include "host/record/burst_stream.hpp"
+#include "protocol/base/file.hpp"
+#include "protocol/base/log.hpp"
+#include "protocol/base/sha256.hpp"
+
+namespace enamel::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Demo {
+  ScanRun scan;
+  std::string scene;
+  std::string cache;
+  std::uint64_t seed = 1;
+};
+
+// Beside the sources of the build that this program lies in: build/<preset>/bin/enamel -> config/scenes.
+std::string default_scene() {
+  std::error_code ec;
+  fs::path folder = fs::read_symlink("/proc/self/exe", ec).parent_path();
+  for (int up = 0; up < 5; ++up, folder = folder.parent_path()) {
+    const fs::path scene = folder / "config/scenes/quadrant.toml";
+    if (fs::exists(scene, ec)) return scene.string();
+  }
+  return "config/scenes/quadrant.toml";
+}
+
+std::string default_cache() {
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != 0) return std::string(xdg) + "/enamel";
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != 0) return std::string(home) + "/.cache/enamel";
+  return "/tmp/enamel-cache";
+}
+
+// A recording is used again only for the same scene, seed, rigs and renderer.
+Result<std::string> cache_key(const Demo& demo) {
+  RollingHash hash;
+  ENAMEL_TRY_ASSIGN(const std::string scene, read_file(demo.scene));
+  ENAMEL_TRY_ASSIGN(const std::string twin, read_file(sibling_program("enamel-twin")));
+  hash.update(scene).update(twin).update(std::to_string(demo.seed));
+  std::error_code ec;
+  for (const auto& entry : fs::directory_iterator(fs::path(demo.scene).parent_path() / "../rigs", ec)) {
+    if (const auto rig = read_file(entry.path().string())) hash.update(*rig);
+  }
+  return hash.hex().substr(0, 16);
+}
+
+// Old recordings of other seeds and builds: some hundred megabytes each.
+void prune_cache(const std::string& cache, const fs::path& keep) {
+  constexpr std::size_t kKept = 3;
+  std::vector<std::pair<fs::file_time_type, fs::path>> files;
+  std::error_code ec;
+  for (const auto& entry : fs::directory_iterator(cache, ec)) {
+    if (entry.path().extension() == ".mcap" && entry.path() != keep) files.emplace_back(entry.last_write_time(ec), entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  for (std::size_t i = 0; i + kKept - 1 < files.size(); ++i) fs::remove(files[i].second, ec);
+}
+
+Result<std::string> recording(const Demo& demo, Clock& clock) {
+  ENAMEL_TRY(make_folder(demo.cache));
+  ENAMEL_TRY_ASSIGN(const std::string key, cache_key(demo));
+  const std::string path = demo.cache + "/demo-" + key + ".mcap";
+  std::error_code ec;
+  if (fs::exists(path, ec)) {
+    log::info("demo", "recording of seed {} found in the cache: {}", demo.seed, path);
+    return path;
+  }
+  prune_cache(demo.cache, path);
+  log::info("demo", "rendering ahead: two cores render fewer than 30 bursts a second; the probe then plays at the true rate");
+  const std::string partial = path + ".rendering.mcap";
+  ENAMEL_TRY_ASSIGN(auto twin, ChildProcess::start({sibling_program("enamel-twin"), "render", demo.scene, "--seed",
+                                                    std::to_string(demo.seed), "--out", partial}));
+  while (!twin.poll() && !stop_requested()) clock.sleep_for(std::chrono::milliseconds(50));
+  if (stop_requested()) return fail(ErrorCode::kCancelled);
+  if (*twin.poll() != 0) return fail(ErrorCode::kInternal, "enamel-twin ended with code " + std::to_string(*twin.poll()));
+  fs::rename(partial, path, ec);
+  if (ec) return fail(ErrorCode::kFileWrite, path + ": " + ec.message());
+  return path;
+}
+
+std::string text_of(host::BurstStream& stream, const std::string& name) {
+  const auto bytes = stream.attachment(name);
+  return bytes ? std::string(bytes->begin(), bytes->end()) : std::string();
+}
+
+bool has_display() {
+  return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
+}
+
+Result<int> run_demo(Demo& demo) {
+  SteadyClock clock;
+  install_stop_signals();
+  ENAMEL_TRY(make_folder(demo.scan.run.out));
+  if (!demo.scan.run.headless && !has_display()) {
+    log::warn("demo", "no display: the same without a window (as with --headless)");
+    demo.scan.run.headless = true;
+  }
+  ENAMEL_TRY_ASSIGN(const std::string path, recording(demo, clock));
+  {
+    ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(path));
+    demo.scan.truth = {text_of(*stream, "truth/surface.ply"), text_of(*stream, "truth/poses.csv")};
+  }
+  demo.scan.dds_tag = "enamel-demo-" + std::to_string(::getpid());
+  demo.scan.serial = "TWIN-DEMO";
+  demo.scan.start_at_once = true;
+  demo.scan.wait_seconds = 30;
+  demo.scan.notes = {{"seed", std::to_string(demo.seed)},
+                     {"scene", demo.scene},
+                     {"pace", "rendered ahead, played by enamel-probe at the true rate"},
+                     {"source", path}};
+  ENAMEL_TRY_ASSIGN(const auto probe,
+                    ChildProcess::start({sibling_program("enamel-probe"), "--play", path, "--serial", demo.scan.serial,
+                                         "--dds-tag", demo.scan.dds_tag},
+                                        {.stdout_path = demo.scan.run.out + "/probe.out",
+                                         .stderr_path = demo.scan.run.out + "/probe.log"}));
+  return run_scan(demo.scan);
+}
+
+}  // namespace
+
+Run add_demo(CLI::App& app) {
+  auto demo = std::make_shared<Demo>();
+  demo->scan.run.out = "out/demo";
+  demo->scene = default_scene();
+  demo->cache = default_cache();
+  add_run_options(app, demo->scan.run);
+  app.add_option("--out", demo->scan.run.out, "folder for the results")->capture_default_str();
+  app.add_option("--seed", demo->seed, "another patient, path, tremor and noise")->capture_default_str();
+  app.add_option("--scene", demo->scene, "what the twin renders")->capture_default_str();
+  app.add_option("--cache", demo->cache, "where rendered recordings are kept")->capture_default_str();
+  return [demo]() -> Result<int> { return run_demo(*demo); };
+}
+
+}  // namespace enamel::app

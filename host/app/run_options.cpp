@@ -1,0 +1,101 @@
+#include "host/app/run_options.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "protocol/base/config.hpp"
+
+namespace enamel::app {
+
+namespace {
+
+std::atomic<bool> g_stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "written by a signal handler");
+
+void on_signal(int) { g_stop.store(true); }
+
+void row(const char* what, const std::string& value) { std::printf("  %-28s %s\n", what, value.c_str()); }
+
+std::string number(double value, const char* format, const char* unit) {
+  char text[64];
+  std::snprintf(text, sizeof(text), format, value);
+  return std::string(text) + unit;
+}
+
+void print_accuracy(const nlohmann::json& a) {
+  const auto get = [&](const char* key) { return a.contains(key) && a[key].is_number() ? a[key].get<double>() : 0.0; };
+  row("mean absolute deviation", number(get("mean_abs_um"), "%.1f", " um"));
+  row("95 % / 99 % within", number(get("p95_um"), "%.1f", " / ") + number(get("p99_um"), "%.1f", " um"));
+  row("coverage of what was seen", number(get("coverage_pct"), "%.2f", " %"));
+  if (a.contains("end_error_um") && a["end_error_um"].is_number()) {
+    row("end of scan", number(get("end_error_um"), "%.1f", " um, ") + number(get("end_rotation_deg"), "%.3f", " deg"));
+  }
+}
+
+}  // namespace
+
+void install_stop_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool stop_requested() { return g_stop.load(); }
+
+void add_run_options(CLI::App& app, RunOptions& o) {
+  app.add_option("--config", o.config_file, "configuration (TOML); see config/default.toml");
+  app.add_option("--set", o.settings, "one setting over the configuration: stage.key=value")->allow_extra_args(false);
+  app.add_option("--threads", o.workers, "workers of the stage graph; never changes the result")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_flag("--headless", o.headless, "no window");
+  app.add_flag("--json", o.json, "the report on stdout instead of the table");
+}
+
+Result<LoadedConfig> load_config(const RunOptions& o) {
+  auto reader = ConfigReader::empty();
+  if (!o.config_file.empty()) {
+    ENAMEL_TRY_ASSIGN(reader, ConfigReader::from_file(o.config_file));
+  }
+  for (const std::string& setting : o.settings) ENAMEL_TRY(reader.set(setting));
+  LoadedConfig config;
+  host::bind(reader, config.pipeline);
+  ENAMEL_TRY(reader.finish());
+  config.text = reader.dump();
+  return config;
+}
+
+void print_summary(const host::Report& report, bool json) {
+  if (json) {
+    std::fputs(host::to_json(report).c_str(), stdout);
+    return;
+  }
+  const host::BurstCounts& b = report.bursts;
+  if (report.simulated) std::puts("SIMULATED");
+  row("bursts", std::to_string(b.captured) + " captured, " + std::to_string(b.fused) + " fused, " +
+                    std::to_string(b.rejected_total()) + " rejected");
+  row("losses", std::to_string(b.lost_on_wire) + " on the wire, " + std::to_string(b.incomplete) + " incomplete, " +
+                    std::to_string(b.shed) + " shed");
+  row("rate", number(report.rate_hz, "%.1f", " bursts/s"));
+  if (report.latency_ms.p50 > 0) {
+    row("latency p50 / p95 / p99", number(report.latency_ms.p50, "%.0f", " / ") +
+                                       number(report.latency_ms.p95, "%.0f", " / ") +
+                                       number(report.latency_ms.p99, "%.0f", " ms"));
+  }
+  for (const auto& [stage, p] : report.stage_ms) {
+    row(("stage " + stage + " p50 / p99").c_str(), number(p.p50, "%.1f", " / ") + number(p.p99, "%.1f", " ms"));
+  }
+  row("mesh", std::to_string(report.mesh_vertices) + " vertices, " + std::to_string(report.mesh_triangles) + " triangles");
+  if (!report.accuracy_json.empty()) {
+    print_accuracy(nlohmann::json::parse(report.accuracy_json, nullptr, /*allow_exceptions=*/false));
+  }
+  row("hash", report.hash);
+  for (const auto& [key, value] : report.notes) row(key.c_str(), value);
+}
+
+}  // namespace enamel::app

@@ -1,0 +1,25 @@
+// enamel scan: live scan of a probe on the network.
+#include <memory>
+
+#include "host/app/command.hpp"
+#include "host/app/scan_run.hpp"
+
+namespace enamel::app {
+
+Run add_scan(CLI::App& app) {
+  auto scan = std::make_shared<ScanRun>();
+  scan->run.out = "out/session";
+  add_run_options(app, scan->run);
+  app.add_option("--probe", scan->serial, "serial of the probe; needed when there is more than one");
+  app.add_option("--session", scan->run.out, "folder for recording and results")->capture_default_str();
+  app.add_option("--seconds", scan->seconds, "end after this long")->check(CLI::PositiveNumber);
+  app.add_option("--wait-seconds", scan->wait_seconds, "how long to wait for a probe")->capture_default_str();
+  app.add_option("--dds-tag", scan->dds_tag, "only probes with the same tag are seen")->capture_default_str();
+  app.add_flag("!--no-record", scan->record, "keep no recording");
+  return [scan]() -> Result<int> {
+    scan->start_at_once = scan->run.headless;
+    return run_scan(*scan);
+  };
+}
+
+}  // namespace enamel::app

@@ -1,0 +1,90 @@
+#include "host/record/burst_stream.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "host/record/exchange_folder.hpp"
+#include "host/record/exchange_names.hpp"
+#include "host/record/media_type.hpp"
+#include "protocol/base/file.hpp"
+
+namespace enamel::host {
+namespace {
+
+class CaptureStream final : public BurstStream {
+ public:
+  explicit CaptureStream(capture::CaptureReader reader) : reader_(std::move(reader)) {}
+  [[nodiscard]] const capture::CaptureInfo& info() const noexcept override { return reader_.info(); }
+  [[nodiscard]] const std::string& rig_text() const noexcept override { return reader_.rig_text(); }
+  [[nodiscard]] Result<std::optional<capture::Record>> next() override { return reader_.next(); }
+  void rewind() noexcept override { reader_.rewind(); }
+  [[nodiscard]] Result<proto::Burst> burst_with_id(BurstId id) override { return reader_.burst_with_id(id); }
+  [[nodiscard]] Result<proto::Bytes> attachment(const std::string& name) override { return reader_.attachment(name); }
+
+ private:
+  capture::CaptureReader reader_;
+};
+
+class FolderStream final : public BurstStream {
+ public:
+  explicit FolderStream(ExchangeReader reader) : reader_(std::move(reader)) {
+    info_.bursts = reader_.rows().size();
+    info_.first_log_ns = row_end_ns(reader_.rows().front());
+    info_.last_log_ns = row_end_ns(reader_.rows().back());
+    add_attachment(kRigFile);
+    add_attachment(kTableFile);
+    for (const std::string& name : reader_.extra_files()) add_attachment(name);
+  }
+  [[nodiscard]] const capture::CaptureInfo& info() const noexcept override { return info_; }
+  [[nodiscard]] const std::string& rig_text() const noexcept override { return reader_.rig_text(); }
+  [[nodiscard]] Result<std::optional<capture::Record>> next() override {
+    if (next_ >= reader_.rows().size()) return std::optional<capture::Record>{};
+    const std::size_t n = next_++;
+    ENAMEL_TRY_ASSIGN(proto::Burst burst, reader_.burst(n));
+    return std::optional<capture::Record>(capture::Record{row_end_ns(reader_.rows()[n]), std::move(burst)});
+  }
+  void rewind() noexcept override { next_ = 0; }
+  [[nodiscard]] Result<proto::Burst> burst_with_id(BurstId id) override {
+    const auto& rows = reader_.rows();
+    const auto it = std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.burst_id == id.value; });
+    if (it == rows.end()) {
+      return fail(ErrorCode::kBurstNotFound, reader_.folder() + ": no burst " + std::to_string(id.value) +
+                                                 "; it holds " + std::to_string(rows.size()) + " bursts");
+    }
+    return reader_.burst(static_cast<std::size_t>(it - rows.begin()));
+  }
+  [[nodiscard]] Result<proto::Bytes> attachment(const std::string& name) override {
+    const auto is_it = [&](const capture::AttachmentInfo& a) { return a.name == name; };
+    if (std::none_of(info_.attachments.begin(), info_.attachments.end(), is_it)) {
+      return fail(ErrorCode::kFileNotFound, reader_.folder() + ": no file '" + name + "'");
+    }
+    ENAMEL_TRY_ASSIGN(const std::string bytes, read_file((std::filesystem::path(reader_.folder()) / name).string()));
+    return proto::Bytes(bytes.begin(), bytes.end());
+  }
+
+ private:
+  void add_attachment(const std::string& name) {
+    std::error_code ec;
+    const auto size = std::filesystem::file_size(std::filesystem::path(reader_.folder()) / name, ec);
+    info_.attachments.push_back({name, media_type_of(name), ec ? 0 : size});
+    info_.file_bytes += ec ? 0 : size;
+  }
+
+  ExchangeReader reader_;
+  capture::CaptureInfo info_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<BurstStream>> open_bursts(const std::string& path) {
+  std::error_code ec;
+  if (std::filesystem::is_directory(path, ec)) {
+    ENAMEL_TRY_ASSIGN(ExchangeReader reader, ExchangeReader::open(path));
+    return std::unique_ptr<BurstStream>(std::make_unique<FolderStream>(std::move(reader)));
+  }
+  ENAMEL_TRY_ASSIGN(capture::CaptureReader reader, capture::CaptureReader::open(path));
+  return std::unique_ptr<BurstStream>(std::make_unique<CaptureStream>(std::move(reader)));
+}
+
+}  // namespace enamel::host

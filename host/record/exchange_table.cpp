@@ -1,0 +1,77 @@
+// bursts.csv
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "host/record/exchange_folder.hpp"
+
+namespace enamel::host {
+namespace {
+
+constexpr std::string_view kColumns = "burst_id,t0_ns,t1_ns,t2_ns,t3_ns,exposure_us,temp_c";
+constexpr std::size_t kFields = 7;
+constexpr std::int64_t kMaxTimeNs = std::int64_t{1} << 61U;
+
+template <class V>
+bool parse(std::string_view text, V& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    fields.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return fields;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+// Empty when good, else what is wrong.
+std::string parse_row(std::string_view line, ExchangeRow& row) {
+  const auto fields = split(line);
+  if (fields.size() != kFields) return std::to_string(fields.size()) + " fields, expected 7";
+  if (!parse(fields[0], row.burst_id)) return "burst_id is not a whole number";
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::string name = "t" + std::to_string(k) + "_ns";
+    if (!parse(fields[k + 1], row.t_ns[k])) return name + " is not a whole number";
+    if (row.t_ns[k] < 0 || row.t_ns[k] > kMaxTimeNs) return name + " is out of range";
+    if (k > 0 && row.t_ns[k] <= row.t_ns[k - 1]) return name + " is not after the frame before";
+  }
+  double exposure = 0;
+  if (!parse(fields[5], exposure) || !(exposure >= 0 && exposure <= 1e9)) return "exposure_us is not a usable number";
+  row.exposure_us = static_cast<std::uint32_t>(std::lround(exposure));
+  if (!parse(fields[6], row.temp_c) || !(std::abs(row.temp_c) < 300)) return "temp_c is not a usable number";
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<ExchangeRow>> parse_bursts_csv(const std::string& text, const std::string& path) {
+  std::vector<ExchangeRow> rows;
+  std::string_view rest = text;
+  for (int number = 1; !rest.empty(); ++number) {
+    const auto invalid = [&](const std::string& what) {
+      return fail(ErrorCode::kExchangeInvalid, path + ":" + std::to_string(number) + ": " + what);
+    };
+    const std::size_t end = rest.find('\n');
+    std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (number == 1) {
+      if (line != kColumns) return invalid("first line must be " + std::string(kColumns));
+      continue;
+    }
+    ExchangeRow row;
+    if (const std::string problem = parse_row(line, row); !problem.empty()) return invalid(problem);
+    if (!rows.empty() && row.burst_id <= rows.back().burst_id) return invalid("burst_id does not ascend");
+    row.text = line;
+    row.line = number;
+    rows.push_back(std::move(row));
+  }
+  if (text.empty()) return fail(ErrorCode::kExchangeInvalid, path + ":1: the file is empty");
+  return rows;
+}
+
+}  // namespace enamel::host

@@ -1,0 +1,109 @@
+// The two ends of the scan graph: bursts come in from another thread, results are collected.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/ingest/ingress_gate.hpp"
+#include "host/report/stage_trace.hpp"
+#include "host/session/scan_pipeline.hpp"
+#include "pipeline/graph/stage.hpp"
+#include "pipeline/stages/items.hpp"
+#include "pipeline/stages/preview_item.hpp"
+#include "protocol/base/clock.hpp"
+#include "protocol/base/metrics.hpp"
+
+namespace enamel::host {
+
+class SourceStage final : public graph::Source {
+ public:
+  explicit SourceStage(IngressGate<Accepted>& gate) : Source("source"), gate_(gate) {}
+  graph::Out<proto::Burst> burst{*this, "burst"};
+
+  Result<graph::Pull> pull() override {
+    auto next = gate_.try_pop();
+    if (!next) return gate_.drained() ? graph::Pull::kEnd : graph::Pull::kNotYet;
+    graph::ItemHead head;
+    head.id = next->id;
+    head.captured = proto::mid_burst(*next->burst);
+    burst.emit(graph::make_item<proto::Burst>(head, next->burst));
+    return graph::Pull::kItem;
+  }
+
+ private:
+  IngressGate<Accepted>& gate_;
+};
+
+/// Counts every burst that comes out, fused or rejected, and keeps poses and digests.
+class SinkStage final : public graph::Stage {
+ public:
+  explicit SinkStage(const Clock& clock) : Stage("sink"), clock_(clock) {}
+  graph::In<stage::Fused> fused{*this, "fused"};
+
+  /// From the thread that pushes: when the burst's last exposure ended.
+  void note_exposure(BurstId id, HostTime exposed) {
+    const std::lock_guard lock(mutex_);
+    exposed_[id.value] = exposed;
+  }
+
+  [[nodiscard]] bool handles_rejected() const noexcept override { return true; }
+  Result<void> step() override {
+    const auto item = fused.take();
+    measure_latency(item.id);
+    TraceRow row{item.id.value, {}, item.ok() ? "fused" : item.rejected};
+    if (item.ok()) {
+      const stage::Digests& d = item->digests;
+      row.digest = {d.input, d.decode, d.track, d.fuse};
+      poses.push_back({item.id, item.captured, item->track.T_model_cam});
+      fused_count.add();
+    } else {
+      ++rejected[item.rejected];
+      rejected_count.add();
+    }
+    trace.add(std::move(row));
+    return {};
+  }
+
+  StageTrace trace;
+  std::vector<PlacedPose> poses;
+  std::map<std::string, std::uint64_t> rejected;
+  Counter fused_count, rejected_count;  ///< readable from any thread
+  LogHistogram latency_ns;              ///< last exposure to fused; live only
+
+ private:
+  void measure_latency(BurstId id) {
+    const std::lock_guard lock(mutex_);
+    const auto found = exposed_.find(id.value);
+    if (found == exposed_.end()) return;
+    latency_ns.record((clock_.now() - found->second).count());
+    exposed_.erase(exposed_.begin(), std::next(found));
+  }
+
+  const Clock& clock_;
+  std::mutex mutex_;  // guards exposed_
+  std::map<std::uint64_t, HostTime> exposed_;
+};
+
+/// End of the keep-latest edge: hands the newest item to whoever draws.
+class PreviewStage final : public graph::Stage {
+ public:
+  explicit PreviewStage(PreviewSlot& slot) : Stage("preview"), slot_(slot) {}
+  graph::In<stage::PreviewItem> item{*this, "item"};
+
+  Result<void> step() override {
+    slot_.put(item.take().value);
+    return {};
+  }
+
+ private:
+  PreviewSlot& slot_;
+};
+
+}  // namespace enamel::host

@@ -1,0 +1,110 @@
+// One live scan: what the link hears goes through the ingress gate and the recorder into the scan pipeline, and every
+// burst is accounted for. Threads: "ingest" (link), "record" (recorder and hand-over to the graph), the graph's workers.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "host/ingest/ingress_gate.hpp"
+#include "host/ingest/live_feed.hpp"
+#include "host/report/accounting.hpp"
+#include "host/session/burst_numbering.hpp"
+#include "host/session/pipeline_config.hpp"
+#include "host/session/recorder.hpp"
+#include "host/session/scan_pipeline.hpp"
+
+namespace enamel::host {
+
+struct LiveSessionConfig {
+  ProbeLinkConfig link;
+  FeedConfig feed;
+  PipelineConfig pipeline;
+  std::string config_text;       ///< resolved configuration, attached to the recording
+  std::string recording_path;    ///< empty: none
+  std::string program;           ///< "enamel 0.1.0"
+  std::size_t gate_bursts = 8;   ///< waiting room; a burst is 1.2 MB
+  int workers = 2;
+  bool preview = true;
+};
+
+/// What a person at the screen wants to know now.
+struct LiveView {
+  FeedState state = FeedState::kWaiting;
+  std::string message;
+  BurstCounts counts;
+  std::string serial;
+  bool simulated = false;
+};
+
+class LiveSession final : private FeedSink {
+ public:
+  /// Errors: kDds, kFileWrite.
+  [[nodiscard]] static Result<std::unique_ptr<LiveSession>> create(const dds::Participant& participant,
+                                                                   const LiveSessionConfig& config, Clock& clock);
+  ~LiveSession() override;
+
+  void start();
+  void stop();  ///< from any thread: ends the scan, what is inside is worked off
+  void set_scanning(bool wanted) { feed_.set_scanning(wanted); }
+  [[nodiscard]] bool scanning_wanted() const { return feed_.scanning_wanted(); }
+  [[nodiscard]] bool ended() const { return ended_.load(std::memory_order_acquire); }
+
+  [[nodiscard]] LiveView view() const;
+  /// Preview of the pipeline once a probe was found, else null. One taker.
+  [[nodiscard]] PreviewSlot* preview();
+  /// Rig of the probe, once found.
+  [[nodiscard]] std::optional<calib::Rig> rig() const;
+
+  struct Outcome {
+    ScanResult scan;
+    BurstCounts counts;
+    std::optional<Error> recording_error;
+    std::optional<Error> feed_error;  ///< a probe that was lost for good: what was scanned is kept
+  };
+  /// After ended(): waits for the threads and hands everything over. Errors: those that left nothing to keep.
+  [[nodiscard]] Result<Outcome> finish();
+
+ private:
+  struct Arrived {
+    dds::Received<proto::Burst> burst;
+    HostTime arrival;
+    std::optional<HostTime> exposed;
+  };
+
+  LiveSession(std::unique_ptr<ProbeLink> link, const LiveSessionConfig& config, Clock& clock);
+  void run_ingest(const std::stop_token& stop);
+  void run_record();
+  void note_shed(const proto::Burst& burst);
+  [[nodiscard]] Result<void> start_pipeline(const proto::DeviceInfo& info);
+
+  Result<void> on_probe(const proto::DeviceInfo& info, bool came_back) override;
+  void on_burst(dds::Received<proto::Burst> burst, HostTime arrival) override;
+  void on_status(const proto::Status& status) override;
+  void on_event(const proto::Event& event) override;
+  void on_state(FeedState state, const std::string& message) override;
+
+  LiveSessionConfig config_;
+  Clock& clock_;
+  std::unique_ptr<ProbeLink> link_;
+  LiveFeed feed_;
+  IngressGate<Arrived> gate_;
+  std::unique_ptr<Recorder> recorder_;
+  std::atomic<ScanPipeline*> pipeline_ready_{nullptr};
+  std::unique_ptr<ScanPipeline> pipeline_;
+
+  mutable std::mutex mutex_;  // guards ledger_, view_, rig_
+  LossLedger ledger_;
+  LiveView view_;
+  std::optional<calib::Rig> rig_;
+
+  std::optional<Error> feed_error_;
+  std::atomic<bool> ended_{false};
+  std::jthread ingest_thread_, record_thread_;
+};
+
+}  // namespace enamel::host

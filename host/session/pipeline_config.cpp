@@ -1,0 +1,58 @@
+#include "host/session/pipeline_config.hpp"
+
+namespace enamel::host {
+
+namespace {
+
+void bind_decode(ConfigReader r, algo::DecodeConfig& c) {
+  r.bind("dark_sigmas", c.phase.dark_sigmas, {0.0F, 100.0F}, "brightest frame must exceed black by this many sigma");
+  r.bind("saturation", c.phase.saturation, {0.5F, 1.0F}, "of full scale; brighter pixels are saturated");
+  r.bind("max_sigma_rad", c.phase.max_sigma_rad, {0.01F, 1.0F}, "largest predicted phase noise of a pixel");
+  r.bind("correct_closure", c.correct_closure, "undo in-burst motion and the second harmonic seen in the closure");
+  r.bind("correct_fourth", c.correct_fourth, "undo the self-calibrated sin 4phi error");
+  r.bind("min_points", c.min_points, {100U, 1000000U}, "bursts with fewer points are rejected");
+  calib::DepthRange range = c.depth_range_mm.value_or(calib::DepthRange{});
+  r.bind("near_mm", range.near_mm, {0.0, 1000.0}, "depth range when the calibration states none; 0: not given");
+  r.bind("far_mm", range.far_mm, {0.0, 1000.0}, "depth range when the calibration states none; 0: not given");
+  if (range.near_mm > 0 && range.far_mm > range.near_mm) c.depth_range_mm = range;
+}
+
+void bind_track(ConfigReader r, algo::TrackerConfig& c) {
+  r.bind("start_coverage", c.start_coverage, {0.0, 1.0}, "share of the image that must be good surface to define the model");
+  r.bind("max_gap_s", c.max_gap_s, {0.05, 60.0}, "longer without a placed burst: found again by features only");
+  r.bind("max_speed_mm_s", c.max_speed_mm_s, {1.0, 5000.0}, "faster alignments are not believed");
+  r.bind("max_turn_deg_s", c.max_turn_deg_s, {1.0, 10000.0}, "faster alignments are not believed");
+  r.bind("min_overlap", c.accept.min_overlap, {0.0, 1.0}, "share of the patch that must meet the model");
+  r.bind("min_consistency", c.accept.min_consistency, {0.0, 1.0}, "of what meets the model, the share that must agree");
+  r.bind("max_rms_mm", c.accept.max_rms_mm, {0.001, 1.0}, "largest residual beyond the patch's own noise");
+  r.bind("keyframe_spacing_mm", c.keyframes.spacing_mm, {0.1, 50.0}, "a keyframe where every other is farther than this");
+  r.bind("keyframe_spacing_deg", c.keyframes.spacing_deg, {0.1, 90.0}, "or turned by more than this");
+  c.relocalise.accept = c.accept;
+}
+
+void bind_fuse(ConfigReader r, algo::FuseConfig& c) {
+  r.bind("voxel_mm", c.voxel_mm, {0.02, 1.0}, "edge of a voxel");
+  r.bind("truncation_voxels", c.truncation_voxels, {1.5, 8.0}, "half width of the band stored around the surface");
+  r.bind("max_incidence_deg", c.max_incidence_deg, {10.0, 89.0}, "steeper measurements are not fused");
+  r.bind("min_observations", c.min_observations, {1, 255}, "measurements that a voxel needs to count as surface");
+  r.bind("min_bursts", c.min_bursts, {1, 255}, "different bursts that they must come from");
+  r.bind("carve_margin_mm", c.carve_margin_mm, {0.1, 10.0}, "unconfirmed surface seen through with this margin goes");
+}
+
+void bind_mesh(ConfigReader r, algo::MeshConfig& c) {
+  r.bind("max_step_voxels", c.max_step_voxels, {1.8, 6.0}, "larger steps of distance inside a cell are two surfaces");
+  r.bind("min_component_triangles", c.min_component_triangles, {0, 1000000}, "smaller floating pieces are left out");
+}
+
+}  // namespace
+
+void bind(ConfigReader& reader, PipelineConfig& config) {
+  reader.bind("graph.feedback_delay", config.feedback_delay, {1, 8}, "bursts between fusion and its use in registration");
+  reader.bind("graph.preview_period", config.preview_period, {1, 30}, "the preview's surface is renewed every so many bursts");
+  bind_decode(reader.table("decode"), config.decode);
+  bind_track(reader.table("track"), config.track);
+  bind_fuse(reader.table("fuse"), config.fuse);
+  bind_mesh(reader.table("mesh"), config.mesh);
+}
+
+}  // namespace enamel::host

@@ -1,0 +1,157 @@
+#include "host/session/replay_session.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "host/session/probe_counts.hpp"
+#include "protocol/base/log.hpp"
+
+namespace enamel::host {
+
+namespace {
+
+bool says_simulated(const capture::CaptureInfo& info) {
+  return std::any_of(info.metadata.begin(), info.metadata.end(), [](const auto& entry) {
+    return entry.first == "simulated" || entry.second.find("SIMULATED") != std::string::npos;
+  });
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ReplaySession>> ReplaySession::create(std::unique_ptr<BurstStream> stream, const calib::Rig& rig,
+                                                             const ReplayConfig& config, Clock& clock) {
+  const ScanPipelineOptions options{
+      .workers = config.workers, .preview = config.preview, .calib_crc32 = config.calib_crc32};
+  ENAMEL_TRY_ASSIGN(auto pipeline, ScanPipeline::create(rig, config.pipeline, options, clock));
+  return std::unique_ptr<ReplaySession>(new ReplaySession(std::move(stream), std::move(pipeline), config, clock));
+}
+
+ReplaySession::ReplaySession(std::unique_ptr<BurstStream> stream, std::unique_ptr<ScanPipeline> pipeline,
+                             const ReplayConfig& config, Clock& clock)
+    : stream_(std::move(stream)),
+      pipeline_(std::move(pipeline)),
+      config_(config),
+      clock_(clock),
+      gate_(config.paced ? config.gate_bursts : 2, config.paced ? GatePolicy::kShedOldest : GatePolicy::kLossless),
+      simulated_(says_simulated(stream_->info())) {}
+
+ReplaySession::~ReplaySession() {
+  stop();
+  gate_.close();
+  pipeline_->finish();
+}
+
+void ReplaySession::start() {
+  reader_thread_ = std::jthread([this](const std::stop_token& token) { run_reader(token); });
+  forward_thread_ = std::jthread([this] { run_forwarder(); });
+}
+
+void ReplaySession::stop() { reader_thread_.request_stop(); }
+
+void ReplaySession::run_reader(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    auto next = stream_->next();
+    if (!next) {
+      // The damaged record is passed over, counted, and told at the end; the stream goes on behind it.
+      log::warn("replay", "{}", next.error().detail);
+      damages_.push_back(next.error());
+      const std::lock_guard lock(mutex_);
+      ++damaged_;
+      ledger_.received_unreadable();
+      ledger_.damaged();
+      continue;
+    }
+    if (!next->has_value()) break;
+    take(std::move(**next), stop);
+  }
+  gate_.close();
+}
+
+void ReplaySession::take(capture::Record record, const std::stop_token& stop) {
+  if (auto* burst = std::get_if<proto::Burst>(&record.value)) {
+    take_burst(std::move(*burst), stop);
+  } else if (const auto* note = std::get_if<proto::ShedNote>(&record.value)) {
+    const std::lock_guard lock(mutex_);
+    ledger_.received(note->burst_seq);
+    ledger_.shed();
+    ++shed_;
+  } else if (const auto* status = std::get_if<proto::Status>(&record.value)) {
+    const std::lock_guard lock(mutex_);
+    if (session_id_ && status->session_id == *session_id_) ledger_.probe_status(counts_of(*status));
+  }
+}
+
+void ReplaySession::take_burst(proto::Burst burst, const std::stop_token& stop) {
+  const bool whole = proto::is_consistent(burst);
+  {
+    const std::lock_guard lock(mutex_);
+    if (last_seq_ && burst.burst_seq <= *last_seq_) ledger_.probe_restarted();
+    last_seq_ = burst.burst_seq;
+    session_id_ = burst.session_id;
+    ledger_.received(burst.burst_seq);
+    ++read_;
+    if (!whole) {
+      ledger_.damaged();
+      ++damaged_;
+    }
+  }
+  if (!whole) {
+    damages_.push_back({ErrorCode::kCaptureCorrupt, "burst " + std::to_string(burst.burst_index) + " is inconsistent"});
+    return;
+  }
+  if (config_.paced) pace(burst, stop);
+  if (gate_.push(std::move(burst))) {
+    const std::lock_guard lock(mutex_);
+    ledger_.shed();
+    ++shed_;
+  }
+}
+
+void ReplaySession::pace(const proto::Burst& burst, const std::stop_token& stop) {
+  const auto recorded = static_cast<std::int64_t>(burst.t_first_exposure_ns);
+  if (!clock_offset_ns_) clock_offset_ns_ = to_ns(clock_.now()) - recorded;
+  HostTime due = host_time(recorded + *clock_offset_ns_);
+  constexpr std::chrono::seconds kLongest{2};  // a pause in the recording is not waited out
+  if (due > clock_.now() + kLongest || due + kLongest < clock_.now()) {
+    due = clock_.now();
+    clock_offset_ns_ = to_ns(due) - recorded;
+  }
+  if (!stop.stop_requested()) clock_.sleep_until(due);
+}
+
+void ReplaySession::run_forwarder() {
+  BurstNumbering numbering;
+  while (auto burst = gate_.pop()) {
+    {
+      const std::lock_guard lock(mutex_);
+      ledger_.accepted();
+    }
+    auto shared = std::make_shared<const proto::Burst>(std::move(*burst));
+    const BurstId id = numbering.number(*shared);
+    pipeline_->push({id, std::move(shared), std::nullopt});
+  }
+  pipeline_->finish();
+  pipeline_->wait_drained();
+  ended_.store(true, std::memory_order_release);
+}
+
+ReplayView ReplaySession::view() const {
+  const std::lock_guard lock(mutex_);
+  return {read_ + damaged_, pipeline_->fused_so_far(), pipeline_->rejected_so_far(), shed_, damaged_};
+}
+
+Result<ReplaySession::Outcome> ReplaySession::finish() {
+  if (reader_thread_.joinable()) reader_thread_.join();
+  if (forward_thread_.joinable()) forward_thread_.join();
+  ENAMEL_TRY(pipeline_->join());
+  Outcome outcome;
+  outcome.scan = pipeline_->take_result();
+  outcome.counts = ledger_.counts();
+  outcome.counts.fused = outcome.scan.fused;
+  outcome.counts.rejected = outcome.scan.rejected;
+  outcome.damages = std::move(damages_);
+  return outcome;
+}
+
+}  // namespace enamel::host

@@ -1,0 +1,147 @@
+#include "host/session/scan_pipeline.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <thread>
+
+#include "host/session/end_stages.hpp"
+#include "pipeline/graph/executor.hpp"
+#include "pipeline/graph/graph.hpp"
+#include "pipeline/stages/decode_stage.hpp"
+#include "pipeline/stages/fuse_stage.hpp"
+#include "pipeline/stages/track_stage.hpp"
+
+namespace enamel::host {
+
+namespace {
+
+// Two decoders keep two cores busy while registration waits for its turn; the order is restored behind them.
+constexpr std::size_t kDecoders = 2;
+constexpr std::size_t kEntrance = 2;
+
+}  // namespace
+
+struct ScanPipeline::Impl {
+  Impl(const ScanPipelineOptions& o, Clock& c) : options(o), clock(c), gate(kEntrance, GatePolicy::kLossless), graph(c) {}
+
+  void build(const calib::Rig& rig, const PipelineConfig& config, const std::shared_ptr<const algo::BurstDecoder>& decoder);
+  void run(const std::stop_token& stop);
+
+  ScanPipelineOptions options;
+  Clock& clock;
+  IngressGate<Accepted> gate;
+  graph::Graph graph;
+  PreviewSlot preview;
+  SinkStage* sink = nullptr;
+  stage::FuseStage* fuse = nullptr;
+  std::atomic<std::uint64_t> pushed{0};
+  std::optional<HostTime> first_push;
+  HostTime drained_at{};
+  Result<void> ran;
+  std::atomic<bool> drained{false};
+  std::jthread thread;  // last: ends before what it uses
+};
+
+void ScanPipeline::Impl::build(const calib::Rig& rig, const PipelineConfig& config,
+                               const std::shared_ptr<const algo::BurstDecoder>& decoder) {
+  auto& source = graph.add<SourceStage>(gate);
+  std::array<stage::DecodeStage*, kDecoders> decoders{};
+  for (std::size_t i = 0; i < kDecoders; ++i) {
+    decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), decoder, options.calib_crc32);
+  }
+  auto& track = graph.add<stage::TrackStage>(rig, config.track);
+  const stage::FuseStageConfig fuse_config{
+      .fuse = config.fuse, .mesh = config.mesh, .preview = options.preview, .preview_period = config.preview_period};
+  fuse = &graph.add<stage::FuseStage>(rig, fuse_config);
+  sink = &graph.add<SinkStage>(clock);
+  auto& screen = graph.add<PreviewStage>(preview);
+
+  const std::array<graph::In<proto::Burst>*, kDecoders> ins{&decoders[0]->burst, &decoders[1]->burst};
+  const std::array<graph::Out<stage::Decoded>*, kDecoders> outs{&decoders[0]->patch, &decoders[1]->patch};
+  const graph::EdgeSpec one{.capacity = 1};
+  graph.connect_split<proto::Burst>(source.burst, ins, one);
+  graph.connect_merge<stage::Decoded>(outs, track.patch, one);
+  graph.connect(track.tracked, fuse->tracked, one);
+  graph.connect(fuse->fused, sink->fused);
+  graph.connect(fuse->preview, screen.item, {.on_full = graph::OnFull::kKeepLatest});
+  const graph::ItemHead none;
+  graph.connect_feedback(fuse->view, track.model, static_cast<std::size_t>(config.feedback_delay),
+                         graph::make_item<ModelView>(none, ModelView{}));
+}
+
+void ScanPipeline::Impl::run(const std::stop_token& stop) {
+  if (options.workers <= 0) {
+    ran = graph::InlineExecutor().run(graph, stop);
+  } else {
+    ran = graph::WorkerExecutor(static_cast<std::size_t>(options.workers)).run(graph, stop);
+  }
+  drained_at = clock.now();
+  gate.close();  // a stage that failed: nobody takes any more
+  drained.store(true, std::memory_order_release);
+  drained.notify_all();
+}
+
+Result<std::unique_ptr<ScanPipeline>> ScanPipeline::create(const calib::Rig& rig, const PipelineConfig& config,
+                                                           const ScanPipelineOptions& options, Clock& clock) {
+  ENAMEL_TRY_ASSIGN(auto decoder, algo::BurstDecoder::make(rig, config.decode));
+  auto impl = std::make_unique<Impl>(options, clock);
+  impl->build(rig, config, std::make_shared<const algo::BurstDecoder>(std::move(decoder)));
+  ENAMEL_TRY(impl->graph.validate());
+  Impl& running = *impl;
+  impl->thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
+  return std::unique_ptr<ScanPipeline>(new ScanPipeline(std::move(impl)));
+}
+
+ScanPipeline::ScanPipeline(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+ScanPipeline::~ScanPipeline() { finish(); }
+
+bool ScanPipeline::push(Accepted item) {
+  if (!impl_->first_push) impl_->first_push = impl_->clock.now();
+  if (item.exposed) impl_->sink->note_exposure(item.id, *item.exposed);
+  if (impl_->gate.push(std::move(item))) return false;
+  impl_->pushed.fetch_add(1, std::memory_order_relaxed);
+  impl_->graph.waker().notify();
+  return true;
+}
+
+void ScanPipeline::finish() {
+  impl_->gate.close();
+  impl_->graph.waker().notify();
+}
+
+void ScanPipeline::wait_drained() { impl_->drained.wait(false, std::memory_order_acquire); }
+
+Result<void> ScanPipeline::join() {
+  if (impl_->thread.joinable()) impl_->thread.join();
+  return impl_->ran;
+}
+
+PreviewSlot& ScanPipeline::preview() { return impl_->preview; }
+std::uint64_t ScanPipeline::fused_so_far() const { return impl_->sink->fused_count.value(); }
+std::uint64_t ScanPipeline::rejected_so_far() const { return impl_->sink->rejected_count.value(); }
+
+ScanResult ScanPipeline::take_result() {
+  SinkStage& sink = *impl_->sink;
+  ScanResult result;
+  result.trace = std::move(sink.trace);
+  result.poses = std::move(sink.poses);
+  result.rejected = std::move(sink.rejected);
+  result.accepted = impl_->pushed.load();
+  result.fused = sink.fused_count.value();
+  result.mesh = impl_->fuse->extract_mesh();
+  const auto ms = [](const LogHistogram::Summary& s) {
+    return Percentiles{static_cast<double>(s.p50) * 1e-6, static_cast<double>(s.p95) * 1e-6,
+                       static_cast<double>(s.p99) * 1e-6};
+  };
+  for (const auto& stage : impl_->graph.snapshot().stages) {
+    if (stage.name != "source" && stage.name != "sink") result.stage_ms[stage.name] = ms(stage.service_ns);
+  }
+  result.latency_ms = ms(sink.latency_ns.summary());
+  if (impl_->first_push) result.seconds = std::chrono::duration<double>(impl_->drained_at - *impl_->first_push).count();
+  result.graph_mermaid = impl_->graph.mermaid();
+  return result;
+}
+
+}  // namespace enamel::host

@@ -1,0 +1,92 @@
+// The stage graph of a scan, from bursts to the model: source -> decode -> track -> fuse -> sink, with the model fed back
+// through a delay edge and a preview tap that keeps the latest. Live scans and replays run exactly this.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "calib/model/rig.hpp"
+#include "host/ingest/ingress_gate.hpp"
+#include "host/report/report.hpp"
+#include "host/report/stage_trace.hpp"
+#include "host/session/pipeline_config.hpp"
+#include "pipeline/stages/preview_item.hpp"
+#include "pipeline/types/geometry.hpp"
+#include "pipeline/types/mesh.hpp"
+#include "protocol/base/clock.hpp"
+#include "protocol/base/latest_slot.hpp"
+#include "protocol/base/result.hpp"
+#include "protocol/types/burst.hpp"
+
+namespace enamel::host {
+
+/// A burst on its way into the graph.
+struct Accepted {
+  BurstId id;
+  std::shared_ptr<const proto::Burst> burst;
+  std::optional<HostTime> exposed;  ///< end of the last exposure on the host's clock; live only
+};
+
+struct PlacedPose {
+  BurstId id;
+  DeviceTime t_mid;
+  Pose T_model_cam;
+};
+
+/// What a run leaves behind. Everything but times is a function of the bursts, the rig and the configuration.
+struct ScanResult {
+  StageTrace trace;
+  std::vector<PlacedPose> poses;  ///< of the fused bursts, in order
+  Mesh mesh;
+  std::uint64_t accepted = 0, fused = 0;
+  std::map<std::string, std::uint64_t> rejected;
+  std::map<std::string, Percentiles> stage_ms;
+  Percentiles latency_ms;
+  double seconds = 0;  ///< from the first burst in to the last burst out
+  std::string graph_mermaid;
+};
+
+struct ScanPipelineOptions {
+  int workers = 2;       ///< 0: one thread, topological order
+  bool preview = false;  ///< publish preview items
+  std::uint32_t calib_crc32 = 0;  ///< bursts that name another calibration are rejected; 0: any
+};
+
+using PreviewSlot = LatestSlot<std::shared_ptr<const stage::PreviewItem>>;
+
+/// push() from one thread, preview().take() from one thread, the rest from the owner.
+class ScanPipeline {
+ public:
+  /// Errors: kRigInvalid, kPatternSet.
+  [[nodiscard]] static Result<std::unique_ptr<ScanPipeline>> create(const calib::Rig& rig, const PipelineConfig& config,
+                                                                    const ScanPipelineOptions& options, Clock& clock);
+  ~ScanPipeline();
+
+  /// Waits for room; false after finish() or a fatal stage.
+  bool push(Accepted item);
+  /// No more bursts: what is inside is worked off.
+  void finish();
+  /// Waits until the graph has worked everything off, or a stage failed.
+  void wait_drained();
+  /// Ends the workers. Errors: kInternal with the stage that failed.
+  [[nodiscard]] Result<void> join();
+
+  [[nodiscard]] PreviewSlot& preview();
+  /// Bursts that have reached the sink so far; from any thread.
+  [[nodiscard]] std::uint64_t fused_so_far() const;
+  [[nodiscard]] std::uint64_t rejected_so_far() const;
+  /// After join(): extracts the mesh and hands everything over.
+  [[nodiscard]] ScanResult take_result();
+
+ private:
+  struct Impl;
+  explicit ScanPipeline(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enamel::host

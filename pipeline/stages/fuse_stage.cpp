@@ -1,0 +1,105 @@
+#include "pipeline/stages/fuse_stage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "pipeline/stages/digest.hpp"
+
+namespace enamel::stage {
+
+namespace {
+
+// A preview need not follow every micron, nor catch up at once.
+constexpr double kVisibleMoveMm = 0.005;
+constexpr std::size_t kBlocksAtOnce = 250;
+
+// Median of every 64th pixel: for a distance bar.
+double median_depth(const Map<float>& depth) {
+  std::vector<float> some;
+  for (std::size_t i = 0; i < depth.size(); i += 64) {
+    if (!std::isnan(depth[i])) some.push_back(depth[i]);
+  }
+  if (some.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
+  std::nth_element(some.begin(), middle, some.end());
+  return static_cast<double>(*middle);
+}
+
+std::shared_ptr<const Map<std::uint8_t>> grey(const Map<float>& texture) {
+  auto out = std::make_shared<Map<std::uint8_t>>(texture.width(), texture.height());
+  for (std::size_t i = 0; i < texture.size(); ++i) {
+    const float dn = std::isnan(texture[i]) ? 0.0F : texture[i];
+    (*out)[i] = static_cast<std::uint8_t>(std::clamp(dn, 0.0F, 255.0F));
+  }
+  return out;
+}
+
+}  // namespace
+
+FuseStage::FuseStage(const calib::Rig& rig, const FuseStageConfig& config)
+    : Stage("fuse"),
+      config_(config),
+      model_(rig, config.fuse),
+      mesher_(config.mesh),
+      last_view_(std::make_shared<const ModelView>()) {}
+
+Result<void> FuseStage::step() {
+  const auto item = tracked.take();
+  if (!item.ok()) {
+    pass_rejected(item);
+    return {};
+  }
+  const SurfacePatch& patch = item->decoded->patch;
+  const Pose& T_model_cam = item->result.T_model_cam;
+  const algo::FuseStats stats = model_.integrate(item.id, patch, T_model_cam);
+  last_view_ = std::make_shared<const ModelView>(model_.view(T_model_cam, patch));
+
+  Fused out{item->result, item->digests};
+  out.digests.fuse = Digest()
+                         .add(stats.surfels_used)
+                         .add(stats.voxels_updated)
+                         .add(stats.blocks_new)
+                         .add(last_view_->points)
+                         .add(last_view_->normals)
+                         .value();
+  fused.emit(graph::make_item<Fused>(item, std::move(out)));
+  view.emit(graph::make_item<ModelView>(item, last_view_));
+  preview.emit(graph::make_item<PreviewItem>(item, make_preview(item)));
+  return {};
+}
+
+void FuseStage::pass_rejected(const graph::Item<Tracked>& item) {
+  graph::ItemHead head = item;
+  fused.emit(graph::make_rejected<Fused>(head, head.rejected));
+  head.rejected = nullptr;
+  view.emit(graph::make_item<ModelView>(head, last_view_));
+  last_preview_.burst = item.id;
+  last_preview_.track.state = TrackState::kLost;
+  preview.emit(graph::make_item<PreviewItem>(head, last_preview_));
+}
+
+std::shared_ptr<const PreviewItem> FuseStage::make_preview(const graph::Item<Tracked>& item) {
+  last_preview_.burst = item.id;
+  last_preview_.track = item->result;
+  if (config_.preview) {
+    const SurfacePatch& patch = item->decoded->patch;
+    last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
+    last_preview_.live = grey(patch.texture_dn);
+    if (until_preview_-- == 0) {
+      until_preview_ = config_.preview_period - 1;
+      mesher_.update(model_, model_.take_changed(kVisibleMoveMm), kBlocksAtOnce);
+      last_preview_.model = std::make_shared<const ModelSnapshot>(mesher_.snapshot());
+    }
+  }
+  return std::make_shared<const PreviewItem>(last_preview_);
+}
+
+Mesh FuseStage::extract_mesh() {
+  mesher_.update(model_, model_.take_changed());
+  return mesher_.extract();
+}
+
+}  // namespace enamel::stage

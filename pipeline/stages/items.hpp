@@ -1,0 +1,34 @@
+// What travels between the stages of a scan. Immutable once emitted.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "pipeline/types/patch.hpp"
+#include "pipeline/types/track.hpp"
+#include "protocol/types/burst.hpp"
+
+namespace enamel::stage {
+
+/// Digests of what the stages before made of the burst; see pipeline/stages/digest.hpp.
+struct Digests {
+  std::uint64_t input = 0, decode = 0, track = 0, fuse = 0;
+};
+
+struct Decoded {
+  SurfacePatch patch;
+  Digests digests;
+};
+
+struct Tracked {
+  std::shared_ptr<const Decoded> decoded;
+  TrackResult result;
+  Digests digests;
+};
+
+struct Fused {
+  TrackResult track;
+  Digests digests;
+};
+
+}  // namespace enamel::stage
