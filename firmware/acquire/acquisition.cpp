@@ -147,6 +147,7 @@ AcquisitionReport Acquisition::scan_loop(const Request& request, BurstAssembler&
     for (const Edge& e : edges) assembler.push_edge(e);
     if (std::any_of(edges.begin(), edges.end(), [](const Edge& e) { return e.kind == EdgeKind::kGate; })) {
       optics_cc_ = hw_.thermal.read().optics_cc.value_or(0);
+      pattern_set_ = hw_.projector.pattern_set();
     }
     if (frame) {
       sequencer_.on_frame(frame->status == FrameStatus::kSuccess);
@@ -205,7 +206,8 @@ void Acquisition::settle(BurstAssembler& assembler, SessionTag session) {
       if (needs_restart(lost->reason)) (void)hw_.projector.restart();
       continue;
     }
-    handler_({session, std::move(std::get<AssembledBurst>(outcome)), hw_.camera.mode().frame_period, optics_cc_});
+    handler_({session, std::move(std::get<AssembledBurst>(outcome)), hw_.camera.mode().frame_period, optics_cc_,
+              static_cast<std::uint8_t>(pattern_set_)});
   }
 }
 

@@ -31,6 +31,7 @@ struct CapturedBurst {
   AssembledBurst burst;
   Nanoseconds frame_period{};
   std::int16_t temp_centi_c = 0;
+  std::uint8_t pattern_set = 0;
 };
 /// Called on the acquisition thread; must not wait.
 using BurstHandler = std::function<void(CapturedBurst)>;
@@ -82,6 +83,7 @@ class Acquisition final : public AcquisitionPort {
   Sequencer sequencer_;
   std::uint64_t begun_seen_ = 0;
   std::int16_t optics_cc_ = 0;
+  int pattern_set_ = 0;
   int dark_led_frames_ = 0;
   Nanoseconds stamp_delay_{20'000};
 

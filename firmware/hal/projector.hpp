@@ -23,6 +23,8 @@ class Projector {
   /// Starts the pattern sequence anew: the next trigger shows pattern 0. Errors: kHal.
   [[nodiscard]] virtual Result<void> restart() = 0;
   [[nodiscard]] virtual ProjectorStatus status() const = 0;
+  /// Index of the pattern set shown, in the rig's list.
+  [[nodiscard]] virtual int pattern_set() const = 0;
 };
 
 }  // namespace enamel::fw

@@ -108,6 +108,7 @@ Result<proto::Burst> build_burst(const CapturedBurst& captured, const BurstBuild
   out.frame_period_ns = static_cast<std::uint32_t>(captured.frame_period.count());
   out.illum_us = static_cast<std::uint32_t>((in.frames[0].t_fall - in.frames[0].t_rise).count() / 1000);
   out.temp_centi_c = captured.temp_centi_c;
+  out.pattern_set = captured.pattern_set;
   out.calib_crc32 = config.calib_crc32;
   out.payload.reserve(4 * first.pixels.size());
   const bool motion = closure_residual(in, config.noise) > config.motion_sigmas;

@@ -18,6 +18,7 @@ struct SimBurst {
   std::array<std::int64_t, 4> t_exposure_ns{};  ///< start of exposure of each frame
   std::uint32_t exposure_us = 0;
   double temp_c = 0;
+  int pattern_set = 0;
   int width = 0;
   int height = 0;
   int bit_depth = 8;

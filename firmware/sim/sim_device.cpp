@@ -170,6 +170,7 @@ void SimDevice::perform(const Plan& plan) {
     next_position_ = 0;
     step.burst_index = burst_->burst_index;
     optics_c_ = burst_->temp_c;
+    pattern_set_ = burst_->pattern_set;
     step.edges.push_back({EdgeKind::kGate, plan.t + mode_.frame_period / 2, burst_->burst_index});
   } else if (step.position == 3) {
     last_source_ns_ = burst_->t_exposure_ns[3];
@@ -238,6 +239,11 @@ Result<void> SimDevice::restart() {
 }
 
 ProjectorStatus SimDevice::status() const { return {.ready = true, .sequence_abort = false, .watchdog = false}; }
+
+int SimDevice::pattern_set() const {
+  const std::lock_guard lock(mutex_);
+  return pattern_set_;
+}
 
 DeviceTime SimDevice::read(std::vector<Edge>& edges) {
   const std::lock_guard lock(mutex_);

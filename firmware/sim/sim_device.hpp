@@ -73,6 +73,7 @@ class SimDevice final : public Camera, public Projector, public EdgeStream, publ
   void disarm() noexcept override;
   [[nodiscard]] Result<void> restart() override;
   [[nodiscard]] ProjectorStatus status() const override;
+  [[nodiscard]] int pattern_set() const override;
   // EdgeStream
   [[nodiscard]] DeviceTime read(std::vector<Edge>& edges) override;
   // Light
@@ -116,6 +117,7 @@ class SimDevice final : public Camera, public Projector, public EdgeStream, publ
   std::optional<SimBurst> burst_;              ///< loaded, or being played
   std::int64_t last_source_ns_ = 0;
   double optics_c_ = 25;
+  int pattern_set_ = 0;
   DeviceTime last_start_{};
   DeviceTime known_until_{};
   std::uint32_t sensor_seq_ = 0;

@@ -1,0 +1,54 @@
+// enamel-probe: the acquisition process of the probe.
+#include <signal.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <exception>
+#include <iostream>
+
+#include "firmware/app/options.hpp"
+#include "firmware/app/probe.hpp"
+
+namespace {
+
+std::atomic<bool> g_stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+// A link or a renderer that does not let go must not hold the program: the light is off long before.
+void give_up(int) { _exit(0); }
+
+void request_stop(int) {
+  g_stop.store(true, std::memory_order_release);
+  const itimerval limit{{0, 0}, {0, 900'000}};
+  setitimer(ITIMER_REAL, &limit, nullptr);
+}
+
+void handle_signals() {
+  struct sigaction action {};
+  action.sa_handler = request_stop;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = give_up;
+  sigaction(SIGALRM, &action, nullptr);
+}
+
+int report(const enamel::Error& error) {
+  std::cerr << "enamel-probe: " << error.message() << '\n';
+  return enamel::exit_code(error.code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    auto options = enamel::fw::parse_options(argc, argv);
+    if (!options) return report(options.error());
+    if (!*options) return 0;
+    handle_signals();
+    const auto code = enamel::fw::run_probe(**options, g_stop);
+    return code ? *code : report(code.error());
+  } catch (const std::exception& e) {
+    return report({enamel::ErrorCode::kInternal, e.what()});
+  }
+}

@@ -1,0 +1,48 @@
+#include "firmware/app/options.hpp"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include <fmt/core.h>
+
+namespace enamel::fw {
+
+Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* argv) {
+  ProbeOptions o;
+  CLI::App app("enamel-probe: the acquisition process of the probe. Waits for a host, scans when told to, publishes bursts.",
+               "enamel-probe");
+  auto* source = app.add_option_group("source", "Where light comes from (one of)");
+  source->add_option("--twin", o.twin_scene, "virtual mouth: SCENE.toml")->type_name("SCENE");
+  source->add_option("--play", o.capture, "recording, played once at recorded speed; then the session ends")
+      ->type_name("CAPTURE");
+  source->add_option("--camera", o.camera, "real camera")->type_name("ID");
+  source->require_option(1);
+  app.add_option("--seed", o.seed, "with --twin: another patient, path, tremor and noise");
+  app.add_option("--serial", o.serial, "serial number; default: sim-<process id>");
+  app.add_option("--dds-tag", o.dds_tag, "only hosts with the same tag see this probe")->capture_default_str();
+  app.add_option("--speed", o.speed, "time scale: 0.5 plays everything half as fast, exposures included")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  app.add_option("--loops", o.loops, "with --play: rounds")->check(CLI::Range(1, 1000000))->capture_default_str();
+  app.add_option("--seconds", o.seconds, "end after so many seconds")->check(CLI::NonNegativeNumber);
+  app.add_flag("--exit-after-session", o.exit_after_session, "end when a host has closed its session (as --play does)");
+  app.add_flag("--json", o.json, "print the counters on stdout at the end");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+    return std::optional<ProbeOptions>{};
+  } catch (const CLI::ParseError& e) {
+    return fail(ErrorCode::kUsage, e.what());
+  }
+  if (o.serial.size() > 32) return fail(ErrorCode::kUsage, "--serial: at most 32 bytes");
+  if (o.seed && o.twin_scene.empty()) return fail(ErrorCode::kUsage, "--seed goes with --twin");
+  if (o.loops != 1 && o.capture.empty()) return fail(ErrorCode::kUsage, "--loops goes with --play");
+  if (o.serial.empty()) o.serial = fmt::format("sim-{}", getpid());
+  if (!o.capture.empty()) o.exit_after_session = true;
+  return std::optional(o);
+}
+
+}  // namespace enamel::fw

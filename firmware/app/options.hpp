@@ -1,0 +1,29 @@
+// Command line of enamel-probe.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "protocol/base/result.hpp"
+
+namespace enamel::fw {
+
+struct ProbeOptions {
+  std::string twin_scene;
+  std::string capture;
+  std::string camera;
+  std::optional<std::uint64_t> seed;  ///< overrides the scene's
+  std::string serial;
+  std::string dds_tag = "enamel";
+  double speed = 1.0;
+  int loops = 1;
+  std::optional<double> seconds;
+  bool exit_after_session = false;
+  bool json = false;
+};
+
+/// Nullopt: --help was asked for and printed. Errors: kUsage.
+[[nodiscard]] Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* argv);
+
+}  // namespace enamel::fw
