@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Who may include whom: layers, forbidden neighbours, homes of third-party libraries. Reads #include lines only."""
+import re
+import sys
+
+from lint_common import CPP, ROOT, Finding, main
+
+BASE = ["protocol/base"]
+PROTOCOL = BASE + ["protocol/types", "protocol/idl", "protocol/dds", "protocol/mcap", "protocol/capture"]
+FIRMWARE = ["firmware/hal", "firmware/sim", "firmware/acquire", "firmware/publish", "firmware/control"]
+HOST = ["host/ingest", "host/record", "host/report", "host/update", "host/session"]
+ALGO = ["pipeline/types", "pipeline/algo"]
+
+# module: (layer, what it may include besides itself; None = everything on its layer and below)
+MODULES: dict[str, tuple[int, list[str] | None]] = {
+    "protocol/base": (0, []),
+    "protocol/types": (1, BASE),
+    "protocol/idl": (1, []),
+    "protocol/dds": (1, BASE + ["protocol/types", "protocol/idl"]),
+    "protocol/mcap": (1, BASE + ["protocol/types"]),
+    "protocol/capture": (1, BASE + ["protocol/types", "protocol/mcap", "calib/model"]),
+    "calib/model": (1, BASE),
+    "pipeline/types": (2, BASE + ["calib/model"]),
+    "pipeline/graph": (2, BASE),
+    "pipeline/algo": (2, BASE + ["calib/model", "pipeline/types"]),
+    "pipeline/stages": (3, BASE + ["protocol/types", "calib/model", "pipeline/graph"] + ALGO),
+    **{m: (3, PROTOCOL + FIRMWARE + ["calib/model"]) for m in FIRMWARE},
+    "calib/solve": (4, BASE + ["calib/model"] + ALGO),
+    "tools/twin": (4, PROTOCOL + FIRMWARE + ["calib/model"]),
+    "viewer/scene": (4, BASE + ["pipeline/types"]),
+    "viewer/gl": (4, BASE + ["pipeline/types", "viewer/scene"]),
+    "host/ingest": (4, PROTOCOL + ["pipeline/graph", "calib/model", "host/report"]),
+    "host/record": (4, PROTOCOL + ["pipeline/graph", "calib/model", "host/report"]),
+    "host/report": (4, BASE + ["protocol/types"]),
+    "host/update": (4, BASE),
+    "host/session": (4, PROTOCOL + ["calib/model", "pipeline/graph", "pipeline/stages"] + ALGO + HOST),
+    "host/app": (5, None),
+    "firmware/app": (5, PROTOCOL + FIRMWARE + ["calib/model", "tools/twin"]),
+    # The program, not the renderer, writes exchange folders with the recorder's code.
+    "tools/twin/app": (5, PROTOCOL + FIRMWARE + ["calib/model", "tools/twin", "host/record"]),
+    "tests": (6, None),
+}
+
+# header: modules it must not be seen in, although the module that owns it is allowed
+WITHHELD = {
+    "pipeline/algo": r"protocol/base/(clock|log|progress|spsc_ring|latest_slot|pool|metrics|config)\.hpp",
+    "tools/twin": r"calib/model/(?!rig\.hpp)",
+}
+
+# third-party include: where it may appear
+HOMES = [
+    (r"(GL|GLFW|epoxy|KHR|EGL)/|imgui|imgui_impl", r"viewer/gl/|tests/unit/viewer/", "GL, GLFW and ImGui"),
+    (r"dds/|scanner\.h$", r"protocol/dds/|protocol/idl/|tests/", "Cyclone DDS"),
+    (r"embree[34]/", r"tools/twin/([a-z_]+/)*embree_\w+\.cpp$", "Embree"),
+    (r"libusb", r"host/update/transport_usb\.cpp$", "libusb"),
+    (r"libcamera", r"firmware/hal/[a-z_]*\.cpp$", "libcamera"),
+    (r"opencv2/", r".*\.cpp$|tests/", "OpenCV (sources, not headers)"),
+    (r"spdlog/|toml\+\+/|sodium|zstd|lz4", r".*\.cpp$|tests/", "this library (sources, not headers)"),
+]
+RULES = {"layer", "neighbour", "home", "unknown", "tests"}
+
+
+def module_of(path: str) -> str | None:
+    fits = [m for m in MODULES if path.startswith(m + "/")]
+    return max(fits, key=len) if fits else None
+
+
+def check_own(path: str, line: int, target: str) -> list[Finding]:
+    module = module_of(path)
+    other = module_of(target)
+    if other is None or not (ROOT / target).is_file():
+        # A header beside the test that includes it, or of the code generator, has no repository path.
+        if (ROOT / path).parent.joinpath(target).is_file():
+            return [Finding(path, line, "unknown", f'write the repository path of "{target}"')]
+        return [Finding(path, line, "unknown", f'"{target}" is no file of this repository')]
+    if module == other:
+        return []
+    if other == "tests":
+        return [Finding(path, line, "tests", f'nothing but tests may include "{target}"')]
+    layer, allowed = MODULES[module]
+    if MODULES[other][0] > layer:
+        return [Finding(path, line, "layer",
+                        f'{module} (layer {layer}) may not include "{target}" (layer {MODULES[other][0]})')]
+    withheld = WITHHELD.get(module)
+    if (allowed is not None and other not in allowed) or (withheld and re.match(withheld, target)):
+        return [Finding(path, line, "neighbour", f'{module} may not see "{target}"')]
+    return []
+
+
+def check_foreign(path: str, line: int, target: str) -> list[Finding]:
+    if path.startswith("pipeline/algo/") and target in ("thread", "mutex", "condition_variable", "future"):
+        return [Finding(path, line, "neighbour", f"pipeline/algo has no threads of its own: <{target}>")]
+    for pattern, home, name in HOMES:
+        if re.match(pattern, target) and not re.match(home, path):
+            return [Finding(path, line, "home", f"<{target}>: {name} may not be included here")]
+    return []
+
+
+def check(path: str, text: str) -> list[Finding]:
+    if module_of(path) is None:
+        return [Finding(path, 1, "unknown", "lies in no module: give its folder a layer in tools/lint/check_layers.py")]
+    found = []
+    for number, line in enumerate(text.split("\n"), 1):
+        m = re.match(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', line)
+        if m and m.group(1):
+            found += check_own(path, number, m.group(1))
+        elif m:
+            found += check_foreign(path, number, m.group(2))
+    return found
+
+
+if __name__ == "__main__":
+    sys.exit(main(__doc__, "layers", RULES, CPP, check))

@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+"""House rules that compilers do not know: size of files and functions, clocks, threads, randomness, units, open ends."""
+import re
+import sys
+import tomllib
+
+from lint_common import CPP, ROOT, Finding, blank_comments_and_strings, main
+
+MAX_FILE_LINES = 400
+MAX_FUNCTION_LINES = 60
+RULES = {"file_length", "function_length", "clock", "thread", "random", "todo", "unit", "pragma_once", "using_namespace"}
+ALLOWED = tomllib.loads((ROOT / "tools/lint/allowed.toml").read_text(encoding="utf-8"))
+
+UNITS = r"_(mm2?|mm3|um|nm|px|ns|us|ms|s|h|rad|deg|dn|hz|fps|c|k|v|w|a|m|voxels|per_\w+|\w+_s|ratio|share|factor|steps?)$"
+DIMENSIONS = (r"length|distance|radius|diameter|width|height|depth|angle|offset|period|delay|timeout|duration|interval|time|"
+              r"velocity|temperature|edge|thickness|voxel|spacing|pitch|gap|rotation|translation")
+
+# rule, pattern on code without comments and strings, files it does not hold for, what to do
+PATTERNS = [
+    ("clock", r"::now\s*\(|\b(clock_gettime|gettimeofday)\s*\(|\bstd::time\s*\(|this_thread::sleep_(for|until)\b",
+     r"protocol/base/clock\.cpp$|tests/", "only protocol/base/clock.cpp reads a clock or sleeps: take a Clock&"),
+    ("thread", r"\bstd::(jthread|thread|async)\b(?!::)|\bpthread_create\b", r"pipeline/graph/|tests/",
+     "threads live in pipeline/graph and in named I/O threads listed with a reason in tools/lint/allowed.toml"),
+    ("random", r"\bstd::(random_device|mt19937(_64)?|default_random_engine|\w+_distribution|shuffle)\b|\bs?rand\s*\(",
+     r"tests/", "use protocol/base/rng.hpp: the same numbers everywhere"),
+    ("using_namespace", r"^\s*using namespace\b", r".*\.cpp$", "a header must not open a namespace for everybody"),
+]
+
+
+def check_patterns(path: str, code: str) -> list[Finding]:
+    found = []
+    for rule, pattern, exempt, advice in PATTERNS:
+        if re.match(exempt, path) or path.rsplit(".", 1)[0] in ALLOWED.get(rule, {}):
+            continue
+        for m in re.finditer(pattern, code, re.MULTILINE):
+            found.append(Finding(path, code.count("\n", 0, m.start()) + 1, rule, advice))
+    return found
+
+
+def head_kind(head: str) -> str:
+    """What a '{' outside functions opens, told by the text since the last statement: scope, function or value."""
+    if head.count("(") > head.count(")"):
+        return "value"
+    while (bare := re.sub(r"<[^<>]*>", "", head)) != head:  # template parameters and arguments
+        head = bare
+    head = re.sub(r"\brequires\s*(\([^()]*\)|\w+)|\[\[[^\]]*\]\]|alignas\s*\([^()]*\)", " ", head).strip()
+    head = re.sub(r"^(template|inline|static|constexpr|public:|private:|protected:|\s)+", "", head)
+    if re.match(r'(namespace|class|struct|union|enum|extern)\b', head) and not re.search(r"\)\s*\w*$", head):
+        return "scope"
+    if re.search(r"(?<![=!<>])=(?!=)", re.sub(r"operator\s*[^\s(]+|\([^()]*\)", "", head)):
+        return "value"
+    if re.search(r"\)\s*(noexcept)?\s*:[^:]", head):  # constructor's initialiser list
+        return "value" if re.search(r"[\w>]$", head) else "function"
+    return "function" if "(" in head else "value"
+
+
+def functions(code: str):
+    """(first line, last line, head) of each function body, by its braces."""
+    depth = 0
+    start = None  # (depth outside, line, head) of the function we are in
+    head_begin = 0
+    values: list[int] = []
+    for m in re.finditer(r"[{};]|^[ \t]*#.*$", code, re.MULTILINE):
+        c = m.group(0)
+        if c == "{":
+            head = code[head_begin:m.start()]
+            kind = "inside" if start is not None or values else head_kind(head)
+            if kind == "function":
+                start = (depth, code.count("\n", 0, m.start()) + 1, " ".join(head.split())[-60:])
+            if kind == "value" or (kind == "inside" and start is None):
+                values.append(depth)
+            elif kind == "scope":
+                head_begin = m.end()
+            depth += 1
+        elif c == "}":
+            depth -= 1
+            if start is not None and start[0] == depth:
+                yield start[1], code.count("\n", 0, m.start()) + 1, start[2]
+                start = None
+                head_begin = m.end()
+            elif values:
+                values.pop()
+            elif start is None:
+                head_begin = m.end()
+        elif c == ";" or c.lstrip().startswith("#"):
+            if start is None and not values:
+                head_begin = m.end()
+
+
+def check_functions(path: str, code: str) -> list[Finding]:
+    return [Finding(path, first, "function_length", f"{last - first + 1} lines, at most {MAX_FUNCTION_LINES}: {head}")
+            for first, last, head in functions(code) if last - first + 1 > MAX_FUNCTION_LINES]
+
+
+def check_units(path: str, code: str) -> list[Finding]:
+    """Floating members of `struct …Config` whose name speaks of a dimension end in its unit."""
+    found = []
+    in_config = False
+    for number, line in enumerate(code.split("\n"), 1):
+        if re.match(r"\s*struct \w*Config\b[^;]*$", line):
+            in_config = True
+        elif re.match(r"\s*};", line):
+            in_config = False
+        m = re.match(r"\s*(?:float|double) (\w+)(?:\s*=[^;]*|\{[^;]*\})?;", line)
+        if in_config and m and re.search(rf"(^|_)({DIMENSIONS})(_(max|min))?$", m.group(1)) and not re.search(UNITS, m.group(1)):
+            found.append(Finding(path, number, "unit", f"'{m.group(1)}' needs its unit as suffix: _mm _um _ns _rad _px _dn"))
+    return found
+
+
+def check(path: str, text: str) -> list[Finding]:
+    found = []
+    lines = text.rstrip("\n").split("\n")
+    if len(lines) > MAX_FILE_LINES:
+        found.append(Finding(path, MAX_FILE_LINES, "file_length", f"{len(lines)} lines, at most {MAX_FILE_LINES}: split it"))
+    for number, line in enumerate(lines, 1):
+        if re.search(r"\b(TODO|FIXME|XXX|HACK)\b(?!\(#\d+\))", line) and not path.startswith("tools/lint/"):
+            found.append(Finding(path, number, "todo", "an open end needs an issue number: TODO(#12)"))
+    if not path.endswith((".cpp", ".hpp")):
+        return found
+    code = blank_comments_and_strings(text)
+    found += check_patterns(path, code) + check_functions(path, code) + check_units(path, code)
+    if path.endswith(".hpp") and not re.search(r"^#pragma once$", text, re.MULTILINE):
+        found.append(Finding(path, 1, "pragma_once", "a header begins with #pragma once"))
+    return found
+
+
+if __name__ == "__main__":
+    sys.exit(main(__doc__, "source", RULES, CPP | {".py"}, check))
