@@ -1,4 +1,5 @@
 // bursts.csv
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::string_view kColumns = "burst_id,t0_ns,t1_ns,t2_ns,t3_ns,exposure_us,temp_c";
 constexpr std::size_t kFields = 7;
+constexpr std::array<const char*, 4> kTimeNames{"t0_ns", "t1_ns", "t2_ns", "t3_ns"};
 constexpr std::int64_t kMaxTimeNs = std::int64_t{1} << 61U;
 
 template <class V>
@@ -34,7 +36,7 @@ std::string parse_row(std::string_view line, ExchangeRow& row) {
   if (fields.size() != kFields) return std::to_string(fields.size()) + " fields, expected 7";
   if (!parse(fields[0], row.burst_id)) return "burst_id is not a whole number";
   for (std::size_t k = 0; k < 4; ++k) {
-    const std::string name = "t" + std::to_string(k) + "_ns";
+    const std::string name = kTimeNames[k];
     if (!parse(fields[k + 1], row.t_ns[k])) return name + " is not a whole number";
     if (row.t_ns[k] < 0 || row.t_ns[k] > kMaxTimeNs) return name + " is out of range";
     if (k > 0 && row.t_ns[k] <= row.t_ns[k - 1]) return name + " is not after the frame before";
