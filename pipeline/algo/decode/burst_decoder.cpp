@@ -86,7 +86,7 @@ struct DecodeWorkspace::Buffers {
   PhaseMaps phase;
   LinkMaps links;
   FloodMaps flood;
-  std::vector<Piece> pieces;
+  PieceList pieces;
   OrderResult orders;
   std::vector<CellSpan> spans;
   PolarityMaps polarity;
@@ -134,6 +134,7 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
     return bright ? BurstVerdict::kSaturated : BurstVerdict::kTooDark;
   }
   diag.closure_share = closure_share(b.phase, diag.noise);
+  reject_half_lit(b.phase.modulation_dn, b.phase.reject);
   compute_links(b.phase, carrier_, config_.links, b.links);
   diag.linked_share = b.links.pairs > 0 ? static_cast<double>(b.links.linked) / static_cast<double>(b.links.pairs) : 0;
   reject_edges(b.links, b.phase.reject);
@@ -144,8 +145,8 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   step("unwrap");
   find_pieces(b.phase, diag.noise, b.links, b.flood, {rays_->phase_near_rad.data(), rays_->phase_far_rad.data()},
               b.pieces);
-  find_orders(b.pieces, b.flood.components, signs_, config_.order, b.orders);
-  make_spans(b.pieces, b.orders, b.phase.reject, b.spans);
+  find_orders(b.pieces.pieces, b.flood.components, signs_, config_.order, b.orders);
+  make_spans(b.pieces.pieces, b.orders, b.phase.reject, b.spans);
   const double judged = b.orders.agreeing_px + b.orders.contradicting_px;
   diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;
   step("order");

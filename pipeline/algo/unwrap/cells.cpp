@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
 
@@ -10,16 +11,20 @@ namespace {
 
 /// Projector blur rounds the kink of frame 3 at a flip by up to this share of B (blur of 1.9 px in a period of 24).
 constexpr float kBlurError = 0.2F;
-constexpr float kNoiseOfCode = 3;     ///< var(D -+ S3) is 4 sigma^2 for b = +1, 2 sigma^2 for b = -1
+constexpr float kNoiseOfCode = 3;  ///< var(D -+ S3) is 4 sigma^2 for b = +1, 2 sigma^2 for b = -1
+constexpr int kEndTrim_px = 3;  ///< at a run's ends blur and motion mix frames of two surfaces or of light and shadow
 constexpr float kRangeSlack = 0.25F;  ///< fringes: the bounds are taken at a piece's middle, its ends reach that far
 
 struct Sums {
   float dot = 0, energy = 0, noise = 0, blur = 0;
 };
 
-void measure_code(const PhaseMaps& phase, const NoiseModel& noise, std::size_t at, Piece& p) {
+void measure_code(const PhaseMaps& phase, const NoiseModel& noise, std::size_t at, bool last_of_run, Piece& p) {
   Sums s;
-  for (std::size_t i = at + static_cast<std::size_t>(p.begin); i < at + static_cast<std::size_t>(p.end); ++i) {
+  const std::int32_t begin = p.begin + (p.joined && !p.kink ? 0 : kEndTrim_px),
+                     end = p.end - (last_of_run ? kEndTrim_px : 0);
+  for (std::int32_t u = begin; u < end; ++u) {
+    const std::size_t i = at + static_cast<std::size_t>(u);
     const float d = phase.code_dn[i], s3 = phase.sine_dn[i];
     if (!(d == d)) continue;
     const float e = s3 * s3;
@@ -43,72 +48,140 @@ void measure_bounds(const PhaseMaps& phase, const FloodMaps& flood, const PhaseB
   p.high = static_cast<std::int32_t>(std::floor((std::max(a, b) - phi) / kTwoPiF + kRangeSlack));
 }
 
-/// Index of the candidate among [first, last) that shares most linked columns with `p`; -1 when none shares any.
-std::int32_t best_overlap(const std::vector<Piece>& pieces, const Piece& p, std::size_t first, std::size_t last,
-                          const std::uint8_t* south) {
-  std::int32_t best = -1, most = 0;
-  for (std::size_t k = first; k < last; ++k) {
-    const Piece& o = pieces[k];
-    if (o.end <= p.begin) continue;
-    if (o.begin >= p.end) break;
-    if (o.component != p.component || o.cell != p.cell) continue;
-    std::int32_t shared = 0;
-    for (std::int32_t u = std::max(o.begin, p.begin); u < std::min(o.end, p.end); ++u) shared += south[u];
-    if (shared > most) most = shared, best = static_cast<std::int32_t>(k);
-  }
-  return best;
+/// Height of a step between positions -1 and 0 of a line of Phi (stride in pixels), as excess over the slopes beside
+/// it; blur spreads a step over three pixels. One-sided at the end of a surface; NaN where there is nothing to compare.
+float step_height(const float* p, std::ptrdiff_t stride) {
+  const float middle = p[stride] - p[-2 * stride];
+  const float before = p[-2 * stride] - p[-5 * stride], after = p[4 * stride] - p[stride];
+  const float slope = before == before ? (after == after ? 0.5F * (before + after) : before) : after;
+  return middle - slope;
 }
 
-/// Links pieces of two neighbouring rows: a in [a0, b0), b in [b0, end), south links of the upper row.
-void link_rows(std::vector<Piece>& pieces, std::size_t a0, std::size_t b0, std::size_t end, const std::uint8_t* south) {
-  std::size_t from = a0;
-  for (std::size_t k = b0; k < end; ++k) {
-    while (from < b0 && pieces[from].end <= pieces[k].begin) ++from;
-    pieces[k].up = best_overlap(pieces, pieces[k], from, b0, south);
+/// Smallest step that is neither noise (4 sigma of six samples' combination) nor ripple of the three-frame phase.
+float step_threshold(float sigma, float samples) { return 4 * sqrt_poly(6.0F / samples) * sigma + 0.1F; }
+
+bool is_kink(const PhaseMaps& phase, const Map<float>& phi, std::size_t i) {
+  const float j = step_height(&phi[i], 1);
+  const float limit = step_threshold(phase.sigma_rad[i], 1);
+  if (!(j > limit || j < -limit)) return false;
+  const float before = step_height(&phi[i - 1], 1), after = step_height(&phi[i + 1], 1);
+  const float size = std::abs(j);  // cut once, where it is highest
+  return !(std::abs(before) > size) && !(std::abs(after) >= size);
+}
+
+/// A step between rows v-1 and v, as the mean over columns begin … end-1 of row v (i = index of column 0 of that row).
+bool is_step_between_rows(const PhaseMaps& phase, const Map<float>& phi, std::size_t i, std::int32_t begin,
+                          std::int32_t end) {
+  const auto width = static_cast<std::ptrdiff_t>(phi.width());
+  float sum = 0, sigma = 0, count = 0;
+  for (std::int32_t u = begin; u < end; ++u) {
+    const std::size_t k = i + static_cast<std::size_t>(u);
+    const float j = step_height(&phi[k], width);
+    const bool ok = j == j;
+    sum += ok ? j : 0;
+    sigma += ok ? phase.sigma_rad[k] : 0;
+    count += ok ? 1.0F : 0.0F;
   }
-  from = b0;
-  for (std::size_t k = a0; k < b0; ++k) {
-    while (from < end && pieces[from].end <= pieces[k].begin) ++from;
-    pieces[k].down = best_overlap(pieces, pieces[k], from, end, south);
+  return count > 0 && std::abs(sum) > count * step_threshold(sigma / count, count);
+}
+
+struct Linker {
+  const PhaseMaps& phase;
+  const Map<float>& phi;
+  std::vector<Piece>& pieces;
+  const std::uint8_t* south;  ///< links of the upper row to the lower
+  std::size_t lower_row_at;   ///< index of the lower row's first pixel
+  bool room;                  ///< enough rows above and below to look for a step
+
+  /// The candidate among [first, last) of the other row that shares most linked columns with `p`; -1 when none does.
+  std::int32_t best_overlap(const Piece& p, std::size_t first, std::size_t last) const {
+    std::int32_t best = -1, most = 0;
+    for (std::size_t k = first; k < last; ++k) {
+      const Piece& o = pieces[k];
+      if (o.end <= p.begin) continue;
+      if (o.begin >= p.end) break;
+      if (o.component != p.component || o.cell != p.cell) continue;
+      std::int32_t shared = 0;
+      for (std::int32_t u = std::max(o.begin, p.begin); u < std::min(o.end, p.end); ++u) shared += south[u];
+      if (shared > most) most = shared, best = static_cast<std::int32_t>(k);
+    }
+    if (best < 0 || !room) return best;
+    const Piece& o = pieces[static_cast<std::size_t>(best)];
+    return is_step_between_rows(phase, phi, lower_row_at, std::max(o.begin, p.begin), std::min(o.end, p.end)) ? -1
+                                                                                                              : best;
+  }
+
+  void link(std::size_t a0, std::size_t b0, std::size_t end) const {
+    std::size_t from = a0;
+    for (std::size_t k = b0; k < end; ++k) {
+      while (from < b0 && pieces[from].end <= pieces[k].begin) ++from;
+      pieces[k].up = best_overlap(pieces[k], from, b0);
+    }
+    from = b0;
+    for (std::size_t k = a0; k < b0; ++k) {
+      while (from < end && pieces[from].end <= pieces[k].begin) ++from;
+      pieces[k].down = best_overlap(pieces[k], from, end);
+    }
+  }
+};
+
+void unwrap_map(const PhaseMaps& phase, const FloodMaps& flood, Map<float>& phi) {
+  if (phi.width() != phase.phase_rad.width() || phi.height() != phase.phase_rad.height())
+    phi = Map<float>(phase.phase_rad.width(), phase.phase_rad.height());
+  for (std::size_t i = 0; i < phi.size(); ++i) {
+    const float p = phase.phase_rad[i] + kTwoPiF * static_cast<float>(flood.turn[i]);
+    phi[i] = flood.component[i] >= 0 ? p : std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
+void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const Map<float>& phi, int v,
+               std::vector<Piece>& pieces) {
+  constexpr std::size_t kContext_px = 6;
+  const auto width = static_cast<std::size_t>(phi.width());
+  const std::size_t at = static_cast<std::size_t>(v) * width;
+  bool open = false;  // does the last piece of the list end at the pixel before u
+  for (std::size_t u = 0; u < width; ++u) {
+    const std::size_t i = at + u;
+    if (flood.component[i] < 0) {
+      open = false;
+      continue;
+    }
+    const int cell = 2 * flood.turn[i] - (phase.phase_rad[i] < 0 ? 1 : 0);
+    // A difference beyond pi: two paths of the flood disagree here.
+    const bool joined = open && links.east[i - 1] != 0 && flood.component[i - 1] == flood.component[i] &&
+                        std::abs(phi[i] - phi[i - 1]) < kPiF;
+    const bool kink = joined && u >= kContext_px && u + kContext_px < width && is_kink(phase, phi, i);
+    if (!joined || kink || pieces.back().cell != cell) {
+      const auto x = static_cast<std::int32_t>(u);
+      pieces.push_back({v, x, x, flood.component[i], cell, -1, -1, 0, -1, joined, kink});
+    }
+    pieces.back().end = static_cast<std::int32_t>(u) + 1;
+    open = true;
   }
 }
 
 }  // namespace
 
 void find_pieces(const PhaseMaps& phase, const NoiseModel& noise, const LinkMaps& links, const FloodMaps& flood,
-                 const PhaseBounds& bounds, std::vector<Piece>& pieces) {
+                 const PhaseBounds& bounds, PieceList& out) {
+  constexpr int kContext_px = 5;
+  auto& pieces = out.pieces;
   pieces.clear();
+  unwrap_map(phase, flood, out.work.unwrapped);
   const auto width = static_cast<std::size_t>(phase.phase_rad.width());
+  const int height = phase.phase_rad.height();
   std::size_t above = 0;
-  for (int v = 0; v < phase.phase_rad.height(); ++v) {
+  for (int v = 0; v < height; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width, first = pieces.size();
-    bool open = false;  // does the last piece of the list end at the pixel before u
-    for (std::size_t u = 0; u < width; ++u) {
-      const std::size_t i = at + u;
-      if (flood.component[i] < 0) {
-        open = false;
-        continue;
-      }
-      const int turn = flood.turn[i];
-      const int cell = 2 * turn - (phase.phase_rad[i] < 0 ? 1 : 0);
-      bool joined = open && links.east[i - 1] != 0 && flood.component[i - 1] == flood.component[i];
-      if (joined) {
-        const float d = phase.phase_rad[i] - phase.phase_rad[i - 1];
-        const int step = (d < -kPiF ? 1 : 0) - (d > kPiF ? 1 : 0);
-        joined = turn == flood.turn[i - 1] + step;  // else two paths of the flood disagree here
-      }
-      if (!joined || pieces.back().cell != cell) {
-        const auto x = static_cast<std::int32_t>(u);
-        pieces.push_back({v, x, x, flood.component[i], cell, -1, -1, 0, -1, joined});
-      }
-      pieces.back().end = static_cast<std::int32_t>(u) + 1;
-      open = true;
-    }
+    split_row(phase, links, flood, out.work.unwrapped, v, pieces);
     for (std::size_t k = first; k < pieces.size(); ++k) {
-      measure_code(phase, noise, at, pieces[k]);
+      const bool last = k + 1 == pieces.size() || !pieces[k + 1].joined || pieces[k + 1].kink;
+      measure_code(phase, noise, at, last, pieces[k]);
       measure_bounds(phase, flood, bounds, at, pieces[k]);
     }
-    if (v > 0) link_rows(pieces, above, first, pieces.size(), &links.south[at - width]);
+    const bool room = v >= kContext_px && v + kContext_px <= height;
+    if (v > 0)
+      Linker{phase, out.work.unwrapped, pieces, &links.south[at - width], at, room}.link(above, first, pieces.size());
     above = first;
   }
 }

@@ -13,9 +13,10 @@ struct Piece {
   std::int32_t row = 0, begin = 0, end = 0;  ///< pixels begin … end-1 of the row
   std::int32_t component = -1;
   std::int32_t cell = 0;            ///< floor(Phi/pi) of the flood's Phi; absolute cell = cell + 2*shift
-  std::int32_t up = -1, down = -1;  ///< the same surface and cell in the rows above and below
+  std::int32_t up = -1, down = -1;  ///< the same surface and cell in the rows above and below, no step between
   std::int32_t low = 0, high = -1;  ///< shifts that the depth range allows
-  bool joined = false;              ///< continues the run of the piece before it in the list
+  bool joined = false;              ///< continues the run of the piece before it in the list ...
+  bool kink = false;                ///< ... but across a step: that step plus a jump of 2 pi would look the same
   float code = 0;                   ///< T = sum(D S3)/sum(S3^2): about +1 or -1 (algorithms.md §2.2)
   float code_variance = 1e9F;       ///< of T, noise and projector blur together
 };
@@ -26,8 +27,15 @@ struct PhaseBounds {
   const float* far_rad = nullptr;
 };
 
-/// Fills `pieces` in row order.
+struct PieceList {
+  std::vector<Piece> pieces;  ///< in row order
+
+  struct Work {
+    Map<float> unwrapped;  ///< flood's Phi; NaN outside all components
+  } work;
+};
+
 void find_pieces(const PhaseMaps& phase, const NoiseModel& noise, const LinkMaps& links, const FloodMaps& flood,
-                 const PhaseBounds& bounds, std::vector<Piece>& pieces);
+                 const PhaseBounds& bounds, PieceList& out);
 
 }  // namespace enamel::algo

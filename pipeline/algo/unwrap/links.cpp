@@ -118,4 +118,20 @@ void reject_edges(LinkMaps& links, Map<PixelReject>& reject) {
   }
 }
 
+void reject_half_lit(const Map<float>& modulation_dn, Map<PixelReject>& reject) {
+  constexpr std::ptrdiff_t kStep_px = 2;
+  const std::ptrdiff_t w = reject.width(), h = reject.height();
+  const float* b = modulation_dn.pixels().data();
+  PixelReject* r = reject.pixels().data();
+  for (std::ptrdiff_t v = 0; v < h; ++v) {
+    const std::ptrdiff_t up = v >= kStep_px ? -kStep_px * w : 0, down = v + kStep_px < h ? kStep_px * w : 0;
+    for (std::ptrdiff_t i = v * w + kStep_px; i < (v + 1) * w - kStep_px; ++i) {
+      const float across = b[i - kStep_px] > b[i + kStep_px] ? b[i - kStep_px] : b[i + kStep_px];
+      const float along = b[i + up] > b[i + down] ? b[i + up] : b[i + down];
+      const float most = across > along ? across : along;
+      r[i] = (r[i] == PixelReject::kNone) & (b[i] < 0.5F * most) ? PixelReject::kEdge : r[i];
+    }
+  }
+}
+
 }  // namespace enamel::algo

@@ -37,6 +37,10 @@ void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkCon
 /// sides, and a flood must not leak from one side to the other through them.
 void reject_edges(LinkMaps& links, Map<PixelReject>& reject);
 
+/// Rejects (kEdge) lit pixels whose modulation is under half of that two pixels away: most of their light is blurred
+/// over from the neighbour, and so is their phase. Call before compute_links.
+void reject_half_lit(const Map<float>& modulation_dn, Map<PixelReject>& reject);
+
 /// Carrier of a baked rig.
 struct RaySlopes {
   double inverse_depth = 0;        ///< 1/z at mid-range of the image's centre

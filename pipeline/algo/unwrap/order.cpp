@@ -8,7 +8,9 @@
 namespace enamel::algo {
 namespace {
 
-constexpr std::size_t kStates = 16;  ///< shifts per component, from the lowest that any of its pieces allows
+constexpr std::size_t kStates = 24;  ///< shifts per component, from two below the lowest that any piece allows
+constexpr std::int32_t kBeyond = 2;  ///< orders beyond the depth range that a surface is followed
+constexpr float kImpossible = 60;
 using Costs = std::array<float, kStates>;
 
 float* at(std::vector<float>& v, std::size_t piece) { return &v[piece * kStates]; }
@@ -36,6 +38,8 @@ class Solver {
     along_rows();
     between_rows();
     choose();
+    inherit();
+    judge();
     find_specks();
   }
 
@@ -44,9 +48,9 @@ class Solver {
     work_.base.assign(static_cast<std::size_t>(components), std::numeric_limits<std::int32_t>::max());
     for (const Piece& p : pieces_) {
       auto& base = work_.base[static_cast<std::size_t>(p.component)];
-      if (p.low <= p.high) base = std::min(base, p.low);
+      if (p.low <= p.high) base = std::min(base, p.low - kBeyond);
     }
-    for (auto* v : {&work_.unary, &work_.left, &work_.right, &work_.row, &work_.up, &work_.down})
+    for (auto* v : {&work_.unary, &work_.left, &work_.right, &work_.row, &work_.up, &work_.down, &work_.mean})
       v->resize(pieces_.size() * kStates);
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const Piece& p = pieces_[i];
@@ -55,8 +59,10 @@ class Solver {
       for (std::size_t k = 0; k < kStates; ++k) {
         const std::int32_t shift = base_of(p) + static_cast<std::int32_t>(k);
         const std::int32_t cell = p.cell + 2 * shift;
-        const bool possible = shift >= p.low && shift <= p.high && cell >= 0 && cell < signs_.cells();
-        at(work_.unary, i)[k] = possible ? (signs_.at(cell) > 0 ? plus : minus) : config_.out_of_range_cost;
+        const std::int32_t beyond = std::max({p.low - shift, shift - p.high, 0});
+        const bool possible = beyond <= kBeyond && cell >= 0 && cell < signs_.cells();
+        const float code = signs_.at(cell) > 0 ? plus : minus;
+        at(work_.unary, i)[k] = possible ? code + config_.beyond_range_cost * static_cast<float>(beyond) : kImpossible;
       }
     }
   }
@@ -66,52 +72,113 @@ class Solver {
     return b == std::numeric_limits<std::int32_t>::max() ? 0 : b;
   }
 
+  float jump_cost(const Piece& p) const { return p.kink ? config_.kink_jump_cost : config_.unseen_jump_cost; }
+
   /// Forward and backward messages of each run; row = sum of both with the piece's own evidence counted once.
   void along_rows() {
     const Costs none{};
     const std::size_t n = pieces_.size();
     for (std::size_t i = 0; i < n; ++i)
-      pass(pieces_[i].joined ? at(work_.left, i - 1) : none.data(), at(work_.unary, i), config_.unseen_jump_cost,
+      pass(pieces_[i].joined ? at(work_.left, i - 1) : none.data(), at(work_.unary, i), jump_cost(pieces_[i]),
            at(work_.left, i));
     for (std::size_t i = n; i-- > 0;)
       pass(i + 1 < n && pieces_[i + 1].joined ? at(work_.right, i + 1) : none.data(), at(work_.unary, i),
-           config_.unseen_jump_cost, at(work_.right, i));
+           i + 1 < n ? jump_cost(pieces_[i + 1]) : 0, at(work_.right, i));
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t k = 0; k < kStates; ++k)
         at(work_.row, i)[k] = at(work_.left, i)[k] + at(work_.right, i)[k] - at(work_.unary, i)[k];
   }
 
+  /// Running means over the rows above and below. A mean, not a sum: what misleads the code (an edge, a moving shadow)
+  /// misleads many rows alike, so that repeating it makes it no truer.
   void between_rows() {
-    const Costs none{};
     const std::size_t n = pieces_.size();
+    for (std::size_t i = 0; i < n; ++i) blend(work_.up, pieces_[i].up, i);
+    for (std::size_t i = n; i-- > 0;) blend(work_.down, pieces_[i].down, i);
     for (std::size_t i = 0; i < n; ++i)
-      pass(pieces_[i].up >= 0 ? at(work_.up, static_cast<std::size_t>(pieces_[i].up)) : none.data(), at(work_.row, i),
-           config_.unseen_jump_cost, at(work_.up, i));
-    for (std::size_t i = n; i-- > 0;)
-      pass(pieces_[i].down >= 0 ? at(work_.down, static_cast<std::size_t>(pieces_[i].down)) : none.data(),
-           at(work_.row, i), config_.unseen_jump_cost, at(work_.down, i));
+      for (std::size_t k = 0; k < kStates; ++k)
+        at(work_.mean, i)[k] = 0.5F * (at(work_.up, i)[k] + at(work_.down, i)[k]);
+  }
+
+  void blend(std::vector<float>& mean, std::int32_t neighbour, std::size_t i) {
+    const float memory = neighbour >= 0 ? config_.row_memory : 0;
+    const float* own = at(work_.row, i);
+    const float* in = neighbour >= 0 ? at(mean, static_cast<std::size_t>(neighbour)) : own;
+    const float low = *std::min_element(in, in + kStates), own_low = *std::min_element(own, own + kStates);
+    float* out = at(mean, i);
+    for (std::size_t k = 0; k < kStates; ++k)
+      out[k] = (1 - memory) * (own[k] - own_low) + memory * std::min(in[k] - low, 4 * config_.unseen_jump_cost);
   }
 
   void choose() {
     out_.pieces.assign(pieces_.size(), {});
-    out_.agreeing_px = out_.contradicting_px = 0;
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      Costs total{};
-      for (std::size_t k = 0; k < kStates; ++k)
-        total[k] = at(work_.up, i)[k] + at(work_.down, i)[k] - at(work_.row, i)[k];
-      const auto best = static_cast<std::size_t>(std::min_element(total.begin(), total.end()) - total.begin());
+      const float* total = at(work_.mean, i);
+      const auto best = static_cast<std::size_t>(std::min_element(total, total + kStates) - total);
       float second = std::numeric_limits<float>::max();
       for (std::size_t k = 0; k < kStates; ++k)
         if (k != best) second = std::min(second, total[k]);
+      out_.pieces[i].shift = base_of(pieces_[i]) + static_cast<std::int32_t>(best);
+      out_.pieces[i].decided = total[best] < kImpossible && second - total[best] >= config_.decided_margin;
+    }
+  }
+
+  /// Calls visit(other) for the pieces linked to piece i that come before it in the list, and for the one below.
+  template <class Visit>
+  void neighbours(std::size_t i, Visit visit) const {
+    const Piece& p = pieces_[i];
+    if (p.joined && !p.kink) visit(i - 1);
+    if (p.up >= 0) visit(static_cast<std::size_t>(p.up));
+    if (p.down >= 0) visit(static_cast<std::size_t>(p.down));
+  }
+
+  /// A zone of undecided pieces that borders on decided ones of one shift only continues that surface: plain
+  /// unwrapping. Where two shifts meet in it nobody knows the place, and where its own code speaks against, it stays
+  /// undecided.
+  void inherit() {
+    reset_sets();
+    const auto undecided = [&](std::size_t i) { return !out_.pieces[i].decided; };
+    for (std::size_t i = 0; i < pieces_.size(); ++i)
+      neighbours(i, [&](std::size_t o) {
+        if (undecided(i) && undecided(o)) unite(i, o);
+      });
+    constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max(), kSeveral = kUnknown - 1;
+    work_.size.assign(pieces_.size(), kUnknown);  // the shift around each zone, at its root
+    const auto note = [&](std::size_t zone, std::size_t source) {
+      std::int32_t& known = work_.size[root(zone)];
+      const std::int32_t shift = out_.pieces[source].shift;
+      known = known == kUnknown || known == shift ? shift : kSeveral;
+    };
+    for (std::size_t i = 0; i < pieces_.size(); ++i)
+      neighbours(i, [&](std::size_t o) {
+        if (undecided(i) && !undecided(o)) note(i, o);
+        if (!undecided(i) && undecided(o)) note(o, i);
+      });
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      if (!undecided(i) || work_.size[root(i)] >= kSeveral) continue;
+      const std::int32_t shift = work_.size[root(i)], state = shift - base_of(pieces_[i]);
+      if (state < 0 || state >= static_cast<std::int32_t>(kStates)) continue;
+      const float* total = at(work_.row, i);  // of its own row, not diluted by others
+      if (total[state] - *std::min_element(total, total + kStates) > config_.inherit_cost) continue;
+      out_.pieces[i].shift = shift;
+      out_.pieces[i].inherited = true;
+    }
+    for (PieceOrder& o : out_.pieces) o.decided = o.decided || o.inherited;
+  }
+
+  void judge() {
+    out_.agreeing_px = out_.contradicting_px = 0;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const Piece& p = pieces_[i];
-      PieceOrder& o = out_.pieces[i];
-      o.shift = base_of(p) + static_cast<std::int32_t>(best);
-      const bool possible = o.shift >= p.low && o.shift <= p.high;
-      o.decided = possible && second - total[best] >= config_.decided_margin;
-      if (!o.decided || p.code_variance > 0.25F) continue;
-      const bool agrees = p.code * signs_.at(p.cell + 2 * o.shift) > 0;
+      if (!out_.pieces[i].decided || p.code_variance > 0.25F) continue;
+      const bool agrees = p.code * signs_.at(p.cell + 2 * out_.pieces[i].shift) > 0;
       (agrees ? out_.agreeing_px : out_.contradicting_px) += p.end - p.begin;
     }
+  }
+
+  void reset_sets() {
+    work_.parent.resize(pieces_.size());
+    std::iota(work_.parent.begin(), work_.parent.end(), 0);
   }
 
   std::size_t root(std::size_t i) {
@@ -123,23 +190,19 @@ class Solver {
   }
 
   void unite(std::size_t a, std::size_t b) {
-    if (!out_.pieces[a].decided || !out_.pieces[b].decided || out_.pieces[a].shift != out_.pieces[b].shift) return;
     a = root(a), b = root(b);
-    if (a == b) return;
-    work_.parent[std::max(a, b)] = static_cast<std::int32_t>(std::min(a, b));
-    work_.size[std::min(a, b)] += work_.size[std::max(a, b)];
+    if (a != b) work_.parent[std::max(a, b)] = static_cast<std::int32_t>(std::min(a, b));
   }
 
   void find_specks() {
-    work_.parent.resize(pieces_.size());
-    std::iota(work_.parent.begin(), work_.parent.end(), 0);
-    work_.size.resize(pieces_.size());
-    for (std::size_t i = 0; i < pieces_.size(); ++i) work_.size[i] = pieces_[i].end - pieces_[i].begin;
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (pieces_[i].joined) unite(i, i - 1);
-      if (pieces_[i].up >= 0) unite(i, static_cast<std::size_t>(pieces_[i].up));
-      if (pieces_[i].down >= 0) unite(i, static_cast<std::size_t>(pieces_[i].down));
-    }
+    reset_sets();
+    for (std::size_t i = 0; i < pieces_.size(); ++i)
+      neighbours(i, [&](std::size_t o) {
+        const PieceOrder &a = out_.pieces[i], &b = out_.pieces[o];
+        if (a.decided && b.decided && a.shift == b.shift) unite(i, o);
+      });
+    work_.size.assign(pieces_.size(), 0);
+    for (std::size_t i = 0; i < pieces_.size(); ++i) work_.size[root(i)] += pieces_[i].end - pieces_[i].begin;
     for (std::size_t i = 0; i < pieces_.size(); ++i)
       out_.pieces[i].speck = out_.pieces[i].decided && work_.size[root(i)] < config_.min_region_px;
   }

@@ -16,14 +16,18 @@ namespace enamel::algo {
 struct OrderConfig {
   float outlier_cost = 4.6F;      ///< most that one piece's contradiction counts: 1 % of the pieces lie (edges, glints)
   float unseen_jump_cost = 6.9F;  ///< a 2 pi jump inside a linked surface: one in a thousand neighbours
+  float kink_jump_cost = 2.3F;    ///< at a step in the phase: it may be that step, or that and 2 pi; one in ten
   float decided_margin = 4.6F;    ///< second-best must be this much dearer: 1 % risk
-  float out_of_range_cost = 30;
-  int min_region_px = 64;  ///< smaller regions of one shift are specks
+  float beyond_range_cost = 1;  ///< a piece and order: surfaces do run on beyond the range, and must not be folded back
+  float row_memory = 0.85F;     ///< weight of the rows before in the running mean: about 7 rows
+  float inherit_cost = 2.3F;    ///< an undecided piece takes its surroundings' shift unless its code is 10 : 1 against
+  int min_region_px = 64;       ///< smaller regions of one shift are specks
 };
 
 struct PieceOrder {
   std::int32_t shift = 0;
   bool decided = false;
+  bool inherited = false;  ///< decided by continuity with decided pieces, not by its own code
   bool speck = false;
 };
 
@@ -33,12 +37,12 @@ struct OrderResult {
   double contradicting_px = 0;     ///< … and those that have the other
 
   struct Work {
-    std::vector<float> unary, left, right, row, up, down;
+    std::vector<float> unary, left, right, row, up, down, mean;
     std::vector<std::int32_t> base, parent, size;
   } work;
 };
 
-/// Min-sum messages along rows (exact) and between rows (bounded by unseen_jump_cost). Fixed order, deterministic.
+/// Min-sum messages along rows (exact), running means between rows, then continuity. Fixed order, deterministic.
 void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CellSigns& signs,
                  const OrderConfig& config, OrderResult& out);
 
