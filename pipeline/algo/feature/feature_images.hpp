@@ -9,7 +9,7 @@
 namespace enamel::algo {
 
 struct ImageConfig {
-  int target_width_px = 320;     ///< pictures are block means of the patch, about this wide
+  int target_width_px = 213;     ///< pictures are block means of the patch, about this wide (a pixel: 85 µm)
   double lowpass_mm = 1.0;       ///< what varies over more than this (form, shading) is taken out
   double relief_range_mm = 0.5;  ///< relief of ±this fills 0 … 255
   double texture_range = 0.25;   ///< brightness of (1 ± this) times its surroundings fills 0 … 255

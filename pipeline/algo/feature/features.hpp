@@ -22,8 +22,8 @@ struct Feature {
 
 struct FeatureConfig {
   ImageConfig images;
-  int max_features = 350;  ///< of each kind, the strongest
-  double contrast_threshold = 0.02;
+  int max_features = 350;             ///< of each kind, the strongest
+  double contrast_threshold = 0.006;  ///< half a grey level: twice what shot noise leaves in a block mean
   double edge_threshold = 12;
   double max_sigma_mm = 0.1;   ///< features on worse measured surface are dropped
   double max_spread_mm = 0.4;  ///< depth range among the four pixels around it: beyond, it lies on an edge
