@@ -1,0 +1,144 @@
+// enamel-twin: renders what a probe would have recorded, with the truth. SIMULATION ONLY.
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/base/clock.hpp"
+#include "protocol/base/progress.hpp"
+#include "tools/twin/app/burst_message.hpp"
+#include "tools/twin/app/preview.hpp"
+#include "tools/twin/app/render_sink.hpp"
+#include "tools/twin/surface/mesh_file.hpp"
+#include "tools/twin/truth_files.hpp"
+#include "tools/twin/twin_source.hpp"
+
+namespace {
+
+using enamel::Error;
+using enamel::ErrorCode;
+using enamel::Result;
+namespace twin = enamel::twin;
+
+struct Options {
+  std::string scene, out;
+  std::optional<std::uint64_t> seed;
+  std::vector<std::string> overrides;
+  std::size_t threads = 0;
+  bool truth_maps = false;
+};
+
+Result<std::string> png(const std::vector<std::uint8_t>& pixels, int width, int height) {
+  std::vector<unsigned char> bytes;
+  try {
+    cv::Mat image(height, width, CV_8UC1);
+    std::copy(pixels.begin(), pixels.end(), image.data);
+    cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 3});
+  } catch (const cv::Exception& e) {
+    return enamel::fail(ErrorCode::kInternal, e.what());
+  }
+  return std::string(bytes.begin(), bytes.end());
+}
+
+Result<void> write_maps(twin::RenderSink& sink, const twin::BurstTruth& truth, int width, int height) {
+  char number[32];
+  std::snprintf(number, sizeof number, "%06llu", static_cast<unsigned long long>(truth.burst_index));
+  const std::string id = number;
+  ENAMEL_TRY(sink.file("truth/depth_" + id + ".pfm", twin::pfm(truth.maps.depth, width, height)));
+  ENAMEL_TRY_ASSIGN(const std::string lit, png(truth.maps.lit, width, height));
+  ENAMEL_TRY(sink.file("truth/lit_" + id + ".png", lit));
+  ENAMEL_TRY_ASSIGN(const std::string order, png(truth.maps.order, width, height));
+  return sink.file("truth/order_" + id + ".png", order);
+}
+
+Result<twin::SceneConfig> scene_of(const Options& o) {
+  std::vector<std::string> overrides = o.overrides;
+  if (o.seed) overrides.push_back("seed=" + std::to_string(*o.seed));
+  return twin::load_scene(o.scene, overrides);
+}
+
+Result<void> render(const Options& o) {
+  const enamel::SteadyClock clock;
+  ENAMEL_TRY_ASSIGN(const twin::SceneConfig scene, scene_of(o));
+  std::unique_ptr<twin::TwinSource> source;
+  {
+    enamel::Progress progress(clock, "build the scene", 1);
+    ENAMEL_TRY_ASSIGN(source, twin::TwinSource::create(scene));
+    progress.advance();
+  }
+  ENAMEL_TRY_ASSIGN(const auto sink, twin::open_sink(o.out, source->rig_text()));
+  const std::uint64_t total = source->count().value_or(0);
+  enamel::Progress progress(clock, "render bursts", total);
+  std::string poses = twin::poses_header();
+  for (std::uint64_t n = 0; n < total; ++n) {
+    ENAMEL_TRY_ASSIGN(const auto burst, source->next());
+    if (!burst) break;
+    ENAMEL_TRY(sink->burst(twin::to_message(*burst, source->rig().crc32)));
+    poses += twin::poses_row(source->truth());
+    if (o.truth_maps) ENAMEL_TRY(write_maps(*sink, source->truth(), burst->width, burst->height));
+    progress.advance();
+  }
+  progress.finish();
+  ENAMEL_TRY(sink->file("truth/poses.csv", poses));
+  ENAMEL_TRY(sink->file("truth/surface.ply", twin::write_ply(source->surface(), source->seen())));
+  ENAMEL_TRY(sink->file("truth/scene.json", source->scene_json()));
+  ENAMEL_TRY(sink->finish());
+  std::printf("%llu bursts -> %s\n", static_cast<unsigned long long>(total), o.out.c_str());
+  return {};
+}
+
+Result<void> preview(const Options& o) {
+  ENAMEL_TRY_ASSIGN(const twin::SceneConfig scene, scene_of(o));
+  return twin::write_preview(scene, o.out);
+}
+
+int report(const Result<void>& result) {
+  if (result) return 0;
+  std::fputs((result.error().message() + "\n").c_str(), stderr);
+  return enamel::exit_code(result.error().code);
+}
+
+void add_common(CLI::App* sub, Options& o) {
+  sub->add_option("SCENE", o.scene, "scene file (TOML); keys: docs/twin-scene.md")->required();
+  sub->add_option("--seed", o.seed, "another patient, path, tremor and noise");
+  sub->add_option("--set", o.overrides, "key=value, overrides the scene file");
+  sub->add_option("--threads", o.threads, "0: all cores; the result is the same for any number");
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("enamel-twin: simulated recordings with truth", "enamel-twin");
+  app.require_subcommand(1);
+  Options o;
+  CLI::App* render_cmd = app.add_subcommand("render", "render bursts to a recording (.mcap) or exchange folder");
+  add_common(render_cmd, o);
+  render_cmd->add_option("--out", o.out, "recording (.mcap) or folder")->required();
+  render_cmd->add_flag("--truth-maps", o.truth_maps, "depth, lit and order maps of every burst");
+  CLI::App* preview_cmd = app.add_subcommand("preview", "shaded picture of the scene's body from four sides");
+  add_common(preview_cmd, o);
+  preview_cmd->add_option("--out", o.out, "PNG file")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 1;
+  }
+  std::optional<tbb::global_control> limit;
+  if (o.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, o.threads);
+  if (preview_cmd->parsed()) return report(preview(o));
+  return report(render(o));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // A full file system or a closed pipe shall be an error value, not the end of the program.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+  return run(argc, argv);
+}

@@ -1,0 +1,34 @@
+// Camera after the lens: point spread on the pixel grid, photon and read noise, full well, converter.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace enamel::twin {
+
+struct SensorConfig {
+  double psf_sigma_px = 0.6;  ///< 0: none
+  double full_well_e = 10000;
+  double read_noise_e = 5;
+  double gain_e_per_dn = 39.84;
+  double black_dn = 4;
+  int bits = 8;
+  bool shot_noise = true;
+  bool read_noise = true;
+};
+
+/// Which image a noise field belongs to.
+struct ExposureId {
+  std::uint64_t seed = 0;
+  std::uint64_t burst = 0;
+  int frame = 0;
+};
+
+/// Separable Gaussian on the pixel grid, renormalised at the borders. In place; rows top-down, width*height floats.
+void apply_psf(std::vector<float>& image, int width, int height, double sigma_px);
+
+/// Mean electrons -> samples as the sensor delivers them: one byte a pixel for bits <= 8, else two, little endian.
+[[nodiscard]] std::vector<std::uint8_t> digitise(const std::vector<float>& electrons, const SensorConfig& config,
+                                                 const ExposureId& id);
+
+}  // namespace enamel::twin

@@ -1,0 +1,90 @@
+// Where the probe is, at any instant.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "tools/twin/path/arch.hpp"
+
+namespace enamel::twin {
+
+using Pose = Eigen::Isometry3d;
+
+/// Burst rhythm of the probe.
+struct TimingConfig {
+  double burst_rate_hz = 30;
+  double frame_period_ms = 4.004;
+  double exposure_ms = 3.7;
+  double start_s = 1.0;  ///< device clock at the first exposure of burst 0
+  int bursts = 0;        ///< 0: as many as the path takes
+};
+
+/// Start of exposure of frame k of burst n, device clock.
+[[nodiscard]] std::int64_t exposure_start_ns(const TimingConfig& timing, std::uint64_t burst, int frame);
+/// Middle between the start of the first and the end of the last exposure.
+[[nodiscard]] std::int64_t mid_burst_ns(const TimingConfig& timing, std::uint64_t burst);
+
+/// Shake of a hand, smooth in time. Frequencies of tremor 8–12 Hz, of wander 0.2–1 Hz; amplitudes are peaks per axis.
+struct TremorConfig {
+  bool enabled = true;
+  double tremor_um = 50, tremor_deg = 0.1;
+  double wander_mm = 0.3, wander_deg = 0.8;
+  double pivot_mm = 44;  ///< rotations are about this point before the camera
+};
+
+class Tremor {
+ public:
+  Tremor(const TremorConfig& config, std::uint64_t seed);
+  /// Motion in the camera's frame, to be applied on the right: T_model_cam * displacement(t).
+  [[nodiscard]] Pose displacement(double t_s) const;
+
+ private:
+  struct Wave {
+    double amplitude, omega, phase;
+  };
+  static constexpr std::size_t kWavesPerAxis = 4;
+  TremorConfig config_;
+  std::array<std::array<Wave, kWavesPerAxis>, 6> waves_{};
+};
+
+class Trajectory {
+ public:
+  virtual ~Trajectory() = default;
+  /// T_model_cam without tremor at t seconds after the first exposure of burst 0.
+  [[nodiscard]] virtual Pose pose_at(double t_s) const = 0;
+  [[nodiscard]] virtual int bursts() const = 0;
+};
+
+/// One stand (or straight flight) of the probe before an artefact. The model's z axis points to the probe at tilt 0;
+/// image x runs along model x.
+struct ViewConfig {
+  double distance_mm = 48;
+  double tilt_x_deg = 0, tilt_y_deg = 0, roll_deg = 0;
+  std::array<double, 3> target_mm{};      ///< model point on the optical axis
+  std::array<double, 3> velocity_mm_s{};  ///< camera frame
+  std::array<double, 3> turn_deg_s{};     ///< rotation vector per second about the target, camera frame
+  int bursts = 1;
+};
+
+[[nodiscard]] std::unique_ptr<Trajectory> make_views(std::vector<ViewConfig> views, const TimingConfig& timing);
+
+struct PassConfig {
+  double from_mm = 4, to_mm = 48;  ///< arc length along the arch
+  double roll_deg = 0;             ///< about the arch's tangent; > 0: the probe stands on the cheek side
+  double height_mm = 4;            ///< z of the point looked at, above the gum margin
+};
+
+struct ArchPathConfig {
+  std::vector<PassConfig> passes;
+  double speed_mm_s = 15;
+  double turn_s = 0.9;  ///< from the end of a pass to the beginning of the next
+  double distance_mm = 48;
+};
+
+[[nodiscard]] std::unique_ptr<Trajectory> make_arch_path(const ArchPathConfig& config, const Arch& arch,
+                                                         const TimingConfig& timing);
+
+}  // namespace enamel::twin

@@ -1,0 +1,59 @@
+// Mean light of the four frames of a burst. Thread count never changes a bit: every pixel is summed alone, in order.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tools/twin/render/optics_model.hpp"
+#include "tools/twin/surface/ray_scene.hpp"
+
+namespace enamel::twin {
+
+/// Sub-pixel position and instant of the samples: grid*grid rooks on a rotated grid, point-symmetric about the pixel
+/// centre, so that no frame is shifted against another by sampling.
+struct SamplePattern {
+  explicit SamplePattern(int grid);
+  std::vector<double> dx, dy;      ///< px, in (-0.5, 0.5)
+  std::vector<std::size_t> order;  ///< instant of a sample, 0 … grid*grid-1; odd rows use the reverse
+};
+
+/// What lies behind the pixel centres at one pose. Rows top-down.
+struct TruthMaps {
+  std::vector<float> depth;         ///< camera z, mm; NaN = nothing there
+  std::vector<std::uint8_t> lit;    ///< 255 where the projector reaches the surface, else 0
+  std::vector<std::uint8_t> order;  ///< floor(u_p / period); 255 = outside the projector frame
+};
+
+class BurstRenderer {
+ public:
+  /// Keeps references: instrument and scene must outlive the renderer.
+  BurstRenderer(const Instrument& instrument, const RayScene& scene, const RenderConfig& config);
+
+  /// Fraction of full well, before the camera's point spread. Rows top-down.
+  [[nodiscard]] std::array<std::vector<float>, 4> render(const BurstPoses& poses) const;
+
+  [[nodiscard]] TruthMaps truth(const Pose& T_model_cam) const;
+
+ private:
+  struct View;
+  struct Lane;
+  using Lights = std::array<Lane, kPacket>;
+  using RowSums = std::array<std::vector<double>, 4>;
+
+  void trace_packet(const View& view, const double* directions, int x0, Lights& lights) const;
+  void light_lane(const View& view, const Vec3d& ray_cam, const RayScene::Surfel& s, Lane& lane) const;
+  void render_row(const std::vector<View>& views, bool is_static, int y, RowSums& sums) const;
+  void truth_row(const View& view, int y, TruthMaps& maps) const;
+
+  const Instrument& instrument_;
+  const RayScene& scene_;
+  RenderConfig config_;
+  SamplePattern pattern_;
+  int width_, height_;
+  double gain_ = 0;                 ///< full-well fraction per albedo * cos / r^2
+  std::vector<double> directions_;  ///< x/z, y/z a sample: [row][sample][column][2]
+  std::vector<double> centres_;     ///< the same at pixel centres
+};
+
+}  // namespace enamel::twin

@@ -1,0 +1,79 @@
+// A scene file: what stands before the probe, how the probe moves, which physical effects are on. Keys:
+// docs/twin-scene.md.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "calib/model/rig.hpp"
+#include "protocol/base/config.hpp"
+#include "tools/twin/jaw/jaw.hpp"
+#include "tools/twin/optics/projector.hpp"
+#include "tools/twin/path/trajectory.hpp"
+#include "tools/twin/render/optics_model.hpp"
+#include "tools/twin/surface/artefacts.hpp"
+
+namespace enamel::twin {
+
+enum class ObjectKind : std::uint8_t { kJaw, kPlane, kSpheres, kSteps, kFile };
+enum class PathKind : std::uint8_t { kViews, kArch };
+
+struct FileObjectConfig {
+  std::string path;          ///< PLY, STL or OBJ, mm
+  double max_edge_mm = 0.3;  ///< longer edges are split; 0: left as they are
+  double albedo = 0.8;
+};
+
+/// true = simulated. Off means ideal, never another device: with lens_distortion off the rig has no distortion either.
+struct Effects {
+  bool round_levels = true, gamma = true, defocus = true, lens_distortion = true, falloff = true, ambient = true;
+  bool shadow = true, texture = true, camera_psf = true;
+  bool motion = true;    ///< off: the probe stands still during a burst, at its mid-burst pose
+  bool exposure = true;  ///< off: an exposure is an instant, in its middle
+  bool tremor = true, shot_noise = true, read_noise = true;
+  bool adc = true;  ///< off: 16-bit samples, 256 to one step of the rig's converter
+};
+
+struct SceneConfig {
+  std::string rig_path;  ///< relative to the scene file
+  std::uint64_t seed = 1;
+  Effects effects;
+  TimingConfig timing;
+  ProjectorConfig projector;
+  double psf_sigma_px = 0.6;
+  double texture_amplitude = 0.05, texture_scale_mm = 1.6;
+  double temp_c = 32.0;
+  RenderConfig render;
+  ObjectKind object = ObjectKind::kPlane;
+  PlaneConfig plane;
+  SpheresConfig spheres;
+  StepsConfig steps;
+  JawConfig jaw;
+  FileObjectConfig file;
+  PathKind path = PathKind::kViews;
+  std::vector<ViewConfig> views;
+  ArchPathConfig arch_path;
+  TremorConfig tremor;
+};
+
+/// Binds every key. Relative paths are left relative. The caller calls reader.finish().
+void bind_scene(ConfigReader& reader, SceneConfig& config);
+
+/// Reads a scene file; paths in it come back resolved against the scene's folder. overrides: "key=value", as if they
+/// stood in the file. Errors: kFileNotFound, kConfigSyntax, kConfigUnknownKey, kConfigValue.
+[[nodiscard]] Result<SceneConfig> load_scene(const std::string& path, const std::vector<std::string>& overrides = {});
+
+/// Rig as the effects leave it: distortion zero and the text rewritten when lens_distortion is off, 16-bit converter
+/// when adc is off. `text` is untouched when neither is. Errors: kRigInvalid.
+[[nodiscard]] Result<calib::Rig> apply_effects(const calib::Rig& rig, const Effects& effects);
+
+/// Body in model coordinates, texture applied. Errors of mesh files.
+struct Body {
+  Surroundings surroundings;
+  ArchShape arch;  ///< of a jaw
+  std::string description_json;
+};
+[[nodiscard]] Result<Body> make_body(const SceneConfig& config);
+
+}  // namespace enamel::twin

@@ -1,0 +1,91 @@
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "tools/twin/scene/scene.hpp"
+#include "tools/twin/surface/mesh_file.hpp"
+
+namespace enamel::twin {
+namespace {
+
+using Json = nlohmann::json;
+
+Json describe(const Ball& b) {
+  return {{"type", "sphere"}, {"centre", {b.centre.x(), b.centre.y(), b.centre.z()}}, {"radius", b.radius}};
+}
+
+Body make_jaw_body(const SceneConfig& config, Json& objects) {
+  Body body;
+  Jaw jaw = make_jaw(config.jaw, config.seed);
+  body.arch = jaw.dentition.shape;
+  Json teeth = Json::array();
+  for (const auto& t : jaw.dentition.teeth) {
+    teeth.push_back({{"arc_mm", t.s},
+                     {"mesiodistal_mm", t.form.mesiodistal},
+                     {"buccolingual_mm", t.form.buccolingual},
+                     {"height_mm", t.form.height},
+                     {"origin", {t.origin.x(), t.origin.y(), t.origin.z()}}});
+  }
+  objects.push_back({{"type", "mesh"},
+                     {"file", "surface.ply"},
+                     {"jaw", config.jaw.side == JawSide::kLower ? "lower" : "upper"},
+                     {"arch", {body.arch.half_width_mm, body.arch.depth_mm, body.arch.exponent}},
+                     {"teeth", teeth}});
+  body.surroundings.mesh = std::move(jaw.mesh);
+  return body;
+}
+
+}  // namespace
+
+Result<Body> make_body(const SceneConfig& config) {
+  Body body;
+  Json objects = Json::array();
+  switch (config.object) {
+    case ObjectKind::kJaw:
+      body = make_jaw_body(config, objects);
+      break;
+    case ObjectKind::kPlane:
+      body.surroundings = make_plane(config.plane);
+      objects.push_back({{"type", "plane"}, {"half", {config.plane.half_mm, config.plane.half_mm}}});
+      break;
+    case ObjectKind::kSpheres:
+      body.surroundings = make_spheres(config.spheres);
+      for (const auto& b : body.surroundings.balls) objects.push_back(describe(b));
+      objects.push_back({{"type", "mesh"}, {"file", "surface.ply"}});
+      break;
+    case ObjectKind::kSteps:
+      body.surroundings = make_steps(config.steps);
+      objects.push_back({{"type", "mesh"}, {"file", "surface.ply"}});
+      break;
+    case ObjectKind::kFile: {
+      ENAMEL_TRY_ASSIGN(body.surroundings.mesh, load_mesh(config.file.path, static_cast<float>(config.file.albedo)));
+      if (config.file.max_edge_mm > 0) refine_edges(body.surroundings.mesh, config.file.max_edge_mm);
+      objects.push_back({{"type", "mesh"}, {"file", "surface.ply"}});
+      break;
+    }
+  }
+  if (config.effects.texture) {
+    apply_texture(body.surroundings.mesh, config.texture_amplitude, config.texture_scale_mm, config.seed);
+  }
+  const Json scene{{"frame", "model"}, {"units", "mm"}, {"seed", config.seed}, {"objects", objects}};
+  body.description_json = scene.dump(1) + "\n";
+  return body;
+}
+
+Result<calib::Rig> apply_effects(const calib::Rig& rig, const Effects& effects) {
+  if (effects.lens_distortion && effects.adc) return rig;
+  if (!effects.adc && !rig.noise) return fail(ErrorCode::kRigInvalid, "effects.adc = false needs noise in the rig");
+  Json json = Json::parse(rig.text, nullptr, false);
+  if (!json.is_object()) return fail(ErrorCode::kRigInvalid, "rig text is not JSON");
+  if (!effects.lens_distortion) {
+    for (const char* lens : {"camera", "projector"}) json[lens]["dist"] = Json::array({0, 0, 0, 0, 0});
+  }
+  if (!effects.adc) {
+    constexpr double kFiner = 256;
+    json["noise"]["bits"] = 16;
+    json["noise"]["gain_e_per_dn"] = rig.noise->gain_e_per_dn / kFiner;
+    json["noise"]["black_dn"] = rig.noise->black_dn * kFiner;
+  }
+  return calib::parse_rig(json.dump(1) + "\n");
+}
+
+}  // namespace enamel::twin

@@ -1,0 +1,164 @@
+#include <array>
+#include <filesystem>
+#include <utility>
+
+#include "tools/twin/scene/scene.hpp"
+
+namespace enamel::twin {
+namespace {
+
+using Names = std::string_view;
+constexpr std::array<std::pair<Names, ObjectKind>, 5> kObjects{{{"jaw", ObjectKind::kJaw},
+                                                                {"plane", ObjectKind::kPlane},
+                                                                {"spheres", ObjectKind::kSpheres},
+                                                                {"steps", ObjectKind::kSteps},
+                                                                {"file", ObjectKind::kFile}}};
+constexpr std::array<std::pair<Names, PathKind>, 2> kPaths{{{"views", PathKind::kViews}, {"arch", PathKind::kArch}}};
+constexpr std::array<std::pair<Names, JawSide>, 2> kSides{{{"lower", JawSide::kLower}, {"upper", JawSide::kUpper}}};
+
+void bind_effects(ConfigReader r, Effects& e) {
+  r.bind("round_levels", e.round_levels, "projector levels are 8-bit integers");
+  r.bind("gamma", e.gamma, "projector look-up table and response");
+  r.bind("defocus", e.defocus, "projector blur grows away from its focus");
+  r.bind("lens_distortion", e.lens_distortion, "distortion of both lenses; off: the rig has none");
+  r.bind("falloff", e.falloff, "cos^4 of both lenses and 1/r^2");
+  r.bind("ambient", e.ambient, "light that does not come from the projector");
+  r.bind("shadow", e.shadow, "surfaces cast shadows");
+  r.bind("texture", e.texture, "smooth mottling of the albedo");
+  r.bind("camera_psf", e.camera_psf, "point spread of the camera lens");
+  r.bind("motion", e.motion, "the probe moves during and between the four frames");
+  r.bind("exposure", e.exposure, "motion during one exposure");
+  r.bind("tremor", e.tremor, "shake and wander of the hand");
+  r.bind("shot_noise", e.shot_noise, "photon noise");
+  r.bind("read_noise", e.read_noise, "noise of the read-out");
+  r.bind("adc", e.adc, "rounding to the rig's bits; off: 16-bit samples, 256 to one step");
+}
+
+void bind_timing(ConfigReader r, TimingConfig& t) {
+  r.bind("burst_rate_hz", t.burst_rate_hz, {0.1, 200}, "bursts a second");
+  r.bind("frame_period_ms", t.frame_period_ms, {0.1, 1000}, "start of one exposure to the next");
+  r.bind("exposure_ms", t.exposure_ms, {0.01, 1000}, "length of an exposure");
+  r.bind("start_s", t.start_s, {0, 1e6}, "device clock at the first exposure");
+  r.bind("bursts", t.bursts, {0, 1000000}, "0: as many as the path takes");
+}
+
+void bind_projector(ConfigReader r, ProjectorConfig& p) {
+  r.bind("gamma", p.gamma, {0.3, 5}, "emission is level^gamma");
+  r.bind("lut_gamma", p.lut_gamma, {0.3, 5}, "exponent that the inverse look-up table assumes");
+  r.bind("black_fraction", p.black_fraction, {0, 0.5}, "emission of level 0 relative to level 255");
+  r.bind("blur_sigma_px", p.blur_sigma_px, {0, 20}, "Gaussian blur at best focus, projector px");
+  r.bind("defocus_px_per_mm", p.defocus_px_per_mm, {0, 5}, "blur added in quadrature per mm from the focus");
+  r.bind("focus_mm", p.focus_mm, {1, 1000}, "best focus, projector depth");
+}
+
+void bind_render(ConfigReader& r, SceneConfig& c) {
+  r.bind("render.samples_grid", c.render.grid, {1, 8}, "n*n samples a pixel and frame, each with its own instant");
+  r.bind("light.ambient", c.render.light.ambient, {0, 1}, "ambient radiance times albedo, relative to full well");
+  r.bind("light.reference_mm", c.render.light.reference_mm, {1, 1000}, "distance at which the exposure is set");
+  r.bind("light.reference_fraction", c.render.light.reference_fraction, {0.01, 2},
+         "full-well fraction of level 255 on albedo 0.8 facing at that distance");
+  r.bind("camera.psf_sigma_px", c.psf_sigma_px, {0, 10}, "Gaussian point spread, camera px");
+  r.bind("camera.temp_c", c.temp_c, {-20, 90}, "temperature stamped on the bursts");
+  r.bind("texture.amplitude", c.texture_amplitude, {0, 0.5}, "relative change of the albedo");
+  r.bind("texture.scale_mm", c.texture_scale_mm, {0.05, 100}, "size of a patch");
+}
+
+void bind_object(ConfigReader r, SceneConfig& c) {
+  r.bind("type", c.object, kObjects, "jaw, plane, spheres, steps or file");
+  r.bind("plane.half_mm", c.plane.half_mm, {1, 500}, "half edge of the plane");
+  r.bind("spheres.diameters_mm", c.spheres.diameters_mm, {0.1, 100}, "one a ball, along x");
+  r.bind("spheres.pitch_mm", c.spheres.pitch_mm, {0.1, 200}, "centre to centre");
+  r.bind("spheres.rod_diameter_mm", c.spheres.rod_diameter_mm, {0, 50}, "rod through the balls; 0: none");
+  r.bind("steps.rises_mm", c.steps.rises_mm, {-50, 50}, "one a step, along x; negative: down");
+  r.bind("steps.tread_mm", c.steps.tread_mm, {0.1, 100}, "length of a step");
+  r.bind("steps.width_mm", c.steps.width_mm, {0.1, 200}, "along y");
+  r.bind("steps.slot_widths_mm", c.steps.slot_widths_mm, {0.01, 20}, "slots in the block beside the stairs");
+  r.bind("steps.slot_depth_mm", c.steps.slot_depth_mm, {0.01, 50}, "depth of the slots");
+  r.bind("jaw.side", c.jaw.side, kSides, "lower or upper");
+  r.bind("jaw.last_tooth", c.jaw.last_tooth, {1, 7}, "1 central incisor ... 7 second molar");
+  r.bind("jaw.both_sides", c.jaw.both_sides, "the whole arch instead of the right quadrant");
+  r.bind("jaw.max_edge_mm", c.jaw.max_edge_mm, {0.02, 2}, "longest edge of the mesh");
+  r.bind("jaw.from_mm", c.jaw.from_mm, {-70, 70}, "part of the arch to mesh, arc length from the midline");
+  r.bind("jaw.to_mm", c.jaw.to_mm, {-70, 70}, "its end; from = to: all teeth");
+  r.bind("jaw.enamel_albedo", c.jaw.enamel_albedo, {0, 1}, "reflectance of the teeth");
+  r.bind("jaw.gum_albedo", c.jaw.gum_albedo, {0, 1}, "reflectance of the gum");
+  r.bind("file.path", c.file.path, "PLY, STL or OBJ in mm, relative to the scene file");
+  r.bind("file.max_edge_mm", c.file.max_edge_mm, {0, 100}, "longer edges are split; 0: none");
+  r.bind("file.albedo", c.file.albedo, {0, 1}, "reflectance");
+}
+
+void bind_view(ConfigReader r, ViewConfig& v) {
+  r.bind("distance_mm", v.distance_mm, {1, 1000}, "camera to target");
+  r.bind("tilt_x_deg", v.tilt_x_deg, {-89, 89}, "about the camera's x axis, through the target");
+  r.bind("tilt_y_deg", v.tilt_y_deg, {-89, 89}, "about the camera's y axis");
+  r.bind("roll_deg", v.roll_deg, {-360, 360}, "about the optical axis");
+  r.bind("target_mm", v.target_mm, {-1000, 1000}, "model point on the optical axis");
+  r.bind("velocity_mm_s", v.velocity_mm_s, {-1000, 1000}, "camera frame");
+  r.bind("turn_deg_s", v.turn_deg_s, {-1000, 1000}, "rotation about the target, camera frame");
+  r.bind("bursts", v.bursts, {1, 100000}, "bursts from this stand");
+}
+
+void bind_pass(ConfigReader r, PassConfig& p) {
+  r.bind("from_mm", p.from_mm, {-70, 70}, "arc length at the beginning");
+  r.bind("to_mm", p.to_mm, {-70, 70}, "arc length at the end");
+  r.bind("roll_deg", p.roll_deg, {-80, 80}, "about the arch; positive: from the cheek side");
+  r.bind("height_mm", p.height_mm, {-20, 20}, "height of the point looked at, above the gum margin");
+}
+
+void bind_path(ConfigReader r, SceneConfig& c) {
+  r.bind("type", c.path, kPaths, "views (stands and straight flights) or arch (along a jaw)");
+  r.bind("speed_mm_s", c.arch_path.speed_mm_s, {0.1, 200}, "arch: speed of the point looked at");
+  r.bind("turn_s", c.arch_path.turn_s, {0.05, 10}, "arch: from one pass to the next");
+  r.bind("distance_mm", c.arch_path.distance_mm, {1, 1000}, "arch: camera to the point looked at");
+  r.bind("tremor_um", c.tremor.tremor_um, {0, 2000}, "8 to 12 Hz, peak an axis");
+  r.bind("tremor_deg", c.tremor.tremor_deg, {0, 10}, "8 to 12 Hz, peak an axis");
+  r.bind("wander_mm", c.tremor.wander_mm, {0, 20}, "0.2 to 1 Hz, peak an axis");
+  r.bind("wander_deg", c.tremor.wander_deg, {0, 45}, "0.2 to 1 Hz, peak an axis");
+  r.bind("pivot_mm", c.tremor.pivot_mm, {0, 200}, "the hand turns about this point before the camera");
+  const std::size_t views = r.table_count("view"), passes = r.table_count("pass");
+  c.views.resize(views);
+  for (std::size_t i = 0; i < views; ++i) bind_view(r.table("view", i), c.views[i]);
+  c.arch_path.passes.resize(passes);
+  for (std::size_t i = 0; i < passes; ++i) bind_pass(r.table("pass", i), c.arch_path.passes[i]);
+}
+
+void check(ConfigReader& r, const SceneConfig& c) {
+  if (c.path == PathKind::kArch && c.object != ObjectKind::kJaw) r.reject("path.type", "an arch path needs a jaw");
+  if (c.path == PathKind::kArch && c.arch_path.passes.empty()) r.reject("path.type", "no [[path.pass]] given");
+  if (c.path == PathKind::kViews && c.views.empty()) r.reject("path.type", "no [[path.view]] given");
+  if (c.object == ObjectKind::kFile && c.file.path.empty()) r.reject("object.type", "object.file.path is not given");
+  if (c.timing.exposure_ms > c.timing.frame_period_ms) r.reject("timing.exposure_ms", "longer than the frame period");
+  if (3 * c.timing.frame_period_ms + c.timing.exposure_ms > 1000.0 / c.timing.burst_rate_hz) {
+    r.reject("timing.burst_rate_hz", "four frames take longer than a burst period");
+  }
+}
+
+}  // namespace
+
+void bind_scene(ConfigReader& reader, SceneConfig& config) {
+  reader.bind("rig", config.rig_path, "rig.json of the simulated probe, relative to the scene file");
+  reader.bind("seed", config.seed, {0, INT64_MAX}, "patient, path, tremor and noise");
+  bind_effects(reader.table("effects"), config.effects);
+  bind_timing(reader.table("timing"), config.timing);
+  bind_projector(reader.table("projector"), config.projector);
+  bind_render(reader, config);
+  bind_object(reader.table("object"), config);
+  bind_path(reader.table("path"), config);
+  check(reader, config);
+}
+
+Result<SceneConfig> load_scene(const std::string& path, const std::vector<std::string>& overrides) {
+  ENAMEL_TRY_ASSIGN(ConfigReader reader, ConfigReader::from_file(path));
+  for (const auto& o : overrides) ENAMEL_TRY(reader.set(o));
+  SceneConfig config;
+  bind_scene(reader, config);
+  ENAMEL_TRY(reader.finish());
+  const auto resolve = [&](std::string& p) {
+    if (!p.empty()) p = (std::filesystem::path(path).parent_path() / p).lexically_normal().string();
+  };
+  resolve(config.rig_path);
+  resolve(config.file.path);
+  return config;
+}
+
+}  // namespace enamel::twin

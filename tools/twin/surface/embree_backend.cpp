@@ -1,0 +1,153 @@
+// The only file that knows Embree.
+#include <embree3/rtcore.h>
+
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "tools/twin/surface/ray_scene.hpp"
+
+namespace enamel::twin {
+namespace {
+
+constexpr unsigned kTriangleGeometry = 0;
+constexpr unsigned kBallGeometry = 1;
+
+void copy(const Lanes& from, float* to) { std::memcpy(to, from.data(), sizeof(Lanes)); }
+
+void load(const RayPacket& rays, RTCRay8& out) {
+  copy(rays.ox, out.org_x);
+  copy(rays.oy, out.org_y);
+  copy(rays.oz, out.org_z);
+  copy(rays.dx, out.dir_x);
+  copy(rays.dy, out.dir_y);
+  copy(rays.dz, out.dir_z);
+  copy(rays.near, out.tnear);
+  copy(rays.far, out.tfar);
+  for (std::size_t i = 0; i < kPacket; ++i) {
+    out.time[i] = 0;
+    out.mask[i] = 0xFFFFFFFFU;
+    out.flags[i] = 0;
+  }
+}
+
+}  // namespace
+
+struct RayScene::Backend {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  Backend() {
+    device = rtcNewDevice(nullptr);
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+  }
+  ~Backend() {
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+  Backend(const Backend&) = delete;
+  Backend& operator=(const Backend&) = delete;
+
+  void add(const TriSurface& mesh) const {
+    if (mesh.triangles.empty()) return;
+    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                          3 * sizeof(float), mesh.vertices.size()));
+    std::memcpy(v, mesh.vertices.front().data(), mesh.vertices.size() * 3 * sizeof(float));
+    auto* t = static_cast<unsigned*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                             3 * sizeof(unsigned), mesh.triangles.size()));
+    std::memcpy(t, mesh.triangles.front().data(), mesh.triangles.size() * 3 * sizeof(unsigned));
+    attach(g, kTriangleGeometry);
+  }
+
+  void add(const std::vector<Ball>& balls) const {
+    if (balls.empty()) return;
+    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    auto* v = static_cast<float*>(
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), balls.size()));
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+      for (int k = 0; k < 3; ++k) v[4 * i + static_cast<std::size_t>(k)] = static_cast<float>(balls[i].centre[k]);
+      v[4 * i + 3] = static_cast<float>(balls[i].radius);
+    }
+    attach(g, kBallGeometry);
+  }
+
+ private:
+  void attach(RTCGeometry g, unsigned id) const {
+    rtcCommitGeometry(g);
+    rtcAttachGeometryByID(scene, g, id);
+    rtcReleaseGeometry(g);
+  }
+};
+
+RayScene::RayScene(Surroundings surroundings)
+    : surroundings_(std::move(surroundings)), backend_(std::make_unique<Backend>()) {
+  backend_->add(surroundings_.mesh);
+  backend_->add(surroundings_.balls);
+  rtcCommitScene(backend_->scene);
+}
+
+RayScene::~RayScene() = default;
+
+void RayScene::intersect(const RayPacket& rays, HitPacket& hits) const {
+  RTCRayHit8 rh;
+  load(rays, rh.ray);
+  for (std::size_t i = 0; i < kPacket; ++i) rh.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect8(rays.active.data(), backend_->scene, &context, &rh);
+  for (std::size_t i = 0; i < kPacket; ++i) {
+    const unsigned geometry = rays.active[i] != 0 ? rh.hit.geomID[i] : RTC_INVALID_GEOMETRY_ID;
+    hits.kind[i] = geometry == kTriangleGeometry ? HitKind::kTriangle
+                   : geometry == kBallGeometry   ? HitKind::kBall
+                                                 : HitKind::kNone;
+    hits.index[i] = rh.hit.primID[i];
+    hits.u[i] = rh.hit.u[i];
+    hits.v[i] = rh.hit.v[i];
+  }
+}
+
+void RayScene::occluded(const RayPacket& rays, std::array<bool, kPacket>& blocked) const {
+  RTCRay8 r;
+  load(rays, r);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcOccluded8(rays.active.data(), backend_->scene, &context, &r);
+  for (std::size_t i = 0; i < kPacket; ++i) blocked[i] = rays.active[i] != 0 && r.tfar[i] < 0;
+}
+
+bool RayScene::resolve(const HitPacket& hits, std::size_t i, const Vec3d& origin, const Vec3d& direction,
+                       Surfel& out) const {
+  if (hits.kind[i] == HitKind::kBall) {
+    const Ball& ball = surroundings_.balls[hits.index[i]];
+    const Vec3d oc = origin - ball.centre;
+    const double a = direction.squaredNorm(), b = oc.dot(direction), c = oc.squaredNorm() - ball.radius * ball.radius;
+    const double q = b * b - a * c;
+    if (q < 0) return false;
+    out.t = (-b - std::sqrt(q)) / a;
+    out.facet = (oc + out.t * direction) / ball.radius;
+    out.normal = out.facet;
+    out.albedo = ball.albedo;
+    return true;
+  }
+  const TriSurface& mesh = surroundings_.mesh;
+  const auto& t = mesh.triangles[hits.index[i]];
+  const Vec3d a = mesh.vertices[t[0]].cast<double>();
+  const Vec3d ab = mesh.vertices[t[1]].cast<double>() - a, ac = mesh.vertices[t[2]].cast<double>() - a;
+  const Vec3d n = ab.cross(ac);
+  const double facing = n.dot(direction);
+  if (facing >= 0) return false;
+  out.t = n.dot(a - origin) / facing;
+  out.facet = n / n.norm();
+  const float u = hits.u[i], v = hits.v[i], w = 1.0F - u - v;
+  const Vec3f s = w * mesh.normals[t[0]] + u * mesh.normals[t[1]] + v * mesh.normals[t[2]];
+  out.normal = s.cast<double>() / static_cast<double>(s.norm());
+  out.albedo = w * mesh.albedo[t[0]] + u * mesh.albedo[t[1]] + v * mesh.albedo[t[2]];
+  return true;
+}
+
+}  // namespace enamel::twin

@@ -1,0 +1,151 @@
+#include "tools/twin/surface/tri_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+namespace enamel::twin {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+struct Edge {
+  std::uint32_t a, b;
+  friend auto operator<=>(const Edge&, const Edge&) = default;
+};
+
+Edge edge_of(std::uint32_t a, std::uint32_t b) { return a < b ? Edge{a, b} : Edge{b, a}; }
+
+class EdgeSplitter {
+ public:
+  EdgeSplitter(TriSurface& surface, float max_edge) : surface_(surface), max2_(max_edge * max_edge) {}
+
+  /// One round: every edge that is too long gets a midpoint, shared by its triangles, so no T-junction arises.
+  bool round() {
+    std::vector<Edge> longs;
+    for (const auto& t : surface_.triangles) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (too_long(t[i], t[(i + 1) % 3])) longs.push_back(edge_of(t[i], t[(i + 1) % 3]));
+      }
+    }
+    if (longs.empty()) return false;
+    std::sort(longs.begin(), longs.end());
+    longs.erase(std::unique(longs.begin(), longs.end()), longs.end());
+    edges_ = std::move(longs);
+    first_ = static_cast<std::uint32_t>(surface_.vertices.size());
+    for (const auto& e : edges_) add_midpoint(e);
+    std::vector<Triangle> out;
+    out.reserve(surface_.triangles.size() * 2);
+    for (const auto& t : surface_.triangles) split(t, out);
+    surface_.triangles = std::move(out);
+    return true;
+  }
+
+ private:
+  [[nodiscard]] bool too_long(std::uint32_t a, std::uint32_t b) const {
+    return (surface_.vertices[a] - surface_.vertices[b]).squaredNorm() > max2_;
+  }
+
+  void add_midpoint(const Edge& e) {
+    surface_.vertices.emplace_back(0.5F * (surface_.vertices[e.a] + surface_.vertices[e.b]));
+    if (!surface_.normals.empty()) {
+      surface_.normals.emplace_back((surface_.normals[e.a] + surface_.normals[e.b]).normalized());
+    }
+    if (!surface_.albedo.empty()) surface_.albedo.push_back(0.5F * (surface_.albedo[e.a] + surface_.albedo[e.b]));
+  }
+
+  [[nodiscard]] std::int64_t midpoint(std::uint32_t a, std::uint32_t b) const {
+    const Edge e = edge_of(a, b);
+    const auto it = std::lower_bound(edges_.begin(), edges_.end(), e);
+    if (it == edges_.end() || *it != e) return -1;
+    return static_cast<std::int64_t>(first_) + (it - edges_.begin());
+  }
+
+  void split(const Triangle& t, std::vector<Triangle>& out) const {
+    std::array<std::int64_t, 3> m{midpoint(t[0], t[1]), midpoint(t[1], t[2]), midpoint(t[2], t[0])};
+    const auto v = [](std::int64_t i) { return static_cast<std::uint32_t>(i); };
+    const int n = (m[0] >= 0 ? 1 : 0) + (m[1] >= 0 ? 1 : 0) + (m[2] >= 0 ? 1 : 0);
+    if (n == 0) {
+      out.push_back(t);
+    } else if (n == 3) {
+      out.push_back({t[0], v(m[0]), v(m[2])});
+      out.push_back({v(m[0]), t[1], v(m[1])});
+      out.push_back({v(m[2]), v(m[1]), t[2]});
+      out.push_back({v(m[0]), v(m[1]), v(m[2])});
+    } else {
+      // Rotate so that edge 0 is split and edge 2 is not.
+      std::size_t r = 0;
+      while (m[r] < 0 || m[(r + 2) % 3] >= 0) ++r;
+      const std::uint32_t a = t[r], b = t[(r + 1) % 3], c = t[(r + 2) % 3], ab = v(m[r]);
+      out.push_back({a, ab, c});
+      if (n == 1) {
+        out.push_back({ab, b, c});
+      } else {
+        const std::uint32_t bc = v(m[(r + 1) % 3]);
+        out.push_back({ab, b, bc});
+        out.push_back({ab, bc, c});
+      }
+    }
+  }
+
+  TriSurface& surface_;
+  float max2_;
+  std::vector<Edge> edges_;
+  std::uint32_t first_ = 0;
+};
+
+}  // namespace
+
+void compute_normals(TriSurface& surface) {
+  surface.normals.assign(surface.vertices.size(), Vec3f::Zero());
+  for (const auto& t : surface.triangles) {
+    const Vec3f a = surface.vertices[t[0]], b = surface.vertices[t[1]], c = surface.vertices[t[2]];
+    const Vec3f n = (b - a).cross(c - a);
+    for (const std::uint32_t i : t) surface.normals[i] += n;
+  }
+  for (auto& n : surface.normals) {
+    const float length = n.norm();
+    n = length > 0 ? Vec3f(n / length) : Vec3f(Vec3f::UnitZ());
+  }
+}
+
+void refine_edges(TriSurface& surface, double max_edge_mm) {
+  EdgeSplitter splitter(surface, static_cast<float>(max_edge_mm));
+  constexpr int kMaxRounds = 24;  // halves every edge each round: enough for any finite mesh
+  for (int i = 0; i < kMaxRounds && splitter.round(); ++i) {
+  }
+}
+
+void append(TriSurface& surface, const TriSurface& extra) {
+  const auto offset = static_cast<std::uint32_t>(surface.vertices.size());
+  surface.vertices.insert(surface.vertices.end(), extra.vertices.begin(), extra.vertices.end());
+  surface.normals.insert(surface.normals.end(), extra.normals.begin(), extra.normals.end());
+  surface.albedo.insert(surface.albedo.end(), extra.albedo.begin(), extra.albedo.end());
+  for (const auto& t : extra.triangles) surface.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+}
+
+TriSurface tessellate(const Ball& ball, double edge_mm) {
+  TriSurface out;
+  out.vertices = {Vec3f(1, 0, 0), Vec3f(-1, 0, 0), Vec3f(0, 1, 0), Vec3f(0, -1, 0), Vec3f(0, 0, 1), Vec3f(0, 0, -1)};
+  out.triangles = {{4, 0, 2}, {4, 2, 1}, {4, 1, 3}, {4, 3, 0}, {5, 2, 0}, {5, 1, 2}, {5, 3, 1}, {5, 0, 3}};
+  const auto limit = static_cast<float>(edge_mm / ball.radius);
+  for (bool again = true; again;) {
+    EdgeSplitter splitter(out, limit);
+    again = splitter.round();
+    for (auto& v : out.vertices) v.normalize();
+  }
+  out.normals = out.vertices;
+  out.albedo.assign(out.vertices.size(), ball.albedo);
+  for (auto& v : out.vertices) v = (v.cast<double>().normalized() * ball.radius + ball.centre).cast<float>();
+  return out;
+}
+
+TriSurface truth_mesh(const Surroundings& surroundings, double ball_edge_mm) {
+  TriSurface out = surroundings.mesh;
+  for (const auto& ball : surroundings.balls) append(out, tessellate(ball, ball_edge_mm));
+  return out;
+}
+
+}  // namespace enamel::twin

@@ -1,0 +1,49 @@
+// Surfaces the twin traces: triangles with per-vertex shading values, and exact balls. Model coordinates, mm.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace enamel::twin {
+
+using Vec3f = Eigen::Vector3f;
+using Vec3d = Eigen::Vector3d;
+
+/// Triangles wind counter-clockwise seen from outside. normals and albedo have one entry a vertex.
+struct TriSurface {
+  std::vector<Vec3f> vertices;
+  std::vector<Vec3f> normals;  ///< unit, outwards: shading only, geometry is the flat facet
+  std::vector<float> albedo;   ///< Lambert reflectance 0…1, texture included
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+struct Ball {
+  Vec3d centre = Vec3d::Zero();
+  double radius = 1;
+  float albedo = 0.8F;
+};
+
+/// What stands before the probe.
+struct Surroundings {
+  TriSurface mesh;
+  std::vector<Ball> balls;  ///< traced as exact spheres
+};
+
+/// Area-weighted vertex normals from the facets.
+void compute_normals(TriSurface& surface);
+
+/// Splits edges until none is longer than max_edge_mm; facets stay flat. Albedo and normals are interpolated.
+void refine_edges(TriSurface& surface, double max_edge_mm);
+
+/// Appends `extra` to `surface`.
+void append(TriSurface& surface, const TriSurface& extra);
+
+/// Sphere of triangles with edges up to edge_mm, vertices on the sphere.
+[[nodiscard]] TriSurface tessellate(const Ball& ball, double edge_mm);
+
+/// The truth as one mesh: the traced triangles and the balls tessellated.
+[[nodiscard]] TriSurface truth_mesh(const Surroundings& surroundings, double ball_edge_mm);
+
+}  // namespace enamel::twin

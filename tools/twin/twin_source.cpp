@@ -1,0 +1,178 @@
+#include "tools/twin/twin_source.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "tools/twin/render/seen.hpp"
+
+namespace enamel::twin {
+namespace {
+
+constexpr double kTruthBallEdgeMm = 0.1;
+
+ProjectorConfig effective_projector(const SceneConfig& c) {
+  ProjectorConfig p = c.projector;
+  p.round_levels = c.effects.round_levels;
+  if (!c.effects.gamma) p.gamma = p.lut_gamma = 1.0;
+  if (!c.effects.defocus) p.defocus_px_per_mm = 0;
+  return p;
+}
+
+RenderConfig effective_render(const SceneConfig& c) {
+  RenderConfig r = c.render;
+  r.light.falloff = c.effects.falloff;
+  r.light.shadow = c.effects.shadow;
+  if (!c.effects.ambient) r.light.ambient = 0;
+  return r;
+}
+
+SensorConfig sensor_of(const SceneConfig& c, const calib::NoiseValues& noise) {
+  SensorConfig s;
+  s.psf_sigma_px = c.effects.camera_psf ? c.psf_sigma_px : 0;
+  s.full_well_e = noise.full_well_e;
+  s.read_noise_e = noise.read_noise_e;
+  s.gain_e_per_dn = noise.gain_e_per_dn;
+  s.black_dn = noise.black_dn;
+  s.bits = noise.bits;
+  s.shot_noise = c.effects.shot_noise;
+  s.read_noise = c.effects.read_noise;
+  return s;
+}
+
+TremorConfig effective_tremor(const SceneConfig& c) {
+  TremorConfig t = c.tremor;
+  // Stands before an artefact are held by a stage, not by a hand.
+  t.enabled = c.effects.tremor && c.path == PathKind::kArch;
+  return t;
+}
+
+std::unique_ptr<Trajectory> make_path(const SceneConfig& c, const ArchShape& shape) {
+  if (c.path == PathKind::kViews) return make_views(c.views, c.timing);
+  return make_arch_path(c.arch_path, Arch(shape), c.timing);
+}
+
+}  // namespace
+
+struct TwinSource::Impl {
+  SceneConfig config;
+  Instrument instrument;
+  RayScene scene;
+  TriSurface truth_surface;
+  BurstRenderer renderer;
+  SeenCounter seen;
+  SensorConfig sensor;
+  Tremor tremor;
+  std::unique_ptr<Trajectory> path;
+  std::string scene_json;
+  std::uint64_t total = 0, next = 0;
+  BurstTruth truth;
+
+  Impl(const SceneConfig& c, const calib::Rig& rig, Body body)
+      : config(c),
+        instrument(rig, effective_projector(c)),
+        scene(std::move(body.surroundings)),
+        truth_surface(truth_mesh(scene.surroundings(), kTruthBallEdgeMm)),
+        renderer(instrument, scene, effective_render(c)),
+        seen(instrument, truth_surface),
+        sensor(sensor_of(c, *rig.noise)),
+        tremor(effective_tremor(c), c.seed),
+        path(make_path(c, body.arch)),
+        scene_json(std::move(body.description_json)) {
+    total = static_cast<std::uint64_t>(c.timing.bursts > 0 ? c.timing.bursts : path->bursts());
+  }
+
+  [[nodiscard]] Pose pose_at(double device_s) const {
+    const double t = device_s - config.timing.start_s;
+    return path->pose_at(t) * tremor.displacement(t);
+  }
+};
+
+TwinSource::TwinSource(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+TwinSource::~TwinSource() = default;
+
+Result<std::unique_ptr<TwinSource>> TwinSource::create(const SceneConfig& config) {
+  if (config.rig_path.empty()) return fail(ErrorCode::kRigMissing, "the scene names no rig");
+  ENAMEL_TRY_ASSIGN(const calib::Rig rig, calib::load_rig(config.rig_path));
+  return create(config, rig);
+}
+
+Result<std::unique_ptr<TwinSource>> TwinSource::create(const SceneConfig& config, const calib::Rig& rig) {
+  ENAMEL_TRY_ASSIGN(const calib::Rig effective, apply_effects(rig, config.effects));
+  if (!effective.noise) return fail(ErrorCode::kRigInvalid, "the twin needs `noise` in the rig");
+  if (effective.patterns.mode == calib::PatternMode::kMulti) {
+    return fail(ErrorCode::kPatternSet, "the twin renders sets of four frames, the rig describes a calibration set");
+  }
+  ENAMEL_TRY_ASSIGN(Body body, make_body(config));
+  return std::unique_ptr<TwinSource>(new TwinSource(std::make_unique<Impl>(config, effective, std::move(body))));
+}
+
+const std::string& TwinSource::rig_text() const { return impl_->instrument.rig.text; }
+std::optional<std::uint64_t> TwinSource::count() const { return impl_->total; }
+std::int64_t TwinSource::t_mid_ns(std::uint64_t n) const { return mid_burst_ns(impl_->config.timing, n); }
+const BurstTruth& TwinSource::truth() const { return impl_->truth; }
+const TriSurface& TwinSource::surface() const { return impl_->truth_surface; }
+std::span<const std::uint8_t> TwinSource::seen() const { return impl_->seen.counts(); }
+const std::string& TwinSource::scene_json() const { return impl_->scene_json; }
+const calib::Rig& TwinSource::rig() const { return impl_->instrument.rig; }
+
+BurstPoses TwinSource::poses(std::uint64_t n) const {
+  const SceneConfig& c = impl_->config;
+  const int instants = c.render.grid * c.render.grid;
+  BurstPoses out;
+  out.mid = impl_->pose_at(1e-9 * static_cast<double>(t_mid_ns(n)));
+  out.is_static = true;
+  for (int k = 0; k < 4; ++k) {
+    const double start = 1e-9 * static_cast<double>(exposure_start_ns(c.timing, n, k));
+    for (int i = 0; i < instants; ++i) {
+      const double share = c.effects.exposure ? (i + 0.5) / instants : 0.5;
+      const Pose pose = c.effects.motion ? impl_->pose_at(start + share * 1e-3 * c.timing.exposure_ms) : out.mid;
+      out.is_static = out.is_static && pose.matrix() == out.mid.matrix();
+      out.frames[static_cast<std::size_t>(k)].push_back(pose);
+    }
+  }
+  return out;
+}
+
+std::array<std::vector<float>, 4> TwinSource::mean_light(std::uint64_t n) const {
+  auto light = impl_->renderer.render(poses(n));
+  const auto& camera = impl_->instrument.rig.camera;
+  for (auto& image : light) apply_psf(image, camera.width, camera.height, impl_->sensor.psf_sigma_px);
+  return light;
+}
+
+Result<std::optional<fw::SimBurst>> TwinSource::next() {
+  Impl& m = *impl_;
+  if (m.next >= m.total) return std::optional<fw::SimBurst>();
+  const std::uint64_t n = m.next++;
+  auto light = mean_light(n);
+  fw::SimBurst burst;
+  burst.burst_index = n;
+  burst.exposure_us = static_cast<std::uint32_t>(std::lround(1e3 * m.config.timing.exposure_ms));
+  burst.temp_c = m.config.temp_c;
+  burst.width = m.instrument.rig.camera.width;
+  burst.height = m.instrument.rig.camera.height;
+  burst.bit_depth = m.sensor.bits;
+  const auto full_well = static_cast<float>(m.sensor.full_well_e);
+  for (int k = 0; k < 4; ++k) {
+    auto& image = light[static_cast<std::size_t>(k)];
+    for (float& e : image) e *= full_well;
+    burst.t_exposure_ns[static_cast<std::size_t>(k)] = exposure_start_ns(m.config.timing, n, k);
+    burst.frames[static_cast<std::size_t>(k)] = digitise(image, m.sensor, {m.config.seed, n, k});
+  }
+  m.truth.burst_index = n;
+  m.truth.t_mid_ns = t_mid_ns(n);
+  m.truth.T_model_cam = poses(n).mid;
+  m.truth.maps = m.renderer.truth(m.truth.T_model_cam);
+  m.seen.add(m.truth.T_model_cam, m.truth.maps);
+  return std::optional<fw::SimBurst>(std::move(burst));
+}
+
+Result<std::unique_ptr<fw::BurstSource>> open_twin_source(const std::string& scene_path,
+                                                          std::optional<std::uint64_t> seed) {
+  ENAMEL_TRY_ASSIGN(SceneConfig scene, load_scene(scene_path));
+  if (seed) scene.seed = *seed;
+  ENAMEL_TRY_ASSIGN(auto source, TwinSource::create(scene));
+  return std::unique_ptr<fw::BurstSource>(std::move(source));
+}
+
+}  // namespace enamel::twin
