@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -23,9 +24,19 @@ void pass(const float* in, const float* unary, float jump, float* out) {
   for (std::size_t k = 0; k < kStates; ++k) out[k] -= base;
 }
 
-float disagreement(const Piece& p, float sign, const OrderConfig& c) {
-  const float d = p.code - sign;
-  return std::min(0.5F * d * d / p.code_variance, c.outlier_cost);
+/// Cost of a piece's T under each sign: Gaussian about the sign, or with small probability anything in a width of 3. A
+/// sharp T can contradict more strongly than a blurred one; one that says nothing costs nothing.
+struct SignCosts {
+  float plus = 0, minus = 0;
+};
+
+SignCosts sign_costs(const Piece& p, const OrderConfig& c) {
+  constexpr double kWidthOverRootTwoPi = 1.1968;
+  const double cap = static_cast<double>(c.outlier_cost) +
+                     std::log(kWidthOverRootTwoPi / std::sqrt(static_cast<double>(p.code_variance)));
+  const auto most = static_cast<float>(std::max(cap, 0.0));
+  const float dp = p.code - 1, dm = p.code + 1, scale = 0.5F / p.code_variance;
+  return {std::min(scale * dp * dp, most), std::min(scale * dm * dm, most)};
 }
 
 class Solver {
@@ -54,14 +65,13 @@ class Solver {
       v->resize(pieces_.size() * kStates);
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const Piece& p = pieces_[i];
-      const float plus = signs_.informative ? disagreement(p, 1, config_) : 0;
-      const float minus = signs_.informative ? disagreement(p, -1, config_) : 0;
+      const SignCosts cost = signs_.informative ? sign_costs(p, config_) : SignCosts{};
       for (std::size_t k = 0; k < kStates; ++k) {
         const std::int32_t shift = base_of(p) + static_cast<std::int32_t>(k);
         const std::int32_t cell = p.cell + 2 * shift;
         const std::int32_t beyond = std::max({p.low - shift, shift - p.high, 0});
         const bool possible = beyond <= kBeyond && cell >= 0 && cell < signs_.cells();
-        const float code = signs_.at(cell) > 0 ? plus : minus;
+        const float code = signs_.at(cell) > 0 ? cost.plus : cost.minus;
         at(work_.unary, i)[k] = possible ? code + config_.beyond_range_cost * static_cast<float>(beyond) : kImpossible;
       }
     }

@@ -14,7 +14,7 @@ namespace enamel::algo {
 
 /// All costs are negative log probabilities.
 struct OrderConfig {
-  float outlier_cost = 4.6F;      ///< most that one piece's contradiction counts: 1 % of the pieces lie (edges, glints)
+  float outlier_cost = 4.6F;      ///< 1 % of the pieces lie (edges, glints): their T may be anything
   float unseen_jump_cost = 6.9F;  ///< a 2 pi jump inside a linked surface: one in a thousand neighbours
   float kink_jump_cost = 2.3F;    ///< at a step in the phase: it may be that step, or that and 2 pi; one in ten
   float decided_margin = 4.6F;    ///< second-best must be this much dearer: 1 % risk
