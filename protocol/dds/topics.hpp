@@ -65,6 +65,7 @@ class Reader {
   /// Takes what has arrived, oldest first, at most `max`; empty when nothing is there. Errors: kDds.
   [[nodiscard]] Result<std::vector<Received<T>>> take(int max = 16);
   /// Waits for data, a wake() or the timeout; kData wins over kWoken. A wake() before the wait ends the next wait.
+  /// kData also when a peer left: take() is then empty.
   [[nodiscard]] Wake wait(Nanoseconds timeout);
   void wake();
   [[nodiscard]] PeerStatus peers() const;

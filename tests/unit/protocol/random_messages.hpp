@@ -115,6 +115,7 @@ inline proto::Burst camera_burst(std::uint64_t index, int width, int height, int
   Random r(index + 1);
   proto::Burst b;
   randomize(r, b);
+  b.probe_id = 0x1234;  // the key: samples of one probe keep their order
   b.burst_seq = index;
   b.burst_index = index;
   b.width = static_cast<std::uint16_t>(width);
