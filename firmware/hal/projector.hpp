@@ -20,7 +20,8 @@ class Projector {
   [[nodiscard]] virtual Result<void> arm() = 0;
   /// Takes an armed burst back if its gate has not opened yet.
   virtual void disarm() noexcept = 0;
-  /// Starts the pattern sequence anew: the next trigger shows pattern 0. Errors: kHal.
+  /// Closes the gate at once, should it be open, and takes the sequence back to its start: the next burst begins with
+  /// pattern 0. Errors: kHal.
   [[nodiscard]] virtual Result<void> restart() = 0;
   [[nodiscard]] virtual ProjectorStatus status() const = 0;
   /// Index of the pattern set shown, in the rig's list.

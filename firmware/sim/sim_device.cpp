@@ -168,6 +168,7 @@ void SimDevice::perform(const Plan& plan) {
   if (step.position == SimStep::kSentinel) {
     armed_ = false;
     next_position_ = 0;
+    gate_open_ = true;
     step.burst_index = burst_->burst_index;
     optics_c_ = burst_->temp_c;
     pattern_set_ = burst_->pattern_set;
@@ -202,7 +203,7 @@ void SimDevice::expose(const Plan& plan, SimStep& step) {
   bool pattern_shown = false;
   if (step.position >= 0) {
     step.burst_index = burst_->burst_index;
-    const bool missed = faults_.trigger_missed && faults_.trigger_missed(burst_->burst_index, step.position);
+    const bool missed = !gate_open_ || (faults_.trigger_missed && faults_.trigger_missed(burst_->burst_index, step.position));
     if (!missed) {
       const int pattern = std::exchange(next_pattern_, (next_pattern_ + 1) % 4);
       const DeviceTime rise = plan.t + exposure_ * 3 / 100;
@@ -214,7 +215,7 @@ void SimDevice::expose(const Plan& plan, SimStep& step) {
     }
   }
   if (!pattern_shown) {
-    const bool leak = faults_.led_stuck_on && step.position < 0;
+    const bool leak = faults_.led_stuck_on;
     frame.pixels = blank_frame(mode_, leak ? kLeakDn : config_.dark_dn);
   }
   step.frames.push_back(std::move(frame));
@@ -235,6 +236,7 @@ void SimDevice::disarm() noexcept {
 Result<void> SimDevice::restart() {
   const std::lock_guard lock(mutex_);
   next_pattern_ = 0;
+  gate_open_ = false;
   return {};
 }
 

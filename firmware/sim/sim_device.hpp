@@ -114,6 +114,7 @@ class SimDevice final : public Camera, public Projector, public EdgeStream, publ
   int startup_left_ = 0;
   int next_position_ = SimStep::kFreeRunning;  ///< 0…3 inside a burst
   int next_pattern_ = 0;                       ///< of the projector's sequence
+  bool gate_open_ = false;
   std::optional<SimBurst> burst_;              ///< loaded, or being played
   std::int64_t last_source_ns_ = 0;
   double optics_c_ = 25;
