@@ -110,6 +110,8 @@ Result<void> Wire<proto::Status>::fill(Type& wire, const proto::Status& s) {
   ENAMEL_TRY(checked(put_text(wire.fw_version, s.fw_version), "fw_version"));
   wire.slot_active = s.slot_active;
   put_array(wire.slot_state, s.slot_state);
+  wire.session_id = s.session_id;
+  wire.bursts_begun = s.bursts_begun;
   return {};
 }
 

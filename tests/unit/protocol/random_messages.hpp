@@ -78,7 +78,8 @@ inline void randomize(Random& r, proto::DeviceInfo& d) {
 }
 inline void randomize(Random& r, proto::Status& s) {
   r.set(s.probe_id, s.seq, s.t_ns, s.fault_mask, s.bursts_emitted, s.write_ms_p99, s.burst_rate_chz, s.temp_tip_cc,
-        s.temp_led_cc, s.temp_soc_cc, s.led_ma, s.heater_permille, s.batt_mv, s.batt_pct, s.buttons, s.slot_active);
+        s.temp_led_cc, s.temp_soc_cc, s.led_ma, s.heater_permille, s.batt_mv, s.batt_pct, s.buttons, s.slot_active,
+        s.session_id, s.bursts_begun);
   s.state = static_cast<proto::ProbeState>(r.below(11));
   r.fill(s.dropped);
   s.fw_version = r.text(32);
