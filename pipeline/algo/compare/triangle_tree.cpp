@@ -13,41 +13,41 @@ constexpr std::size_t kMaxDepth = 128;
 }  // namespace
 
 Nearest nearest_on_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  const auto found = [&p](const Vec3d& q, Feature feature) { return Nearest{(p - q).norm(), q, 0, feature}; };
+  const auto found = [&p](const Vec3d& q, TriangleFeature feature) { return Nearest{(p - q).norm(), q, 0, feature}; };
   const Vec3d ab = b - a;
   const Vec3d ac = c - a;
   const Vec3d ap = p - a;
   const double d1 = ab.dot(ap);
   const double d2 = ac.dot(ap);
   if (d1 <= 0 && d2 <= 0) {
-    return found(a, Feature::kVertex0);
+    return found(a, TriangleFeature::kVertex0);
   }
   const Vec3d bp = p - b;
   const double d3 = ab.dot(bp);
   const double d4 = ac.dot(bp);
   if (d3 >= 0 && d4 <= d3) {
-    return found(b, Feature::kVertex1);
+    return found(b, TriangleFeature::kVertex1);
   }
   const double vc = d1 * d4 - d3 * d2;
   if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-    return found(a + ab * (d1 / (d1 - d3)), Feature::kEdge01);
+    return found(a + ab * (d1 / (d1 - d3)), TriangleFeature::kEdge01);
   }
   const Vec3d cp = p - c;
   const double d5 = ab.dot(cp);
   const double d6 = ac.dot(cp);
   if (d6 >= 0 && d5 <= d6) {
-    return found(c, Feature::kVertex2);
+    return found(c, TriangleFeature::kVertex2);
   }
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-    return found(a + ac * (d2 / (d2 - d6)), Feature::kEdge20);
+    return found(a + ac * (d2 / (d2 - d6)), TriangleFeature::kEdge20);
   }
   const double va = d3 * d6 - d5 * d4;
   if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    return found(b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))), Feature::kEdge12);
+    return found(b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))), TriangleFeature::kEdge12);
   }
   const double scale = 1.0 / (va + vb + vc);
-  return found(a + ab * (vb * scale) + ac * (vc * scale), Feature::kFace);
+  return found(a + ab * (vb * scale) + ac * (vc * scale), TriangleFeature::kFace);
 }
 
 TriangleTree::TriangleTree(const Mesh& mesh)

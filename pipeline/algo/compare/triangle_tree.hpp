@@ -13,13 +13,13 @@
 namespace enamel::algo {
 
 /// Part of a triangle on which a nearest point lies.
-enum class Feature : std::uint8_t { kVertex0, kVertex1, kVertex2, kEdge01, kEdge12, kEdge20, kFace };
+enum class TriangleFeature : std::uint8_t { kVertex0, kVertex1, kVertex2, kEdge01, kEdge12, kEdge20, kFace };
 
 struct Nearest {
   double distance_mm = 0;
   Vec3d point = Vec3d::Zero();
   std::uint32_t triangle = 0;
-  Feature feature = Feature::kFace;
+  TriangleFeature feature = TriangleFeature::kFace;
 };
 
 /// Nearest point of one triangle.
