@@ -50,10 +50,9 @@ EGLContext make_context(EGLDisplay display) {
     return EGL_NO_CONTEXT;
   }
   for (const auto& [major, minor] : kVersions) {
-    const std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION,       major,
-                                           EGL_CONTEXT_MINOR_VERSION,       minor,
-                                           EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                           EGL_NONE};
+    const std::array<EGLint, 7> attributes{
+        EGL_CONTEXT_MAJOR_VERSION,           major,   EGL_CONTEXT_MINOR_VERSION, minor, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
     if (context != EGL_NO_CONTEXT) {
       return context;

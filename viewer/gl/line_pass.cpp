@@ -56,7 +56,8 @@ void LinePass::draw(const LineBatch& batch, const View& view, float width_px, fl
                batch.vertices_.data(), GL_STREAM_DRAW);
   glUseProgram(program_.id());
   set_uniform(program_, "view_projection", view.view_projection);
-  set_uniform(program_, "viewport", Eigen::Vector2f(static_cast<float>(view.width_px), static_cast<float>(view.height_px)));
+  set_uniform(program_, "viewport",
+              Eigen::Vector2f(static_cast<float>(view.width_px), static_cast<float>(view.height_px)));
   set_uniform(program_, "width_px", width_px);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);

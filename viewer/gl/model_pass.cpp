@@ -53,10 +53,9 @@ void ModelPass::grow_buffers() {
     vertex_room_ = vertex_arena_.capacity();
     point_attributes();
   }
-  if (index_arena_.capacity() > index_room_) {
-    constexpr std::size_t kIndexBytes = sizeof(std::uint32_t);
-    indices_ = enlarged(indices_, index_room_ * kIndexBytes, index_arena_.capacity() * kIndexBytes);
-    index_room_ = index_arena_.capacity();
+  if (triangle_arena_.capacity() > triangle_room_) {
+    indices_ = enlarged(indices_, triangle_room_ * kGpuTriangleBytes, triangle_arena_.capacity() * kGpuTriangleBytes);
+    triangle_room_ = triangle_arena_.capacity();
     point_attributes();
   }
 }
@@ -87,30 +86,30 @@ void ModelPass::update(const ModelSnapshot& model, std::size_t budget_bytes) {
 
 void ModelPass::upload(const BlockMesh& block) {
   auto known = placed_.find(block.block);
-  const std::size_t index_count = 3 * block.triangles.size();
+  const std::size_t count = block.triangles.size();
   if (known != placed_.end() &&
-      (known->second.vertices.size < block.vertices.size() || known->second.indices.size < index_count)) {
+      (known->second.vertices.size < block.vertices.size() || known->second.triangles.size < count)) {
     remove(block.block);
     known = placed_.end();
   }
-  if (index_count == 0) {
+  if (count == 0) {
     if (known != placed_.end()) {
       remove(block.block);
     }
     return;
   }
   if (known == placed_.end()) {
-    Placed place{vertex_arena_.allocate(with_slack(block.vertices.size())),
-                 index_arena_.allocate(with_slack(index_count)), 0};
+    Placed place{vertex_arena_.allocate(with_slack(block.vertices.size())), triangle_arena_.allocate(with_slack(count)),
+                 0};
     grow_buffers();
     known = placed_.emplace(block.block, place).first;
   }
   Placed& placed = known->second;
-  triangles_ += block.triangles.size();
-  triangles_ -= placed.triangles;
-  placed.triangles = block.triangles.size();
+  triangles_ += count;
+  triangles_ -= placed.count;
+  placed.count = count;
   write_vertices(block, placed.vertices);
-  write_indices(block, placed);
+  write_triangles(block, placed);
   uploaded_bytes_ += gpu_bytes(block);
 }
 
@@ -128,18 +127,22 @@ void ModelPass::write_vertices(const BlockMesh& block, const Slot& slot) {
                   static_cast<GLsizeiptr>(bytes_.size()), bytes_.data());
 }
 
-void ModelPass::write_indices(const BlockMesh& block, const Placed& placed) {
+void ModelPass::write_triangles(const BlockMesh& block, const Placed& placed) {
   const auto base = static_cast<std::uint32_t>(placed.vertices.offset);
-  index_scratch_.assign(placed.indices.size, 0);
+  index_scratch_.assign(3 * placed.triangles.size, 0);  // what is left of the slot stays without area
   std::size_t at = 0;
   for (const auto& triangle : block.triangles) {
     for (const std::uint32_t index : triangle) {
       index_scratch_[at++] = base + index;
     }
   }
+  send_indices(placed.triangles);
+}
+
+void ModelPass::send_indices(const Slot& slot) {
   glBindBuffer(GL_COPY_WRITE_BUFFER, indices_.id());
-  glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(placed.indices.offset * sizeof(std::uint32_t)),
-                  static_cast<GLsizeiptr>(index_scratch_.size() * sizeof(std::uint32_t)), index_scratch_.data());
+  glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(slot.offset * kGpuTriangleBytes),
+                  static_cast<GLsizeiptr>(slot.size * kGpuTriangleBytes), index_scratch_.data());
 }
 
 void ModelPass::remove(const BlockIndex& index) {
@@ -147,14 +150,12 @@ void ModelPass::remove(const BlockIndex& index) {
   if (known == placed_.end()) {
     return;
   }
-  const Slot& slot = known->second.indices;
-  index_scratch_.assign(slot.size, 0);
-  glBindBuffer(GL_COPY_WRITE_BUFFER, indices_.id());
-  glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(slot.offset * sizeof(std::uint32_t)),
-                  static_cast<GLsizeiptr>(slot.size * sizeof(std::uint32_t)), index_scratch_.data());
-  vertex_arena_.release(known->second.vertices);
-  index_arena_.release(slot);
-  triangles_ -= known->second.triangles;
+  const Placed& placed = known->second;
+  index_scratch_.assign(3 * placed.triangles.size, 0);
+  send_indices(placed.triangles);
+  vertex_arena_.release(placed.vertices);
+  triangle_arena_.release(placed.triangles);
+  triangles_ -= placed.count;
   placed_.erase(known);
 }
 
@@ -175,7 +176,7 @@ void ModelPass::draw(const ViewCamera& camera, double aspect, int height_px, con
   const double height_mm = 2 * camera.distance_mm * std::tan(0.5 * camera.fov_y_rad);
   set_uniform(program_, "mm_per_px", static_cast<float>(height_mm / std::max(height_px, 1)));
   glBindVertexArray(vertex_array_.id());
-  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(index_arena_.end()), GL_UNSIGNED_INT, nullptr);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * triangle_arena_.end()), GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);
   draw_calls_ = 1;
 }

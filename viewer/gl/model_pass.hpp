@@ -34,15 +34,16 @@ class ModelPass {
  private:
   struct Placed {
     Slot vertices;
-    Slot indices;
-    std::size_t triangles = 0;
+    Slot triangles;         ///< counted in triangles, so that no slot begins inside one
+    std::size_t count = 0;  ///< of real triangles in the slot
   };
 
   ModelPass() = default;
   void upload(const BlockMesh& block);
   void remove(const BlockIndex& index);
   void write_vertices(const BlockMesh& block, const Slot& slot);
-  void write_indices(const BlockMesh& block, const Placed& placed);
+  void write_triangles(const BlockMesh& block, const Placed& placed);
+  void send_indices(const Slot& slot);
   void grow_buffers();
   void point_attributes() const;
 
@@ -51,9 +52,9 @@ class ModelPass {
   GlBuffer vertices_;
   GlBuffer indices_;
   std::size_t vertex_room_ = 0;
-  std::size_t index_room_ = 0;
+  std::size_t triangle_room_ = 0;
   SlotArena vertex_arena_{std::size_t{1} << 15};
-  SlotArena index_arena_{std::size_t{3} << 16};
+  SlotArena triangle_arena_{std::size_t{1} << 16};
   MeshDiff diff_;
   std::map<BlockIndex, Placed> placed_;
   std::size_t triangles_ = 0;

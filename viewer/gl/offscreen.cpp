@@ -12,8 +12,9 @@ namespace enamel::view {
 Result<Picture> draw_offscreen(const PreviewFrame& frame, const ViewerOptions& options) {
   constexpr int kLargest = 4096;
   if (options.width < 16 || options.height < 16 || options.width > kLargest || options.height > kLargest) {
-    return fail(ErrorCode::kUsage, "picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
-                                       " px: 16 to " + std::to_string(kLargest) + " are possible");
+    return fail(ErrorCode::kUsage, "picture of " + std::to_string(options.width) + " x " +
+                                       std::to_string(options.height) + " px: 16 to " + std::to_string(kLargest) +
+                                       " are possible");
   }
   ENAMEL_TRY_ASSIGN(const std::unique_ptr<EglContext> context, EglContext::make());
   ENAMEL_TRY_ASSIGN(const std::unique_ptr<ViewerCore> core, ViewerCore::make(options));

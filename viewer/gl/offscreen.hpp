@@ -8,9 +8,9 @@
 
 namespace enamel::view {
 
-/// Size from `options` (16 to 4096 px a side). Errors: kUsage (size), kDisplay when no surfaceless EGL with OpenGL >= 3.3 exists.
-/// May be called from any thread that has no GL context current (while a window is open use its screenshot()); one call
-/// at a time.
+/// Size from `options` (16 to 4096 px a side). Errors: kUsage (size), kDisplay when no surfaceless EGL with OpenGL
+/// >= 3.3 exists. May be called from any thread that has no GL context current (while a window is open use its
+/// screenshot()); one call at a time.
 [[nodiscard]] Result<Picture> draw_offscreen(const PreviewFrame& frame, const ViewerOptions& options);
 
 }  // namespace enamel::view

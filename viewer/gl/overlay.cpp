@@ -18,9 +18,9 @@ std::string number(double value, const char* format) {
 }
 
 void draw_frame_line(const OverlayInput& in, const Pen& pen) {
-  const float w = pen.px(5);
-  pen.list->AddRect(ImVec2(w / 2, w / 2), ImVec2(in.width_px - w / 2, in.height_px - w / 2), packed(in.status.colour, 0.92F),
-                    0, 0, w);
+  const float w = pen.px(4);
+  pen.list->AddRect(ImVec2(w / 2, w / 2), ImVec2(in.width_px - w / 2, in.height_px - w / 2),
+                    packed(in.status.colour, 0.85F), 0, 0, w);
 }
 
 void draw_state(const OverlayInput& in, const Pen& pen) {
@@ -121,8 +121,9 @@ bool draw_scan_button(const OverlayInput& in, const Pen& pen) {
   const ImVec2 size(pen.px(132), pen.px(52));
   ImGui::SetNextWindowPos(ImVec2(in.width_px - pen.px(kMargin) - size.x, in.height_px - pen.px(kMargin) - size.y));
   ImGui::SetNextWindowSize(size);
-  ImGui::Begin("scan", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav |
-                                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::Begin("scan", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav |
+                   ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   ImGui::PushFont(pen.fonts->title);
   const bool pressed = ImGui::Button(scanning ? "Pause" : "Scan", size);
   ImGui::PopFont();

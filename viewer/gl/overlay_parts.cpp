@@ -20,7 +20,8 @@ ImTextureID texture_id(GLuint texture) {
 
 void draw_marker(const Pen& pen, float x, float y, const DistanceReading& reading) {
   const float s = pen.px(8);
-  pen.list->AddTriangleFilled(ImVec2(x, y), ImVec2(x + s, y - s * 0.8F), ImVec2(x + s, y + s * 0.8F), packed(reading.colour));
+  pen.list->AddTriangleFilled(ImVec2(x, y), ImVec2(x + s, y - s * 0.8F), ImVec2(x + s, y + s * 0.8F),
+                              packed(reading.colour));
   const float cx = x + s + pen.px(10);
   if (reading.icon == "o") {
     pen.list->AddCircle(ImVec2(cx, y), pen.px(5), packed(reading.colour), 24, pen.px(2.2F));
@@ -41,11 +42,11 @@ void draw_distance_bar(const OverlayInput& in, const Pen& pen, ImVec2 from, floa
   const auto part = [&](double a, double b, const Colour& colour, float alpha) {
     pen.list->AddRectFilled(ImVec2(from.x, at(a)), ImVec2(from.x + width, at(b)), packed(colour, alpha), pen.px(2));
   };
-  part(0, kNearEnd, kBad, 0.75F);
-  part(kNearEnd, d.optimum_from, kWeak, 0.45F);
-  part(d.optimum_from, d.optimum_to, kGood, 0.85F);
-  part(d.optimum_to, kFarEnd, kAccent, 0.45F);
-  part(kFarEnd, 1, kViolet, 0.75F);
+  part(0, kNearEnd, kBad, 0.85F);
+  part(kNearEnd, d.optimum_from, kWeak, 0.65F);
+  part(d.optimum_from, d.optimum_to, kGood, 1.0F);
+  part(d.optimum_to, kFarEnd, kAccent, 0.6F);
+  part(kFarEnd, 1, kViolet, 0.85F);
   if (d.zone != DistanceZone::kNone) {
     draw_marker(pen, from.x + width + pen.px(3), at(d.position), d);
   }
@@ -65,7 +66,8 @@ std::string distance_words(const OverlayInput& in) {
 
 void draw_live_corner(const OverlayInput& in, const Pen& pen) {
   const bool has_image = in.live_texture != 0 && in.live_width > 0 && in.live_height > 0;
-  const float image_aspect = has_image ? static_cast<float>(in.live_width) / static_cast<float>(in.live_height) : 4.0F / 3.0F;
+  const float image_aspect =
+      has_image ? static_cast<float>(in.live_width) / static_cast<float>(in.live_height) : 4.0F / 3.0F;
   const float width = std::min(pen.px(264), in.width_px * 0.26F);
   const float height = std::min(width / image_aspect, in.height_px * 0.4F);
   const float line = pen.px(30);
@@ -75,11 +77,13 @@ void draw_live_corner(const OverlayInput& in, const Pen& pen) {
   const ImVec2 from(panel_from.x + pen.px(12), panel_from.y + pen.px(12));
   const ImVec2 to(from.x + width, from.y + height);
   if (has_image) {
-    pen.list->AddImageRounded(texture_id(in.live_texture), from, to, ImVec2(0, 0), ImVec2(1, 1), IM_COL32_WHITE, pen.px(6));
+    pen.list->AddImageRounded(texture_id(in.live_texture), from, to, ImVec2(0, 0), ImVec2(1, 1), IM_COL32_WHITE,
+                              pen.px(6));
   } else {
     pen.list->AddRectFilled(from, to, packed({0.03F, 0.035F, 0.045F}), pen.px(6));
     const ImVec2 words = pen.size(pen.fonts->small, "No live image");
-    pen.text(ImVec2((from.x + to.x - words.x) / 2, (from.y + to.y - words.y) / 2), pen.fonts->small, kTextDim, "No live image");
+    pen.text(ImVec2((from.x + to.x - words.x) / 2, (from.y + to.y - words.y) / 2), pen.fonts->small, kTextDim,
+             "No live image");
   }
   pen.list->AddRect(from, to, packed(in.status.colour), pen.px(6), 0, pen.px(3));
   draw_distance_bar(in, pen, ImVec2(to.x + pen.px(12), from.y), height);
@@ -99,7 +103,8 @@ void draw_legend(const OverlayInput& in, const Pen& pen, ImVec2 bottom_right) {
   const float top = from.y + pen.px(30);
   const float bottom = top + pen.px(12);
   const auto ramp = [&](float a, float b, const Colour& ca, const Colour& cb) {
-    pen.list->AddRectFilledMultiColor(ImVec2(a, top), ImVec2(b, bottom), packed(ca), packed(cb), packed(cb), packed(ca));
+    pen.list->AddRectFilledMultiColor(ImVec2(a, top), ImVec2(b, bottom), packed(ca), packed(cb), packed(cb),
+                                      packed(ca));
   };
   ramp(left, middle, kQualityRamp[0], kQualityRamp[1]);
   ramp(middle, right, kQualityRamp[1], kQualityRamp[2]);

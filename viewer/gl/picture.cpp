@@ -11,8 +11,9 @@ namespace enamel::view {
 Result<void> write_png(const Picture& picture, const std::string& path) {
   const std::size_t expected = 3 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
   if (picture.width <= 0 || picture.height <= 0 || picture.rgb.size() != expected) {
-    return fail(ErrorCode::kInternal, "picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
-                                          " with " + std::to_string(picture.rgb.size()) + " bytes");
+    return fail(ErrorCode::kInternal, "picture of " + std::to_string(picture.width) + " x " +
+                                          std::to_string(picture.height) + " with " +
+                                          std::to_string(picture.rgb.size()) + " bytes");
   }
   std::vector<unsigned char> bgr(picture.rgb.size());
   for (std::size_t i = 0; i < bgr.size(); i += 3) {

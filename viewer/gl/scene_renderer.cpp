@@ -109,16 +109,16 @@ void SceneRenderer::draw_probe(const SceneView& view, const LinePass::View& scre
     batch_.triangle(at(side[0]), at(side[1]), at(side[2]), {view.probe_colour, 1});
     batch_.triangle(at(side[0]), at(side[2]), at(side[3]), {view.probe_colour, 1});
   }
-  lines_->draw(batch_, screen, 0, 0.075F, 0);
+  lines_->draw(batch_, screen, 0, 0.045F, 0);
   batch_.clear();
   for (const auto& edge : FrustumGeometry::kEdges) {
     batch_.line(at(edge[0]), at(edge[1]), {view.probe_colour, 1}, {view.probe_colour, 1});
   }
   for (const auto& edge : FrustumGeometry::kApexEdges) {  // towards the probe's window, fading
     const Vec3f part = at(edge[1]) + 0.45F * (at(edge[0]) - at(edge[1]));
-    batch_.line(at(edge[1]), part, {view.probe_colour, 0.7F}, {view.probe_colour, 0});
+    batch_.line(at(edge[1]), part, {view.probe_colour, 0.55F}, {view.probe_colour, 0});
   }
-  lines_->draw(batch_, screen, 1.7F * scale, 0.95F, 0.22F);
+  lines_->draw(batch_, screen, 1.5F * scale, 0.8F, 0.2F);
 }
 
 void SceneRenderer::draw_occlusion(const ViewCamera& camera, double aspect) {

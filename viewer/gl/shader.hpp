@@ -11,7 +11,8 @@
 namespace enamel::view {
 
 /// Sources without the #version line ("330 core" is put before them). Errors: kDisplay with the driver's log.
-[[nodiscard]] Result<GlProgram> build_program(std::string_view name, std::string_view vertex, std::string_view fragment);
+[[nodiscard]] Result<GlProgram> build_program(std::string_view name, std::string_view vertex,
+                                              std::string_view fragment);
 
 void set_uniform(const GlProgram& program, const char* name, const Eigen::Matrix4f& value);
 void set_uniform(const GlProgram& program, const char* name, const Eigen::Vector2f& value);

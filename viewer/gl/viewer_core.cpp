@@ -149,7 +149,8 @@ std::optional<ViewCamera> ViewerCore::camera_goal(const PreviewFrame& frame, dou
       return overview_;
     }
   }
-  if (!frame.placed || (frame.track == TrackState::kLost && frame.state == ScanState::kScanning)) {
+  const bool lost = frame.track == TrackState::kLost && frame.state == ScanState::kScanning;
+  if (!frame.placed || (lost && !follow_.fresh())) {
     return std::nullopt;  // nobody knows where the probe is: the view rests
   }
   return follow_goal(frame.T_model_cam, frame.surface_distance_mm, field_, follow_config_);
@@ -204,9 +205,14 @@ void ViewerCore::act(Action action) {
       recentre_ = true;
       toggles_.follow = false;
       return;
-    case Action::kLargerText: wanted_scale_ = std::min(wanted_scale_ + kStep, 2.0F); return;
-    case Action::kSmallerText: wanted_scale_ = std::max(wanted_scale_ - kStep, 0.5F); return;
-    default: apply_toggle(action, toggles_);
+    case Action::kLargerText:
+      wanted_scale_ = std::min(wanted_scale_ + kStep, 2.0F);
+      return;
+    case Action::kSmallerText:
+      wanted_scale_ = std::max(wanted_scale_ - kStep, 0.5F);
+      return;
+    default:
+      apply_toggle(action, toggles_);
   }
 }
 

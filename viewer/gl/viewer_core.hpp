@@ -1,5 +1,6 @@
-// What the window and the offscreen picture share: everything between a PreviewFrame and finished pixels. Needs a current
-// OpenGL >= 3.3 context on the calling thread for its whole life, and no other ImGui context in use during a call.
+// What the window and the offscreen picture share: everything between a PreviewFrame and finished pixels. Needs a
+// current OpenGL >= 3.3 context on the calling thread for its whole life, and no other ImGui context in use during a
+// call.
 #pragma once
 
 #include <imgui.h>

@@ -14,9 +14,10 @@ struct ViewerOptions {
   int width = 1280;
   int height = 800;
   bool visible = true;
-  double max_fps = 20;           ///< software rendering shares the cores with the pipeline
-  double max_busy_share = 0.4;   ///< of one thread: after a frame that took t, the next starts t / share later at the earliest
-  double ui_scale = 1.0;         ///< 1.0 … 2.0
+  double max_fps = 20;  ///< software rendering shares the cores with the pipeline
+  double max_busy_share =
+      0.4;                ///< of one thread: after a frame that took t, the next starts t / share later at the earliest
+  double ui_scale = 1.0;  ///< 1.0 … 2.0
   std::size_t upload_budget_bytes = std::size_t{4} << 20;  ///< mesh data sent to the GPU per frame; the rest follows
   ProbeField field;
   DisplayToggles toggles;

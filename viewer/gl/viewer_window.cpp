@@ -151,10 +151,17 @@ UserCommands ViewerWindow::poll() {
   }
   for (const Action action : std::exchange(in.actions, {})) {
     switch (action) {
-      case Action::kToggleScan: commands.toggle_scan = true; break;
-      case Action::kSavePicture: commands.save_picture = true; break;
-      case Action::kQuit: commands.quit = true; break;
-      default: me.core->act(action);
+      case Action::kToggleScan:
+        commands.toggle_scan = true;
+        break;
+      case Action::kSavePicture:
+        commands.save_picture = true;
+        break;
+      case Action::kQuit:
+        commands.quit = true;
+        break;
+      default:
+        me.core->act(action);
     }
   }
   in.left_dx = in.left_dy = in.right_dx = in.right_dy = in.wheel = 0;

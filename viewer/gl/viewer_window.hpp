@@ -28,10 +28,10 @@ struct UserCommands {
 
 struct ViewerStats {
   std::uint64_t frames_drawn = 0;
-  std::uint64_t bytes_uploaded = 0;   ///< mesh data since the window opened
-  std::size_t blocks_pending = 0;     ///< changed blocks that wait for the next frames' upload budget
-  std::size_t triangles = 0;          ///< drawn
-  int draw_calls = 0;                 ///< of the model in the last frame
+  std::uint64_t bytes_uploaded = 0;  ///< mesh data since the window opened
+  std::size_t blocks_pending = 0;    ///< changed blocks that wait for the next frames' upload budget
+  std::size_t triangles = 0;         ///< drawn
+  int draw_calls = 0;                ///< of the model in the last frame
   double last_frame_ms = 0;
 };
 
@@ -49,11 +49,12 @@ class ViewerWindow {
   /// Handles events; what the person asked for since the last call.
   [[nodiscard]] UserCommands poll();
 
-  /// Draws and shows `frame`. A null pointer draws the previous one again (empty scene before the first). Skips the work when
-  /// nothing would change. Errors: kDisplay when the driver refuses a buffer (the window stays usable).
+  /// Draws and shows `frame`. A null pointer draws the previous one again (empty scene before the first). Skips the
+  /// work when nothing would change. Errors: kDisplay when the driver refuses a buffer (the window stays usable).
   Result<void> render(std::shared_ptr<const PreviewFrame> frame);
 
-  /// The last frame drawn anew at twice the resolution and scaled down (smooth edges), mesh complete, without the budget.
+  /// The last frame drawn anew at twice the resolution and scaled down (smooth edges), mesh complete, without the
+  /// budget.
   [[nodiscard]] Result<Picture> screenshot();
 
   [[nodiscard]] DisplayToggles& toggles();

@@ -13,15 +13,22 @@ WindowInput& input_of(GLFWwindow* window) { return *static_cast<WindowInput*>(gl
 
 std::optional<KeyCode> key_code(int key) {
   switch (key) {
-    case GLFW_KEY_F1: return KeyCode::kF1;
-    case GLFW_KEY_F12: return KeyCode::kF12;
-    case GLFW_KEY_ESCAPE: return KeyCode::kEscape;
-    case GLFW_KEY_SPACE: return KeyCode::kSpace;
+    case GLFW_KEY_F1:
+      return KeyCode::kF1;
+    case GLFW_KEY_F12:
+      return KeyCode::kF12;
+    case GLFW_KEY_ESCAPE:
+      return KeyCode::kEscape;
+    case GLFW_KEY_SPACE:
+      return KeyCode::kSpace;
     case GLFW_KEY_KP_ADD:
-    case GLFW_KEY_EQUAL: return KeyCode::kPlus;
+    case GLFW_KEY_EQUAL:
+      return KeyCode::kPlus;
     case GLFW_KEY_KP_SUBTRACT:
-    case GLFW_KEY_MINUS: return KeyCode::kMinus;
-    default: break;
+    case GLFW_KEY_MINUS:
+      return KeyCode::kMinus;
+    default:
+      break;
   }
   if (key >= GLFW_KEY_A && key <= GLFW_KEY_Z) {
     return letter(static_cast<char>('A' + (key - GLFW_KEY_A)));

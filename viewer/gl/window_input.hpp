@@ -19,7 +19,8 @@ struct WindowInput {
   double last_x = 0, last_y = 0;
 };
 
-/// Installs the callbacks; `input` must outlive the window. To be called before ImGui installs its own, which chain to these.
+/// Installs the callbacks; `input` must outlive the window. To be called before ImGui installs its own, which chain to
+/// these.
 void connect_input(GLFWwindow* window, WindowInput& input);
 
 }  // namespace enamel::view

@@ -22,8 +22,8 @@ inline constexpr Colour kIdle{0.55F, 0.61F, 0.69F};
 inline constexpr Colour kViolet{0.48F, 0.45F, 0.98F};
 inline constexpr Colour kAccent{0.36F, 0.74F, 0.98F};
 
-/// Quality ramp, safe for colour-blind eyes: 0 orange (scan again), 0.5 white, 1 blue (well covered). Values are clamped;
-/// NaN reads as 0.
+/// Quality ramp, safe for colour-blind eyes: 0 orange (scan again), 0.5 white, 1 blue (well covered). Values are
+/// clamped; NaN reads as 0.
 inline constexpr std::array<Colour, 3> kQualityRamp{Colour{0.90F, 0.45F, 0.05F}, Colour{0.96F, 0.95F, 0.93F},
                                                     Colour{0.10F, 0.40F, 0.78F}};
 [[nodiscard]] Colour quality_colour(float quality) noexcept;

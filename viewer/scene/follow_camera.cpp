@@ -79,6 +79,7 @@ ViewCamera follow_goal(const Pose& T_model_cam, double surface_distance_mm, cons
       Eigen::AngleAxisd(config.turn_rad, Vec3d::UnitY()) * Eigen::AngleAxisd(config.tilt_rad, Vec3d::UnitX());
   camera.R_model_view = (behind * lean).normalized();
   camera.distance_mm = 0.5 * config.height_mm / std::tan(0.5 * camera.fov_y_rad);
+  pan(camera, config.shift_right, 0);
   return camera;
 }
 
@@ -88,7 +89,8 @@ ViewCamera FollowCamera::step(const ViewCamera& now, const ViewCamera& goal, dou
     moving_ = false;
     return goal;
   }
-  const double off_mm = std::max((goal.target - now.target).norm(), 0.25 * std::abs(goal.distance_mm - now.distance_mm));
+  const double off_mm =
+      std::max((goal.target - now.target).norm(), 0.25 * std::abs(goal.distance_mm - now.distance_mm));
   const double off_rad = now.R_model_view.angularDistance(goal.R_model_view);
   if (moving_) {
     moving_ = off_mm > config_.stop_mm || off_rad > config_.stop_rad;
@@ -132,8 +134,9 @@ std::optional<ViewCamera> overview(const ModelSnapshot& model, double aspect, do
   camera.target = camera.R_model_view * box.center();
   const Vec3d size = box.sizes();
   const double height_mm = std::max({size.y(), size.x() / std::max(aspect, 1e-3), 8.0}) / std::clamp(fill, 0.1, 1.0);
-  camera.distance_mm = std::clamp(0.5 * height_mm / std::tan(0.5 * camera.fov_y_rad) + 0.5 * size.z(), kMinDistanceMm,
-                                  kMaxDistanceMm);
+  camera.distance_mm =
+      std::clamp(0.5 * height_mm / std::tan(0.5 * camera.fov_y_rad) + 0.5 * size.z(), kMinDistanceMm, kMaxDistanceMm);
+  pan(camera, 0.01, -0.04);  // the live image fills the lower left corner
   return camera;
 }
 

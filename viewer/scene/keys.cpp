@@ -49,16 +49,27 @@ bool apply_toggle(Action action, DisplayToggles& toggles) noexcept {
     return true;
   };
   switch (action) {
-    case Action::kFollow: return flip(toggles.follow);
-    case Action::kQualityMap: return flip(toggles.quality_map);
-    case Action::kMono: return flip(toggles.mono);
-    case Action::kFrustum: return flip(toggles.frustum);
-    case Action::kTrail: return flip(toggles.trail);
-    case Action::kLiveImage: return flip(toggles.live_image);
-    case Action::kPanels: return flip(toggles.panels);
-    case Action::kHelp: return flip(toggles.help);
-    case Action::kCloseHelp: toggles.help = false; return true;
-    default: return false;
+    case Action::kFollow:
+      return flip(toggles.follow);
+    case Action::kQualityMap:
+      return flip(toggles.quality_map);
+    case Action::kMono:
+      return flip(toggles.mono);
+    case Action::kFrustum:
+      return flip(toggles.frustum);
+    case Action::kTrail:
+      return flip(toggles.trail);
+    case Action::kLiveImage:
+      return flip(toggles.live_image);
+    case Action::kPanels:
+      return flip(toggles.panels);
+    case Action::kHelp:
+      return flip(toggles.help);
+    case Action::kCloseHelp:
+      toggles.help = false;
+      return true;
+    default:
+      return false;
   }
 }
 

@@ -11,17 +11,17 @@ struct ProbeField {
   /// Rays through the image corners (top left, top right, bottom right, bottom left), scaled to z = 1.
   std::array<Vec3f, 4> corner_rays{Vec3f{-0.18F, -0.14F, 1}, Vec3f{0.18F, -0.14F, 1}, Vec3f{0.18F, 0.14F, 1},
                                    Vec3f{-0.18F, 0.14F, 1}};
-  double near_mm = 40;          ///< depth range of the rig
+  double near_mm = 40;  ///< depth range of the rig
   double far_mm = 56;
   double optimum_near_mm = 45;  ///< best working distance
   double optimum_far_mm = 51;
 };
 
-/// Field of a pinhole camera (px; lens distortion moves the corners by less than a line's width here) over the rig's depth
-/// range; the optimum keeps the default rig's shares of that range. Values out of range (sizes or focal lengths <= 0,
-/// far <= near) give the default field.
-[[nodiscard]] ProbeField probe_field(int width_px, int height_px, double fx_px, double fy_px, double cx_px, double cy_px,
-                                     double near_mm, double far_mm);
+/// Field of a pinhole camera (px; lens distortion moves the corners by less than a line's width here) over the rig's
+/// depth range; the optimum keeps the default rig's shares of that range. Values out of range (sizes or focal lengths
+/// <= 0, far <= near) give the default field.
+[[nodiscard]] ProbeField probe_field(int width_px, int height_px, double fx_px, double fy_px, double cx_px,
+                                     double cy_px, double near_mm, double far_mm);
 
 struct FrustumGeometry {
   std::array<Vec3f, 9> points;  ///< 0: apex, 1–4: near corners, 5–8: far corners

@@ -11,10 +11,13 @@ StatusLine tracking_line(const PreviewFrame& frame) noexcept {
     return {kIdle, "READY", "Hold the probe over a tooth"};
   }
   switch (frame.track) {
-    case TrackState::kLost: return {kBad, "TRACKING LOST", "Go back to a place already scanned"};
-    case TrackState::kRelocalised: return {kWeak, "FOUND AGAIN", "Stay here for a moment"};
+    case TrackState::kLost:
+      return {kBad, "TRACKING LOST", "Go back to a place already scanned"};
+    case TrackState::kRelocalised:
+      return {kWeak, "FOUND AGAIN", "Stay here for a moment"};
     case TrackState::kStarted:
-    case TrackState::kTracking: break;
+    case TrackState::kTracking:
+      break;
   }
   if (frame.track_overlap < kWeakOverlap) {  // false for NaN: unknown is not weak
     return {kWeak, "TRACKING WEAK", "Move slower, keep the model in view"};
@@ -26,11 +29,16 @@ StatusLine tracking_line(const PreviewFrame& frame) noexcept {
 
 StatusLine status_line(const PreviewFrame& frame) noexcept {
   switch (frame.state) {
-    case ScanState::kWaitingForProbe: return {kIdle, "WAITING FOR PROBE", "Switch the probe on"};
-    case ScanState::kPaused: return {kAccent, "PAUSED", "Space continues"};
-    case ScanState::kProbeLost: return {kBad, "PROBE LOST", "Reconnect the probe; the model is kept"};
-    case ScanState::kFinished: return {kAccent, "SCAN FINISHED", ""};
-    case ScanState::kScanning: break;
+    case ScanState::kWaitingForProbe:
+      return {kIdle, "WAITING FOR PROBE", "Switch the probe on"};
+    case ScanState::kPaused:
+      return {kAccent, "PAUSED", "Space continues"};
+    case ScanState::kProbeLost:
+      return {kBad, "PROBE LOST", "Reconnect the probe; the model is kept"};
+    case ScanState::kFinished:
+      return {kAccent, "SCAN FINISHED", ""};
+    case ScanState::kScanning:
+      break;
   }
   return tracking_line(frame);
 }

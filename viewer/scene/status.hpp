@@ -25,15 +25,16 @@ enum class DistanceZone { kNone, kTooNear, kNear, kOptimum, kFar, kTooFar };
 
 struct DistanceReading {
   DistanceZone zone = DistanceZone::kNone;
-  double position = 0;     ///< 0 = near end of the bar, 1 = far end, clamped
-  double optimum_from = 0; ///< the green part of the bar, 0…1
+  double position = 0;      ///< 0 = near end of the bar, 1 = far end, clamped
+  double optimum_from = 0;  ///< the green part of the bar, 0…1
   double optimum_to = 1;
   Colour colour = kIdle;
   std::string_view words;  ///< "Move away", "Good distance", …
   std::string_view icon;   ///< one ASCII sign: "^" away from the teeth, "v" towards them, "o" good, "-" nothing seen
 };
 
-/// The bar spans the field and a quarter of it more at both ends, so that leaving the range shows as leaving the bar's middle.
+/// The bar spans the field and a quarter of it more at both ends, so that leaving the range shows as leaving the bar's
+/// middle.
 [[nodiscard]] DistanceReading distance_reading(double surface_distance_mm, const ProbeField& field) noexcept;
 
 /// 12345 -> "12 345"

@@ -5,9 +5,7 @@
 
 namespace enamel::view {
 
-Vec3d eye(const ViewCamera& camera) {
-  return camera.target + camera.R_model_view * Vec3d(0, 0, camera.distance_mm);
-}
+Vec3d eye(const ViewCamera& camera) { return camera.target + camera.R_model_view * Vec3d(0, 0, camera.distance_mm); }
 
 Eigen::Matrix4f view_matrix(const ViewCamera& camera) {
   const Eigen::Matrix3d rotation = camera.R_model_view.conjugate().toRotationMatrix();
@@ -32,7 +30,8 @@ Eigen::Matrix4f projection_matrix(const ViewCamera& camera, double aspect) {
 }
 
 void orbit(ViewCamera& camera, double right_rad, double down_rad) {
-  const Eigen::Quaterniond turn = Eigen::AngleAxisd(-right_rad, Vec3d::UnitY()) * Eigen::AngleAxisd(-down_rad, Vec3d::UnitX());
+  const Eigen::Quaterniond turn =
+      Eigen::AngleAxisd(-right_rad, Vec3d::UnitY()) * Eigen::AngleAxisd(-down_rad, Vec3d::UnitX());
   camera.R_model_view = (camera.R_model_view * turn).normalized();
 }
 

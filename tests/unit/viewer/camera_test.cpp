@@ -1,0 +1,221 @@
+// View camera, follow camera, overview, field of view, path, pacing.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/unit/viewer/tooth_scene.hpp"
+#include "viewer/scene/follow_camera.hpp"
+#include "viewer/scene/frame_pacer.hpp"
+#include "viewer/scene/trail.hpp"
+
+namespace enamel::view::test {
+namespace {
+
+Eigen::Vector3d on_screen(const ViewCamera& camera, const Vec3d& point, double aspect = 1.6) {
+  const Eigen::Vector4f clip =
+      projection_matrix(camera, aspect) * view_matrix(camera) * point.cast<float>().homogeneous();
+  return (clip.head<3>() / clip.w()).cast<double>();
+}
+
+TEST(ViewCamera, TargetIsInTheMiddleOfTheScreen) {
+  ViewCamera camera;
+  camera.target = {3, -5, 40};
+  orbit(camera, 0.7, -0.3);
+  EXPECT_NEAR(on_screen(camera, camera.target).head<2>().norm(), 0, 1e-5);
+  EXPECT_NEAR((eye(camera) - camera.target).norm(), camera.distance_mm, 1e-9);
+}
+
+TEST(ViewCamera, OrbitTurnsTheModelWithThePointer) {
+  ViewCamera camera;
+  const Vec3d towards_viewer(0, 0, 5);
+  orbit(camera, 0.2, 0);
+  EXPECT_GT(on_screen(camera, towards_viewer).x(), 0.01);
+  ViewCamera other;
+  orbit(other, 0, 0.2);  // y is up on the screen: dragging down lowers what is near
+  EXPECT_LT(on_screen(other, towards_viewer).y(), -0.01);
+}
+
+TEST(ViewCamera, PanMovesTheModelByTheSameShareOfThePicture) {
+  ViewCamera camera;
+  orbit(camera, 0.4, 0.9);
+  const Vec3d point = camera.target;
+  pan(camera, 0.25, 0.1);
+  const Eigen::Vector3d now = on_screen(camera, point, 1.0);
+  EXPECT_NEAR(now.x(), 0.5, 1e-5);  // a quarter of the height = half of the way from middle to edge
+  EXPECT_NEAR(now.y(), -0.2, 1e-5);
+}
+
+TEST(ViewCamera, ZoomStaysWithinItsLimits) {
+  ViewCamera camera;
+  for (int i = 0; i < 100; ++i) {
+    zoom(camera, 1.5);
+  }
+  EXPECT_DOUBLE_EQ(camera.distance_mm, kMinDistanceMm);
+  zoom(camera, 1e-9);
+  EXPECT_DOUBLE_EQ(camera.distance_mm, kMaxDistanceMm);
+  zoom(camera, std::nan(""));
+  zoom(camera, -1);
+  EXPECT_DOUBLE_EQ(camera.distance_mm, kMaxDistanceMm);
+}
+
+TEST(FollowCamera, GoalLooksAtTheSurfaceFromTheProbesSide) {
+  const FollowConfig config;
+  const ViewCamera goal = follow_goal(Pose::Identity(), 48, ProbeField{}, config);
+  const Eigen::Vector3d spot = on_screen(goal, Vec3d(0, 0, 48));
+  EXPECT_NEAR(spot.y(), 0, 1e-4);
+  EXPECT_GT(spot.x(), 0);  // right of the middle, clear of the live image
+  EXPECT_LT(spot.x(), 0.3);
+  EXPECT_LT(eye(goal).z(), 30);                               // on the probe's side of the teeth
+  EXPECT_LT(on_screen(goal, Vec3d(0, 0, 40)).z(), spot.z());  // nearer to the probe = nearer to the viewer
+}
+
+TEST(FollowCamera, RestsUnderTremorAndMovesForATravel) {
+  FollowCamera follow;
+  const FollowConfig config;
+  Pose pose = Pose::Identity();
+  ViewCamera camera = follow.step({}, follow_goal(pose, 48, {}, config), 0);
+  const ViewCamera rest = camera;
+  for (int i = 0; i < 50; ++i) {
+    pose.translation().x() = 0.8 * std::sin(i);
+    camera = follow.step(camera, follow_goal(pose, 48, {}, config), 0.05);
+  }
+  EXPECT_EQ(camera.target, rest.target);
+  EXPECT_FALSE(follow.moving());
+  pose.translation().x() = 10;
+  const ViewCamera goal = follow_goal(pose, 48, {}, config);
+  double before = (camera.target - goal.target).norm();
+  for (int i = 0; i < 100; ++i) {
+    camera = follow.step(camera, goal, 0.05);
+    const double now = (camera.target - goal.target).norm();
+    EXPECT_LE(now, before + 1e-12);
+    before = now;
+  }
+  EXPECT_LE(before, config.stop_mm);
+  EXPECT_FALSE(follow.moving());
+}
+
+TEST(FollowCamera, NeverTurnsFasterThanThirtyDegreesASecond) {
+  FollowCamera follow;
+  const FollowConfig config;
+  Pose pose = Pose::Identity();
+  ViewCamera camera = follow.step({}, follow_goal(pose, 48, {}, config), 0);
+  pose.linear() = Eigen::AngleAxisd(2.5, Vec3d(1, 2, 0.5).normalized()).toRotationMatrix();
+  const ViewCamera goal = follow_goal(pose, 48, {}, config);
+  for (int i = 0; i < 400; ++i) {
+    const ViewCamera next = follow.step(camera, goal, 0.02);
+    EXPECT_LE(next.R_model_view.angularDistance(camera.R_model_view), std::numbers::pi / 6 * 0.02 + 1e-9);
+    camera = next;
+  }
+  EXPECT_LE(camera.R_model_view.angularDistance(goal.R_model_view), config.stop_rad);
+}
+
+TEST(FollowCamera, MotionDoesNotDependOnTheFrameRate) {
+  const FollowConfig config;
+  Pose pose = Pose::Identity();
+  pose.translation().x() = 20;
+  const ViewCamera start = follow_goal(Pose::Identity(), 48, {}, config);
+  const ViewCamera goal = follow_goal(pose, 48, {}, config);
+  const auto after_half_a_second = [&](int steps) {
+    FollowCamera follow;
+    ViewCamera camera = follow.step(start, start, 0);
+    for (int i = 0; i < steps; ++i) {
+      camera = follow.step(camera, goal, 0.5 / steps);
+    }
+    return camera.target;
+  };
+  EXPECT_NEAR((after_half_a_second(5) - after_half_a_second(50)).norm(), 0, 1e-9);
+}
+
+TEST(Overview, HoldsEveryVertexInsideThePicture) {
+  const auto model = ToothScene{}.model(1.0, 10, nullptr);
+  for (const double aspect : {1.0, 1.6, 2.4}) {
+    const auto camera = overview(*model, aspect);
+    ASSERT_TRUE(camera);
+    double widest = 0;
+    for (const auto& block : model->blocks) {
+      for (const Vec3f& v : block->vertices) {
+        const Eigen::Vector3d p = on_screen(*camera, v.cast<double>(), aspect);
+        ASSERT_LT(std::abs(p.x()), 1.0);
+        ASSERT_LT(std::abs(p.y()), 1.0);
+        widest = std::max({widest, std::abs(p.x()), std::abs(p.y())});
+      }
+    }
+    EXPECT_GT(widest, 0.6);                           // and fills it
+    EXPECT_LT(eye(*camera).z(), camera->target.z());  // from the side that was scanned
+  }
+}
+
+TEST(Overview, EmptyModelHasNone) { EXPECT_FALSE(overview(ModelSnapshot{}, 1.6)); }
+
+TEST(ProbeField, CornersOfAPinholeAndOptimumInsideTheRange) {
+  const ProbeField field = probe_field(640, 480, 1500, 1500, 319.5, 239.5, 40, 56);
+  EXPECT_NEAR(field.corner_rays[2].x(), 320.0 / 1500, 1e-6);
+  EXPECT_NEAR(field.corner_rays[0].y(), -240.0 / 1500, 1e-6);
+  EXPECT_DOUBLE_EQ(field.optimum_near_mm, 45);
+  EXPECT_DOUBLE_EQ(field.optimum_far_mm, 51);
+  EXPECT_EQ(probe_field(0, 480, 1500, 1500, 0, 0, 40, 56).far_mm, ProbeField{}.far_mm);
+  EXPECT_EQ(probe_field(640, 480, 1500, 1500, 0, 0, 56, 40).near_mm, ProbeField{}.near_mm);
+}
+
+TEST(ProbeField, FrustumFollowsThePose) {
+  Pose pose = Pose::Identity();
+  pose.translation() = Vec3d(1, 2, 3);
+  const FrustumGeometry shape = frustum(ProbeField{}, pose);
+  EXPECT_TRUE(shape.points[0].isApprox(Vec3f(1, 2, 3)));
+  for (std::size_t i = 1; i < 5; ++i) {
+    EXPECT_FLOAT_EQ(shape.points[i].z(), 43.0F);
+    EXPECT_FLOAT_EQ(shape.points[i + 4].z(), 59.0F);
+  }
+}
+
+TEST(Trail, BreaksWhereTrackingWasLostAndIgnoresStandingStill) {
+  Trail trail(ProbeField{});
+  PreviewFrame frame;
+  frame.placed = true;
+  frame.track = TrackState::kTracking;
+  frame.surface_distance_mm = 48;
+  const auto at = [&](std::uint64_t burst, double x, TrackState state) {
+    frame.burst = BurstId{burst};
+    frame.T_model_cam.translation().x() = x;
+    frame.track = state;
+    trail.add(frame);
+  };
+  at(0, 0, TrackState::kStarted);
+  at(0, 5, TrackState::kTracking);  // same burst again
+  at(1, 0.05, TrackState::kTracking);
+  at(2, 1, TrackState::kTracking);
+  at(3, 1, TrackState::kLost);
+  at(4, 1, TrackState::kLost);
+  at(5, 9, TrackState::kRelocalised);
+  ASSERT_EQ(trail.points().size(), 4U);
+  EXPECT_FALSE(trail.points()[2].allFinite());
+  EXPECT_FLOAT_EQ(trail.points()[3].x(), 9.0F);
+  EXPECT_FLOAT_EQ(trail.points()[0].z(), 44.0F);
+}
+
+TEST(Trail, StaysBounded) {
+  Trail trail(ProbeField{}, 0.1, 100);
+  PreviewFrame frame;
+  frame.placed = true;
+  frame.track = TrackState::kTracking;
+  for (std::uint64_t i = 0; i < 5000; ++i) {
+    frame.burst = BurstId{i};
+    frame.T_model_cam.translation().x() = static_cast<double>(i);
+    trail.add(frame);
+  }
+  EXPECT_LE(trail.points().size(), 101U);
+  EXPECT_FLOAT_EQ(trail.points().back().x(), 4999.0F);
+}
+
+TEST(FramePacer, KeepsTheRateAndTheBusyShare) {
+  FramePacer pacer(20, 0.4);
+  const HostTime t0 = host_time(1'000'000'000);
+  pacer.drawn(t0, t0 + Nanoseconds{5'000'000});
+  EXPECT_EQ(pacer.due(), t0 + Nanoseconds{50'000'000});
+  pacer.drawn(t0, t0 + Nanoseconds{60'000'000});
+  EXPECT_EQ(pacer.due(), t0 + Nanoseconds{150'000'000});
+}
+
+}  // namespace
+}  // namespace enamel::view::test

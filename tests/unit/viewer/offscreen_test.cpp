@@ -1,0 +1,105 @@
+// The same picture without any display.
+#include "viewer/gl/offscreen.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "tests/unit/viewer/picture_probe.hpp"
+#include "tests/unit/viewer/tooth_scene.hpp"
+
+namespace enamel::view::test {
+namespace {
+
+class OffscreenTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto probe = draw_offscreen(PreviewFrame{}, options_);
+    if (!probe) {
+      GTEST_SKIP() << probe.error().message();
+    }
+  }
+  Picture draw(const PreviewFrame& frame) {
+    auto picture = draw_offscreen(frame, options_);
+    EXPECT_TRUE(picture) << picture.error().message();
+    return picture ? std::move(*picture) : Picture{};
+  }
+  ViewerOptions options_;
+  ToothScene scene_;
+};
+
+TEST_F(OffscreenTest, ShowsModelFieldLiveImageAndOutline) {
+  auto frame = scene_.frame(12, 20);
+  frame->live = std::make_shared<Map<std::uint8_t>>(320, 240, std::uint8_t{180});
+  const Picture picture = draw(*frame);
+  EXPECT_EQ(picture.drawn_by.rfind("EGL surfaceless", 0), 0U) << picture.drawn_by;
+  EXPECT_EQ(picture.width, options_.width);
+  EXPECT_EQ(picture.height, options_.height);
+  EXPECT_GT(share_of(picture, kMiddle, is_tooth), 0.10);
+  EXPECT_GT(share_of(picture, kMiddle, is_green), 0.003);
+  EXPECT_NEAR(mean_level(picture, kLiveCorner), 180, 12);
+  EXPECT_LT(outline_distance(picture, kGood), 60);
+}
+
+TEST_F(OffscreenTest, WithoutModelAndFieldTheMiddleIsEmpty) {
+  auto frame = scene_.frame(12, 20);
+  frame->model = nullptr;
+  options_.toggles.frustum = false;
+  options_.toggles.trail = false;
+  const Picture picture = draw(*frame);
+  EXPECT_EQ(share_of(picture, kMiddle, is_tooth), 0.0);
+  EXPECT_EQ(share_of(picture, kMiddle, is_green), 0.0);
+}
+
+TEST_F(OffscreenTest, QualityMapColoursTheModelOtherThanTeeth) {
+  const auto frame = scene_.frame(12, 20);
+  const double plain = share_of(draw(*frame), kMiddle, is_tooth);
+  options_.toggles.quality_map = true;
+  const auto is_blue = [](const Rgb& c) { return c[2] > 110 && c[2] > c[0] + 20; };
+  const Picture mapped = draw(*frame);
+  EXPECT_LT(share_of(mapped, kMiddle, is_tooth), 0.8 * plain);
+  EXPECT_GT(share_of(mapped, kMiddle, is_blue), 0.01);
+}
+
+TEST_F(OffscreenTest, FinishedScanShowsTheWholeModel) {
+  auto frame = scene_.frame(19, 20);
+  options_.toggles.frustum = false;
+  frame->state = ScanState::kFinished;
+  const Picture picture = draw(*frame);
+  EXPECT_GT(share_of(picture, {0.20, 0.15, 0.45, 0.65}, is_tooth), 0.15);  // first teeth
+  EXPECT_GT(share_of(picture, {0.55, 0.15, 0.80, 0.65}, is_tooth), 0.15);  // last teeth
+  EXPECT_EQ(share_of(picture, {0.01, 0.15, 0.06, 0.60}, is_tooth), 0.0);   // nothing cut off at the sides
+  EXPECT_EQ(share_of(picture, {0.94, 0.40, 0.99, 0.95}, is_tooth), 0.0);
+}
+
+TEST_F(OffscreenTest, SimulatedIsWrittenOnThePicture) {
+  auto frame = scene_.frame(2, 20);
+  const auto is_badge = [](const Rgb& c) { return c[0] > 220 && c[1] > 150 && c[1] < 200 && c[2] < 90; };
+  const Region top_left{0.05, 0.01, 0.20, 0.08};
+  EXPECT_GT(share_of(draw(*frame), top_left, is_badge), 0.05);
+  frame->simulated = false;
+  EXPECT_EQ(share_of(draw(*frame), top_left, is_badge), 0.0);
+}
+
+TEST_F(OffscreenTest, MalformedBlockAndNanPoseDoNotBreakThePicture) {
+  auto frame = scene_.frame(6, 20);
+  auto model = std::make_shared<ModelSnapshot>(*frame->model);
+  auto bad = std::make_shared<BlockMesh>(*model->blocks.front());
+  bad->triangles.push_back({0, 1, 1'000'000});
+  model->blocks.front() = bad;
+  model->blocks.push_back(nullptr);
+  frame->model = model;
+  EXPECT_GT(share_of(draw(*frame), kMiddle, is_tooth), 0.03);
+  frame->T_model_cam.matrix().setConstant(std::nan(""));
+  EXPECT_EQ(draw(*frame).width, options_.width);
+}
+
+TEST_F(OffscreenTest, SizeOutOfRangeIsRefused) {
+  options_.width = 100'000;
+  const auto picture = draw_offscreen(PreviewFrame{}, options_);
+  ASSERT_FALSE(picture);
+  EXPECT_EQ(picture.error().code, ErrorCode::kUsage);
+}
+
+}  // namespace
+}  // namespace enamel::view::test

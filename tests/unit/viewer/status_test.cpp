@@ -1,0 +1,181 @@
+// Words, colours, keys, mailbox.
+#include "viewer/scene/status.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <set>
+#include <thread>
+
+#include "viewer/scene/colour.hpp"
+#include "viewer/scene/keys.hpp"
+#include "viewer/scene/mailbox.hpp"
+
+namespace enamel::view::test {
+namespace {
+
+PreviewFrame scanning(TrackState state) {
+  PreviewFrame frame;
+  frame.state = ScanState::kScanning;
+  frame.placed = true;
+  frame.track = state;
+  return frame;
+}
+
+TEST(StatusLine, GreenAmberRedWithDifferentWords) {
+  EXPECT_EQ(status_line(scanning(TrackState::kTracking)).colour, kGood);
+  EXPECT_EQ(status_line(scanning(TrackState::kRelocalised)).colour, kWeak);
+  EXPECT_EQ(status_line(scanning(TrackState::kLost)).colour, kBad);
+  std::set<std::string_view> words;
+  for (const TrackState state : {TrackState::kTracking, TrackState::kRelocalised, TrackState::kLost}) {
+    words.insert(status_line(scanning(state)).title);
+  }
+  EXPECT_EQ(words.size(), 3U);
+  EXPECT_FALSE(status_line(scanning(TrackState::kLost)).hint.empty());
+}
+
+TEST(StatusLine, LittleOverlapIsWeakAndUnknownOverlapIsNot) {
+  PreviewFrame frame = scanning(TrackState::kTracking);
+  frame.track_overlap = std::nan("");
+  EXPECT_EQ(status_line(frame).colour, kGood);
+  frame.track_overlap = kWeakOverlap - 0.05;
+  EXPECT_EQ(status_line(frame).colour, kWeak);
+  frame.track_overlap = kWeakOverlap + 0.05;
+  EXPECT_EQ(status_line(frame).colour, kGood);
+}
+
+TEST(StatusLine, ScanStateComesBeforeTracking) {
+  PreviewFrame frame = scanning(TrackState::kTracking);
+  frame.state = ScanState::kProbeLost;
+  EXPECT_EQ(status_line(frame).colour, kBad);
+  EXPECT_EQ(status_line(frame).title, "PROBE LOST");
+  frame.state = ScanState::kPaused;
+  EXPECT_EQ(status_line(frame).title, "PAUSED");
+  frame.state = ScanState::kFinished;
+  EXPECT_EQ(status_line(frame).title, "SCAN FINISHED");
+  EXPECT_EQ(status_line(PreviewFrame{}).title, "WAITING FOR PROBE");
+}
+
+TEST(Distance, ZonesAndDirectionOfTheAdvice) {
+  const ProbeField field;
+  const auto zone = [&](double mm) { return distance_reading(mm, field).zone; };
+  EXPECT_EQ(zone(39.9), DistanceZone::kTooNear);
+  EXPECT_EQ(zone(42), DistanceZone::kNear);
+  EXPECT_EQ(zone(45), DistanceZone::kOptimum);
+  EXPECT_EQ(zone(51), DistanceZone::kOptimum);
+  EXPECT_EQ(zone(53), DistanceZone::kFar);
+  EXPECT_EQ(zone(56.1), DistanceZone::kTooFar);
+  EXPECT_EQ(zone(std::nan("")), DistanceZone::kNone);
+  EXPECT_EQ(distance_reading(39, field).colour, kBad);
+  EXPECT_EQ(distance_reading(48, field).colour, kGood);
+  EXPECT_EQ(distance_reading(60, field).colour, kViolet);
+  EXPECT_NE(distance_reading(39, field).icon, distance_reading(60, field).icon);
+  EXPECT_NE(distance_reading(39, field).words, distance_reading(60, field).words);
+}
+
+TEST(Distance, MarkerMovesAlongTheBarAndStaysOnIt) {
+  const ProbeField field;
+  double before = -1;
+  for (double mm = 36; mm <= 60; mm += 0.5) {
+    const DistanceReading reading = distance_reading(mm, field);
+    EXPECT_GT(reading.position, before);
+    EXPECT_EQ(reading.zone == DistanceZone::kOptimum,
+              reading.position >= reading.optimum_from && reading.position <= reading.optimum_to);
+    before = reading.position;
+  }
+  EXPECT_EQ(distance_reading(1, field).position, 0.0);
+  EXPECT_EQ(distance_reading(1e9, field).position, 1.0);
+}
+
+TEST(Colour, QualityRampRunsFromOrangeOverWhiteToBlue) {
+  const Colour low = quality_colour(0), middle = quality_colour(0.5F), high = quality_colour(1);
+  EXPECT_GT(low.r, low.b + 0.4F);
+  EXPECT_GT(std::min({middle.r, middle.g, middle.b}), 0.9F);
+  EXPECT_GT(high.b, high.r + 0.4F);
+  EXPECT_EQ(quality_colour(std::nanf("")), low);
+  EXPECT_EQ(quality_colour(-3), low);
+  EXPECT_EQ(quality_colour(7), high);
+}
+
+TEST(Colour, StateColoursAreReadableOnTheDarkPanel) {
+  const Colour panel{0.07F, 0.08F, 0.096F};
+  for (const Colour& c : {kGood, kWeak, kBad, kIdle, kViolet, kAccent}) {
+    EXPECT_GE(contrast_ratio(c, panel), 4.5);
+  }
+  EXPECT_NEAR(contrast_ratio({1, 1, 1}, {0, 0, 0}), 21.0, 1e-6);
+  EXPECT_LT(contrast_ratio({0.2F, 0.2F, 0.2F}, panel), 4.5);  // the measure can fail
+}
+
+TEST(Keys, EveryKeyOnceAndEveryActionReachable) {
+  std::set<std::pair<int, bool>> keys;
+  for (const KeyBinding& binding : key_bindings()) {
+    EXPECT_TRUE(keys.emplace(static_cast<int>(binding.key), binding.ctrl).second) << binding.key_text;
+    EXPECT_EQ(action_for(binding.key, binding.ctrl), binding.action);
+  }
+  EXPECT_EQ(action_for(KeyCode::kSpace, false), Action::kToggleScan);
+  EXPECT_EQ(action_for(letter('Q'), false), Action::kQualityMap);
+  EXPECT_EQ(action_for(letter('Q'), true), Action::kQuit);
+  EXPECT_FALSE(action_for(letter('X'), false));
+}
+
+TEST(Keys, TogglesFlipAndOthersAreLeftToTheOwner) {
+  DisplayToggles toggles;
+  EXPECT_TRUE(apply_toggle(Action::kQualityMap, toggles));
+  EXPECT_TRUE(toggles.quality_map);
+  EXPECT_TRUE(apply_toggle(Action::kFollow, toggles));
+  EXPECT_FALSE(toggles.follow);
+  toggles.help = true;
+  EXPECT_TRUE(apply_toggle(Action::kCloseHelp, toggles));
+  EXPECT_FALSE(toggles.help);
+  EXPECT_FALSE(apply_toggle(Action::kToggleScan, toggles));
+  EXPECT_FALSE(apply_toggle(Action::kQuit, toggles));
+}
+
+TEST(Grouped, ThousandsAreApart) {
+  EXPECT_EQ(grouped(0), "0");
+  EXPECT_EQ(grouped(999), "999");
+  EXPECT_EQ(grouped(1000), "1 000");
+  EXPECT_EQ(grouped(12345678), "12 345 678");
+}
+
+std::shared_ptr<const PreviewFrame> numbered(std::uint64_t burst) {
+  auto frame = std::make_shared<PreviewFrame>();
+  frame->burst = BurstId{burst};
+  return frame;
+}
+
+TEST(Mailbox, ViewerThatNeverLooksDoesNotHoldTheSessionUp) {
+  PreviewMailbox mailbox;
+  for (std::uint64_t i = 0; i < 10'000; ++i) {
+    mailbox.put(numbered(i));  // nobody takes: would hang here if put could wait
+  }
+  EXPECT_EQ(mailbox.replaced(), 9'999U);
+  const auto newest = mailbox.take();
+  ASSERT_TRUE(newest);
+  EXPECT_EQ((*newest)->burst.value, 9'999U);
+  EXPECT_FALSE(mailbox.take());
+}
+
+TEST(Mailbox, SlowViewerSeesOnlyNewerFramesAndTheLastOne) {
+  PreviewMailbox mailbox;
+  constexpr std::uint64_t kLast = 20'000;
+  std::thread session([&mailbox] {
+    for (std::uint64_t i = 1; i <= kLast; ++i) {
+      mailbox.put(numbered(i));
+    }
+  });
+  std::uint64_t seen = 0;
+  while (seen < kLast) {
+    if (const auto frame = mailbox.take()) {
+      ASSERT_GT((*frame)->burst.value, seen);
+      seen = (*frame)->burst.value;
+      std::this_thread::yield();
+    }
+  }
+  session.join();
+  EXPECT_EQ(seen, kLast);
+}
+
+}  // namespace
+}  // namespace enamel::view::test

@@ -1,0 +1,194 @@
+// The real GLFW window on a display of its own.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/unit/viewer/picture_probe.hpp"
+#include "tests/unit/viewer/screen_grab.hpp"
+#include "tests/unit/viewer/tooth_scene.hpp"
+#include "tests/unit/viewer/xvfb.hpp"
+#include "viewer/gl/viewer_window.hpp"
+#include "viewer/scene/mailbox.hpp"
+
+namespace enamel::view::test {
+namespace {
+
+class WindowTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { display_ = std::make_unique<Xvfb>(); }
+  static void TearDownTestSuite() { display_.reset(); }
+
+  void SetUp() override {
+    if (!display_->problem().empty()) {
+      GTEST_SKIP() << display_->problem();
+    }
+    auto window = ViewerWindow::open(options_, clock_);
+    ASSERT_TRUE(window) << window.error().message();
+    window_ = std::move(*window);
+  }
+
+  /// What the X server shows after this frame.
+  Picture shown(std::shared_ptr<const PreviewFrame> frame) {
+    EXPECT_TRUE(window_->render(std::move(frame)));
+    Picture picture = grab_screen();
+    EXPECT_EQ(picture.width, options_.width);
+    return picture;
+  }
+
+  static std::unique_ptr<Xvfb> display_;
+  ManualClock clock_;
+  ViewerOptions options_;
+  std::unique_ptr<ViewerWindow> window_;
+  ToothScene scene_;
+};
+
+std::unique_ptr<Xvfb> WindowTest::display_;
+
+TEST_F(WindowTest, GrowingModelReachesTheScreenInOneDrawCall) {
+  std::shared_ptr<PreviewFrame> frame;
+  PreviewMailbox mailbox;
+  std::size_t before = 0;
+  for (int i = 0; i < 20; ++i) {
+    frame = scene_.frame(i, 20, frame.get());
+    mailbox.put(frame);
+    const UserCommands commands = window_->poll();
+    EXPECT_FALSE(commands.quit || commands.toggle_scan || commands.save_picture);
+    ASSERT_TRUE(window_->render(mailbox.take().value_or(nullptr)));
+    clock_.advance(Nanoseconds{50'000'000});
+    EXPECT_GE(window_->stats().triangles, before);
+    before = window_->stats().triangles;
+  }
+  std::size_t expected = 0;
+  for (const auto& block : frame->model->blocks) {
+    expected += block->triangles.size();
+  }
+  const ViewerStats stats = window_->stats();
+  EXPECT_EQ(stats.frames_drawn, 20U);
+  EXPECT_EQ(stats.triangles, expected);
+  EXPECT_EQ(stats.blocks_pending, 0U);
+  EXPECT_EQ(stats.draw_calls, 1);
+  const Picture on_screen = grab_screen();
+  EXPECT_GT(share_of(on_screen, kMiddle, is_tooth), 0.10);
+  EXPECT_LT(outline_distance(on_screen, kGood), 60);
+}
+
+TEST_F(WindowTest, EmptyModelShowsNoToothPixel) {
+  auto frame = scene_.frame(12, 20);
+  frame->model = nullptr;
+  EXPECT_LT(share_of(shown(frame), kMiddle, is_tooth), 0.0005);
+}
+
+TEST_F(WindowTest, BlocksThatLeaveTheModelLeaveTheScreen) {
+  const auto full = scene_.frame(12, 20);
+  EXPECT_GT(share_of(shown(full), kMiddle, is_tooth), 0.10);
+  auto emptied = std::make_shared<PreviewFrame>(*full);
+  emptied->model = std::make_shared<ModelSnapshot>();
+  EXPECT_LT(share_of(shown(emptied), kMiddle, is_tooth), 0.0005);
+}
+
+TEST_F(WindowTest, ProbeFieldIsDrawnAndCanBeSwitchedOff) {
+  const auto frame = scene_.frame(12, 20);
+  window_->toggles().trail = false;
+  const double with = share_of(shown(frame), kMiddle, is_green);
+  window_->toggles().frustum = false;
+  const double without = share_of(shown(std::make_shared<PreviewFrame>(*frame)), kMiddle, is_green);
+  EXPECT_GT(with, without + 0.003);
+  EXPECT_LT(without, 0.0005);
+}
+
+TEST_F(WindowTest, LiveImageIsTheOneOfTheFrame) {
+  auto frame = scene_.frame(3, 20);
+  frame->live = std::make_shared<Map<std::uint8_t>>(320, 240, std::uint8_t{200});
+  EXPECT_NEAR(mean_level(shown(frame), kLiveCorner), 200, 12);
+  auto dark = std::make_shared<PreviewFrame>(*frame);
+  dark->live = std::make_shared<Map<std::uint8_t>>(160, 120, std::uint8_t{60});
+  EXPECT_NEAR(mean_level(shown(dark), kLiveCorner), 60, 12);
+}
+
+TEST_F(WindowTest, OutlineSaysTheTrackingState) {
+  auto frame = scene_.frame(8, 20);
+  EXPECT_LT(outline_distance(shown(frame), kGood), 60);
+  auto lost = std::make_shared<PreviewFrame>(*frame);
+  lost->track = TrackState::kLost;
+  const Picture picture = shown(lost);
+  EXPECT_LT(outline_distance(picture, kBad), 60);
+  EXPECT_GT(outline_distance(picture, kGood), 100);
+  auto found = std::make_shared<PreviewFrame>(*frame);
+  found->track = TrackState::kRelocalised;
+  EXPECT_LT(outline_distance(shown(found), kWeak), 60);
+}
+
+TEST_F(WindowTest, SameFrameIsNotDrawnAgainAndNewOneIs) {
+  const auto frame = scene_.frame(5, 20);
+  ASSERT_TRUE(window_->render(frame));
+  static_cast<void>(window_->poll());  // the window's own appearance is an event
+  ASSERT_TRUE(window_->render(frame));
+  const auto drawn = window_->stats().frames_drawn;
+  ASSERT_TRUE(window_->render(frame));
+  ASSERT_TRUE(window_->render(nullptr));
+  EXPECT_EQ(window_->stats().frames_drawn, drawn);
+  ASSERT_TRUE(window_->render(std::make_shared<PreviewFrame>(*frame)));
+  EXPECT_EQ(window_->stats().frames_drawn, drawn + 1);
+}
+
+TEST_F(WindowTest, PictureIsSavedAsPngAndSaysWhoDrewIt) {
+  ASSERT_TRUE(window_->render(scene_.frame(12, 20)));
+  const auto taken = window_->screenshot();
+  ASSERT_TRUE(taken) << taken.error().message();
+  const Picture& picture = *taken;
+  EXPECT_GT(share_of(picture, kMiddle, is_tooth), 0.10);
+  EXPECT_EQ(picture.drawn_by.rfind("window", 0), 0U) << picture.drawn_by;
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("enamel_window_" + std::to_string(getpid()) + ".png")).string();
+  ASSERT_TRUE(write_png(picture, path));
+  const cv::Mat read = cv::imread(path);
+  std::filesystem::remove(path);
+  ASSERT_EQ(read.cols, options_.width);
+  ASSERT_EQ(read.rows, options_.height);
+  const Rgb want = pixel(picture, 640, 400);
+  const cv::Vec3b have = read.at<cv::Vec3b>(400, 640);
+  EXPECT_EQ((Rgb{have[2], have[1], have[0]}), want);
+  EXPECT_EQ(write_png(picture, "/nonexistent/folder/x.png").error().code, ErrorCode::kFileWrite);
+}
+
+TEST_F(WindowTest, SmallUploadBudgetDelaysBlocksButLosesNone) {
+  options_.upload_budget_bytes = 120'000;
+  window_.reset();
+  auto window = ViewerWindow::open(options_, clock_);
+  ASSERT_TRUE(window);
+  window_ = std::move(*window);
+  const auto frame = scene_.frame(15, 20);
+  ASSERT_TRUE(window_->render(frame));
+  EXPECT_GT(window_->stats().blocks_pending, 0U);
+  EXPECT_LE(window_->stats().bytes_uploaded, 120'000U);
+  for (int i = 0; i < 60 && window_->stats().blocks_pending > 0; ++i) {
+    ASSERT_TRUE(window_->render(frame));
+  }
+  EXPECT_EQ(window_->stats().blocks_pending, 0U);
+  std::size_t expected = 0;
+  for (const auto& block : frame->model->blocks) {
+    expected += block->triangles.size();
+  }
+  EXPECT_EQ(window_->stats().triangles, expected);
+}
+
+TEST(NoDisplay, OpenSaysWhatIsMissingAndWhatToDo) {
+  const char* display = std::getenv("DISPLAY");
+  const std::string kept = display != nullptr ? display : "";
+  unsetenv("DISPLAY");
+  SteadyClock clock;
+  const auto window = ViewerWindow::open({}, clock);
+  if (display != nullptr) {
+    setenv("DISPLAY", kept.c_str(), 1);
+  }
+  ASSERT_FALSE(window);
+  EXPECT_EQ(window.error().code, ErrorCode::kDisplay);
+  EXPECT_NE(window.error().message().find("--headless"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace enamel::view::test
