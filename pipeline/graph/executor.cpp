@@ -41,10 +41,10 @@ class Run {
 
   /// The runnable stage nearest the sinks: what is under way is finished before anything new begins.
   bool advance_any() {
-    for (auto r = runners_.rbegin(); r != runners_.rend(); ++r) {
-      if (!r->claim()) continue;
-      const bool did = r->advance();
-      r->release();
+    for (std::size_t i = runners_.size(); i-- > 0;) {
+      if (!runners_[i].claim()) continue;
+      const bool did = runners_[i].advance();
+      runners_[i].release();
       if (did) return true;
     }
     return false;

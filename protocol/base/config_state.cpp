@@ -45,19 +45,20 @@ bool lies_in(std::string_view path, std::string_view table) {
 
 /// One table of the dump with its keys and sub-tables in order of first appearance.
 struct Section {
+  std::string name;
   std::string header;
   std::vector<std::pair<std::string, const std::string*>> lines;  // "key = value", note
-  std::vector<std::pair<std::string, Section>> children;
+  std::vector<Section> children;
 
-  Section& child(const std::string& name, const std::string& path) {
-    for (auto& [n, s] : children) {
-      if (n == name) return s;
+  Section& child(const std::string& wanted, const std::string& path) {
+    for (Section& s : children) {
+      if (s.name == wanted) return s;
     }
-    const bool element = name.back() == ']';
+    const bool element = wanted.back() == ']';
     std::string bare = without_indices(path);
     for (std::size_t at = bare.find("[]"); at != std::string::npos; at = bare.find("[]")) bare.erase(at, 2);
-    children.emplace_back(name, Section{element ? "[[" + bare + "]]" : "[" + bare + "]", {}, {}});
-    return children.back().second;
+    children.push_back({wanted, element ? "[[" + bare + "]]" : "[" + bare + "]", {}, {}});
+    return children.back();
   }
 
   Section& find(std::string_view path) {
@@ -75,7 +76,7 @@ struct Section {
       out += (out.empty() ? "" : "\n") + header + "\n";
     }
     for (const auto& [line, note] : lines) out += line + (note->empty() ? "" : "  # " + *note) + "\n";
-    for (const auto& [name, section] : children) section.print(out);
+    for (const Section& section : children) section.print(out);
   }
 };
 

@@ -10,6 +10,7 @@ namespace enamel {
 template <class Tag, class Rep>
 struct StrongId {
   Rep value{};
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy 14 mistakes the comparison with 0 inside <=>
   friend constexpr auto operator<=>(const StrongId&, const StrongId&) = default;
 };
 

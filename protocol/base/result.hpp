@@ -9,7 +9,7 @@
 namespace enamel {
 
 enum class ErrorCode : int {
-#define ENAMEL_ERROR(name, number, text, cause, remedy) name = number,
+#define ENAMEL_ERROR(name, number, text, cause, remedy) name = number,  // NOLINT(bugprone-macro-parentheses): a name
 #include "protocol/base/error_codes.def"
 #undef ENAMEL_ERROR
 };
@@ -58,9 +58,11 @@ using Result = tl::expected<T, Error>;
 
 /// ENAMEL_TRY_ASSIGN(decl, expr): decl = value of the Result<T> expression, or returns its error.
 #define ENAMEL_TRY_ASSIGN(decl, expr) ENAMEL_TRY_ASSIGN_(ENAMEL_CONCAT(enamel_or_, __LINE__), decl, expr)
+// NOLINTBEGIN(bugprone-macro-parentheses): tmp and decl are names and declarations, not expressions
 #define ENAMEL_TRY_ASSIGN_(tmp, decl, expr)                         \
   auto tmp = (expr);                                                \
   if (!tmp) {                                                       \
     return tl::unexpected<::enamel::Error>(std::move(tmp).error()); \
   }                                                                 \
   decl = std::move(*tmp)
+// NOLINTEND(bugprone-macro-parentheses)

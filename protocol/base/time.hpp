@@ -12,14 +12,14 @@ struct DeviceClock {
   using rep = duration::rep;
   using period = duration::period;
   using time_point = std::chrono::time_point<DeviceClock>;
-  static constexpr bool is_steady = true;
+  static constexpr bool is_steady = true;  // NOLINT(readability-identifier-naming): the standard's name
 };
 struct HostClock {
   using duration = std::chrono::nanoseconds;
   using rep = duration::rep;
   using period = duration::period;
   using time_point = std::chrono::time_point<HostClock>;
-  static constexpr bool is_steady = true;
+  static constexpr bool is_steady = true;  // NOLINT(readability-identifier-naming): the standard's name
 };
 
 using DeviceTime = DeviceClock::time_point;  ///< probe's monotonic clock, ns
