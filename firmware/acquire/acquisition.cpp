@@ -233,7 +233,8 @@ AcquisitionReport Acquisition::run_self_test() {
 
 AcquisitionReport Acquisition::run_calibration() {
   // In slow motion two hundred frames would take too long for what they add.
-  const auto in_a_second = static_cast<std::size_t>(1'000'000'000 / std::max<std::int64_t>(1, hw_.camera.mode().frame_period.count()));
+  const auto in_a_second =
+      static_cast<std::size_t>(1'000'000'000 / std::max<std::int64_t>(1, hw_.camera.mode().frame_period.count()));
   DelayCalibration calibration(std::clamp<std::size_t>(in_a_second, 10, config_.calibration_frames));
   std::vector<Edge> edges;
   DeviceTime known_until{};

@@ -1,5 +1,5 @@
-// The acquisition thread: runs camera, gate and assembler, hands whole bursts on, counts the others. Owns the capture side of
-// the hardware while it runs; the light goes through the LightSwitch.
+// The acquisition thread: runs camera, gate and assembler, hands whole bursts on, counts the others. Owns the capture
+// side of the hardware while it runs; the light goes through the LightSwitch.
 #pragma once
 
 #include <condition_variable>
@@ -21,8 +21,8 @@ namespace enamel::fw {
 struct AcquisitionConfig {
   std::size_t calibration_frames = 200;
   Nanoseconds max_delay_spread{100'000};
-  int leaks_to_stuck = 3;  ///< dark frames in a row with light in them: the LED is stuck on
-  int dark_led_frames = 3;   ///< frames in a row without current although switched on: the LED has failed
+  int leaks_to_stuck = 3;   ///< dark frames in a row with light in them: the LED is stuck on
+  int dark_led_frames = 3;  ///< frames in a row without current although switched on: the LED has failed
 };
 
 /// What the publisher needs beside the frames.
@@ -95,7 +95,7 @@ class Acquisition final : public AcquisitionPort {
   std::uint64_t current_ = 0;      ///< being worked on
   std::uint64_t abort_until_ = 0;  ///< requests up to this number are aborted …
   std::uint64_t drain_until_ = 0;  ///< … or drained
-  std::jthread thread_;  ///< last member: stops before the others go
+  std::jthread thread_;            ///< last member: stops before the others go
 };
 
 }  // namespace enamel::fw

@@ -70,8 +70,8 @@ void BurstAssembler::give_up(DropReason reason) {
   if (current_) finish(GivenUpBurst{current_->index, reason});
 }
 
-/// Without a burst under way nothing is lost, but the next one needs a new sentinel first, and is given up for this reason if
-/// it gets none.
+/// Without a burst under way nothing is lost, but the next one needs a new sentinel first, and is given up for this
+/// reason if it gets none.
 void BurstAssembler::fault(DropReason reason) {
   give_up(reason);
   armed_ = false;

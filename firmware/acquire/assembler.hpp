@@ -1,8 +1,9 @@
-// Four lit frames become a burst: by exposure window, never by order of arrival. Pure: no clock, no threads, no waiting.
+// Four lit frames become a burst: by exposure window, never by order of arrival. Pure: no clock, no threads, no
+// waiting.
 //
 // Every frame is tied to the camera strobe that began its exposure, every pattern to the projector edges inside that
-// exposure. A burst starts after a dark sentinel frame and must show patterns 0, 1, 2, 3 in four consecutive frames; whatever
-// does not fit gives the burst up with one reason. Each opened gate ends in exactly one outcome.
+// exposure. A burst starts after a dark sentinel frame and must show patterns 0, 1, 2, 3 in four consecutive frames;
+// whatever does not fit gives the burst up with one reason. Each opened gate ends in exactly one outcome.
 #pragma once
 
 #include <array>
@@ -62,8 +63,8 @@ class BurstAssembler {
 
   void push_edge(const Edge& edge);
   void push_frame(CameraFrame frame) { waiting_.push_back(std::move(frame)); }
-  /// All edges up to `t` have been pushed: judges the frames that end before it. At most three frames wait for edges; a fourth
-  /// forces the oldest, which then lacks its strobe.
+  /// All edges up to `t` have been pushed: judges the frames that end before it. At most three frames wait for edges; a
+  /// fourth forces the oldest, which then lacks its strobe.
   void edges_known_until(DeviceTime t);
   /// Gives up every burst under way (light switched off by an interlock, camera restarted …).
   void abort(proto::DropReason reason);

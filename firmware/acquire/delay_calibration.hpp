@@ -1,5 +1,5 @@
-// How far the sensor's stamp lies behind the end of exposure: measured at start-up, because drivers disagree about what the
-// stamp means.
+// How far the sensor's stamp lies behind the end of exposure: measured at start-up, because drivers disagree about what
+// the stamp means.
 #pragma once
 
 #include <cstddef>

@@ -11,8 +11,8 @@ namespace enamel::fw {
 
 Result<std::unique_ptr<BurstSource>> open_source(const ProbeOptions& options) {
   if (!options.camera.empty()) {
-    return fail(ErrorCode::kHal, "--camera " + options.camera +
-                                     ": this build has no camera back end (libcamera); use --twin or --play");
+    return fail(ErrorCode::kHal,
+                "--camera " + options.camera + ": this build has no camera back end (libcamera); use --twin or --play");
   }
   if (!options.capture.empty()) {
     ENAMEL_TRY_ASSIGN(auto capture, CaptureSource::open(options.capture, options.loops));

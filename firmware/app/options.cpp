@@ -1,18 +1,18 @@
 #include "firmware/app/options.hpp"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include <fmt/core.h>
-
 namespace enamel::fw {
 
 Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* argv) {
   ProbeOptions o;
-  CLI::App app("enamel-probe: the acquisition process of the probe. Waits for a host, scans when told to, publishes bursts.",
-               "enamel-probe");
+  CLI::App app(
+      "enamel-probe: the acquisition process of the probe. Waits for a host, scans when told to, publishes bursts.",
+      "enamel-probe");
   auto* source = app.add_option_group("source", "Where light comes from (one of)");
   source->add_option("--twin", o.twin_scene, "virtual mouth: SCENE.toml")->type_name("SCENE");
   source->add_option("--play", o.capture, "recording, played once at recorded speed; then the session ends")

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <iostream>
-#include <span>
-
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "firmware/app/light_source.hpp"
 #include "firmware/control/dds_transport.hpp"
@@ -62,8 +61,9 @@ struct Probe {
         publisher(sink, ledger, clock, publisher_config(info)),
         acquisition(dev.hardware(), light, ledger, [this](CapturedBurst b) { publisher.push(std::move(b)); }),
         controller(acquisition, light, ledger, controller_config(dev.mode())),
-        server(controller, *transport, ledger, dev, dev, [this] { return link_rates(); }, clock,
-               ServerConfig{info.probe_id, info.fw_version}) {}
+        server(
+            controller, *transport, ledger, dev, dev, [this] { return link_rates(); }, clock,
+            ServerConfig{info.probe_id, info.fw_version}) {}
 
   static PublisherConfig publisher_config(const proto::DeviceInfo& info) {
     PublisherConfig config;

@@ -1,11 +1,11 @@
 #include "firmware/control/controller.hpp"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cstdlib>
 #include <limits>
 #include <utility>
-
-#include <fmt/core.h>
 
 namespace enamel::fw {
 namespace {
@@ -214,7 +214,8 @@ void ProbeController::tick(HostTime now, const Temperatures& temperatures) {
 void ProbeController::check_lease(HostTime now) {
   if (!lease_ || now < lease_->expires) return;
   notice(event_code(ReplyStatus::kLeaseLost), Severity::kWarning,
-         fmt::format("host {:08x} has not been heard from for {} ms", lease_->client_id, config_.lease.count() / 1'000'000));
+         fmt::format("host {:08x} has not been heard from for {} ms", lease_->client_id,
+                     config_.lease.count() / 1'000'000));
   lease_.reset();
   if (state_ == ProbeState::kScanning) (void)end_scan(Input::kLeaseLost, now);
 }

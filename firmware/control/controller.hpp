@@ -1,7 +1,7 @@
 // The probe's behaviour: commands, lease, states, safety. Time is passed in; the acquisition and the light are ports.
 //
-// Invariants (property-tested): the light is on only in SCANNING, SELFTEST and WARMUP; no transition without an event; a
-// command past its deadline is never executed; a repeated cmd_id never executes twice.
+// Invariants (property-tested): the light is on only in SCANNING, SELFTEST and WARMUP; no transition without an event;
+// a command past its deadline is never executed; a repeated cmd_id never executes twice.
 #pragma once
 
 #include <cstdint>

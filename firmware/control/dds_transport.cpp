@@ -56,8 +56,7 @@ Result<std::unique_ptr<TimeSyncServer>> TimeSyncServer::create(const dds::Partic
                                                                std::uint32_t probe_id, Clock& clock) {
   ENAMEL_TRY_ASSIGN(auto requests, dds::Reader<proto::TimeSyncReq>::create(participant));
   ENAMEL_TRY_ASSIGN(auto replies, dds::Writer<proto::TimeSyncRep>::create(participant));
-  return std::unique_ptr<TimeSyncServer>(
-      new TimeSyncServer(std::move(requests), std::move(replies), probe_id, clock));
+  return std::unique_ptr<TimeSyncServer>(new TimeSyncServer(std::move(requests), std::move(replies), probe_id, clock));
 }
 
 TimeSyncServer::TimeSyncServer(dds::Reader<proto::TimeSyncReq> requests, dds::Writer<proto::TimeSyncRep> replies,

@@ -66,7 +66,7 @@ std::optional<proto::ProbeState> next_state(proto::ProbeState state, Input input
 
 std::string_view name_of(Input input) noexcept {
   constexpr std::array<std::string_view, kInputs> kNames{
-      "booted", "self-test passed", "WARMUP", "warm",  "start", "pause",     "lease lost",
+      "booted", "self-test passed", "WARMUP",   "warm",  "start", "pause",     "lease lost",
       "stop",   "source ended",     "SELFTEST", "fault", "retry", "interlock", "SAFE_OFF"};
   const auto i = static_cast<std::size_t>(input);
   return i < kNames.size() ? kNames[i] : "?";

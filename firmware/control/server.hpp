@@ -40,8 +40,9 @@ struct LinkRates {
 /// One thread.
 class ControlServer {
  public:
-  ControlServer(ProbeController& controller, ControlTransport& transport, const BurstLedger& ledger, const Thermal& thermal,
-                const Light& light, std::function<LinkRates()> rates, Clock& clock, const ServerConfig& config);
+  ControlServer(ProbeController& controller, ControlTransport& transport, const BurstLedger& ledger,
+                const Thermal& thermal, const Light& light, std::function<LinkRates()> rates, Clock& clock,
+                const ServerConfig& config);
 
   /// Waits at most one poll period, then handles what came, ticks the controller and publishes what is due.
   void step();

@@ -1,5 +1,5 @@
-// Narrow interfaces to the probe's hardware. Implementations: firmware/sim (twin and capture player), later libcamera and
-// the DLPC347x. One owner thread each, unless stated.
+// Narrow interfaces to the probe's hardware. Implementations: firmware/sim (twin and capture player), later libcamera
+// and the DLPC347x. One owner thread each, unless stated.
 #pragma once
 
 #include <cstdint>

@@ -15,8 +15,8 @@ struct ProjectorStatus {
 class Projector {
  public:
   virtual ~Projector() = default;
-  /// Opens the gate for one burst of four frames at the next opportunity; the edge stream tells when (EdgeKind::kGate). At most
-  /// one burst is armed at a time. Errors: kHal; kCancelled when a finite source has no further burst.
+  /// Opens the gate for one burst of four frames at the next opportunity; the edge stream tells when (EdgeKind::kGate).
+  /// At most one burst is armed at a time. Errors: kHal; kCancelled when a finite source has no further burst.
   [[nodiscard]] virtual Result<void> arm() = 0;
   /// Takes an armed burst back if its gate has not opened yet.
   virtual void disarm() noexcept = 0;

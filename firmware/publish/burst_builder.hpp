@@ -30,8 +30,8 @@ struct BurstBuilderConfig {
 [[nodiscard]] Result<proto::Burst> build_burst(const CapturedBurst& captured, const BurstBuilderConfig& config);
 
 /// Closure of the four frames on a 1/256 grid, as a multiple of its noise: median over pixels of the smaller of
-/// |I0 + I2 - I1 - I3| / 2 sigma and |I1 - I3| / sqrt(2) sigma. Each is zero without motion in one of the two polarities of a
-/// fringe, so the measure holds for plain and polarity-coded patterns alike.
+/// |I0 + I2 - I1 - I3| / 2 sigma and |I1 - I3| / sqrt(2) sigma. Each is zero without motion in one of the two
+/// polarities of a fringe, so the measure holds for plain and polarity-coded patterns alike.
 [[nodiscard]] double closure_residual(const AssembledBurst& burst, const SensorNoise& noise);
 
 }  // namespace enamel::fw

@@ -95,7 +95,8 @@ PublisherRates Publisher::rates() const {
   if (n > 1) {
     const double seconds = static_cast<double>((written_at_.back() - *first).count()) * 1e-9;
     if (seconds > 0) {
-      rates.burst_rate_chz = static_cast<std::uint16_t>(std::min(65535.0, static_cast<double>(n - 1) / seconds * 100.0));
+      rates.burst_rate_chz =
+          static_cast<std::uint16_t>(std::min(65535.0, static_cast<double>(n - 1) / seconds * 100.0));
     }
   }
   if (!write_ns_.empty()) {

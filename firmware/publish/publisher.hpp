@@ -1,5 +1,5 @@
-// Sends bursts from a thread of its own behind a bounded queue that lets the oldest go: the capture side never waits for the
-// link. What goes is counted as QUEUE_FULL, before it has a burst_seq.
+// Sends bursts from a thread of its own behind a bounded queue that lets the oldest go: the capture side never waits
+// for the link. What goes is counted as QUEUE_FULL, before it has a burst_seq.
 #pragma once
 
 #include <condition_variable>

@@ -13,7 +13,8 @@ namespace enamel::fw {
 /// Reads recordings of enamel::capture. `loops` > 1 plays it again and again, numbers and times continuing.
 class CaptureSource final : public BurstSource {
  public:
-  /// Errors: those of CaptureReader::open; kEmptyInput; kRigForeign when its bursts name another calibration than it carries.
+  /// Errors: those of CaptureReader::open; kEmptyInput; kRigForeign when its bursts name another calibration than it
+  /// carries.
   [[nodiscard]] static Result<std::unique_ptr<CaptureSource>> open(const std::string& path, int loops = 1);
 
   [[nodiscard]] const std::string& rig_text() const override { return reader_.rig_text(); }

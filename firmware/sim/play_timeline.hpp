@@ -1,5 +1,5 @@
-// Maps a source's times to device time: differences are kept (divided by the speed), and what comes late moves everything
-// after it, never silently.
+// Maps a source's times to device time: differences are kept (divided by the speed), and what comes late moves
+// everything after it, never silently.
 #pragma once
 
 #include <cmath>
@@ -28,7 +28,9 @@ class PlayTimeline {
   void rebase(std::int64_t source_ns, DeviceTime device) { base_ = Base{source_ns, device}; }
   void forget() noexcept { base_.reset(); }
   /// Needs based().
-  [[nodiscard]] DeviceTime map(std::int64_t source_ns) const { return base_->device + scale(source_ns - base_->source_ns); }
+  [[nodiscard]] DeviceTime map(std::int64_t source_ns) const {
+    return base_->device + scale(source_ns - base_->source_ns);
+  }
   /// Moves all later times by `late`.
   void stretch(Nanoseconds late) {
     base_->device += late;

@@ -50,7 +50,8 @@ Result<void> SimDevice::set_mode() {
   const std::int64_t exposure = std::int64_t{first.exposure_us} * 1000;
   if (period <= 0 || period > 1'000'000'000 || exposure <= 0 || exposure > period) {
     return fail(ErrorCode::kConfigValue, "burst " + std::to_string(first.burst_index) + ": frame period " +
-                                             std::to_string(period) + " ns, exposure " + std::to_string(exposure) + " ns");
+                                             std::to_string(period) + " ns, exposure " + std::to_string(exposure) +
+                                             " ns");
   }
   exposure_ = timeline_.scale(exposure);
   const auto exposure_us = static_cast<std::uint32_t>(std::max<std::int64_t>(1, exposure_.count() / 1000));
@@ -126,8 +127,7 @@ Result<SimDevice::Plan> SimDevice::plan() {
   const auto k = static_cast<std::size_t>(std::max(0, next_position_));
   if (next_position_ >= 0) return Plan{timeline_.map(burst_->t_exposure_ns[k]), next_position_};
   // A machine that slept does not make the camera deliver the missed frames one by one.
-  const DeviceTime next =
-      std::max(last_start_ + mode_.frame_period, device_now(clock_) - config_.max_lag);
+  const DeviceTime next = std::max(last_start_ + mode_.frame_period, device_now(clock_) - config_.max_lag);
   if (armed_ && !burst_) {
     ENAMEL_TRY_ASSIGN(auto polled, feed_->poll());
     if (polled.state == BurstFeed::State::kEnd) {
@@ -203,14 +203,16 @@ void SimDevice::expose(const Plan& plan, SimStep& step) {
   bool pattern_shown = false;
   if (step.position >= 0) {
     step.burst_index = burst_->burst_index;
-    const bool missed = !gate_open_ || (faults_.trigger_missed && faults_.trigger_missed(burst_->burst_index, step.position));
+    const bool missed =
+        !gate_open_ || (faults_.trigger_missed && faults_.trigger_missed(burst_->burst_index, step.position));
     if (!missed) {
       const int pattern = std::exchange(next_pattern_, (next_pattern_ + 1) % 4);
       const DeviceTime rise = plan.t + exposure_ * 3 / 100;
       if (pattern == 0) step.edges.push_back({EdgeKind::kT1, plan.t + exposure_ / 100, 0});
       step.edges.push_back({EdgeKind::kT2Rise, rise, 0});
       step.edges.push_back({EdgeKind::kT2Fall, plan.t + exposure_ * 97 / 100, 0});
-      if (lit()) frame.pixels = burst_->frames[static_cast<std::size_t>(pattern)];  // kept: a slipped projector shows one twice
+      if (lit())
+        frame.pixels = burst_->frames[static_cast<std::size_t>(pattern)];  // kept: a slipped projector shows one twice
       pattern_shown = lit();
     }
   }

@@ -1,10 +1,10 @@
-// A whole probe in software: free-running camera, gated projector, trigger edges, LED and temperatures in one consistent
-// virtual device. What the sensor sees comes from a BurstSource. SIMULATION ONLY.
+// A whole probe in software: free-running camera, gated projector, trigger edges, LED and temperatures in one
+// consistent virtual device. What the sensor sees comes from a BurstSource. SIMULATION ONLY.
 //
-// Between bursts the camera delivers dark frames at its period. When armed, the next burst of the source is played at its
-// recorded distance from the one before: a dark sentinel one period ahead, the gate, then four lit frames with their edges at
-// the source's exact frame distances. When the source or the machine is too slow, everything later moves and stretched() says
-// by how much.
+// Between bursts the camera delivers dark frames at its period. When armed, the next burst of the source is played at
+// its recorded distance from the one before: a dark sentinel one period ahead, the gate, then four lit frames with
+// their edges at the source's exact frame distances. When the source or the machine is too slow, everything later moves
+// and stretched() says by how much.
 #pragma once
 
 #include <deque>
@@ -22,11 +22,11 @@
 namespace enamel::fw {
 
 struct SimConfig {
-  double speed = 1.0;             ///< 0.5: the whole device in slow motion, exposure and frame period included
-  std::size_t read_ahead = 3;     ///< bursts; 0 = read when needed
-  int startup_frames = 2;         ///< not usable after each start of the camera
-  std::uint8_t dark_dn = 2;       ///< of frames without light, in 8-bit levels
-  Nanoseconds stamp_delay{20'000};  ///< of the sensor stamp behind the end of exposure
+  double speed = 1.0;                ///< 0.5: the whole device in slow motion, exposure and frame period included
+  std::size_t read_ahead = 3;        ///< bursts; 0 = read when needed
+  int startup_frames = 2;            ///< not usable after each start of the camera
+  std::uint8_t dark_dn = 2;          ///< of frames without light, in 8-bit levels
+  Nanoseconds stamp_delay{20'000};   ///< of the sensor stamp behind the end of exposure
   Nanoseconds max_lag{100'000'000};  ///< scheduling delays up to this are made good, longer ones stretch time
   std::int16_t tip_cc = 3650;
 };
@@ -52,8 +52,8 @@ struct SimFaults {
 
 class SimDevice final : public Camera, public Projector, public EdgeStream, public Light, public Thermal {
  public:
-  /// Waits for the source's first burst. Errors: the source's; kEmptyInput; kConfigValue (frame times or sizes not usable,
-  /// speed outside 0.01 … 100).
+  /// Waits for the source's first burst. Errors: the source's; kEmptyInput; kConfigValue (frame times or sizes not
+  /// usable, speed outside 0.01 … 100).
   [[nodiscard]] static Result<std::unique_ptr<SimDevice>> create(std::unique_ptr<BurstSource> source, Clock& clock,
                                                                  const SimConfig& config);
 
@@ -115,7 +115,7 @@ class SimDevice final : public Camera, public Projector, public EdgeStream, publ
   int next_position_ = SimStep::kFreeRunning;  ///< 0…3 inside a burst
   int next_pattern_ = 0;                       ///< of the projector's sequence
   bool gate_open_ = false;
-  std::optional<SimBurst> burst_;              ///< loaded, or being played
+  std::optional<SimBurst> burst_;  ///< loaded, or being played
   std::int64_t last_source_ns_ = 0;
   double optics_c_ = 25;
   int pattern_set_ = 0;

@@ -139,7 +139,8 @@ TEST(Assembler, FirstFramesAfterStartAreNotUsed) {
   std::vector<FrameStatus> before_first_gate;
   SimFaults faults;
   faults.on_step = [&](SimStep& s) {
-    if (s.position == SimStep::kFreeRunning && run.assembler().begun() == 0) before_first_gate.push_back(s.frames[0].status);
+    if (s.position == SimStep::kFreeRunning && run.assembler().begun() == 0)
+      before_first_gate.push_back(s.frames[0].status);
   };
   run.device().set_faults(faults);
   run.run();

@@ -53,9 +53,13 @@ class Troublemaker {
   void harm_frame(SimStep& s, int kind) {
     CameraFrame& f = s.frames.front();
     switch (kind) {
-      case 0: return s.frames.clear();
-      case 1: --seq_shift_; return s.frames.clear();
-      case 2: return s.frames.push_back(CameraFrame(f));
+      case 0:
+        return s.frames.clear();
+      case 1:
+        --seq_shift_;
+        return s.frames.clear();
+      case 2:
+        return s.frames.push_back(CameraFrame(f));
       case 3: {
         CameraFrame again = f;
         ++again.sensor_seq;
@@ -63,23 +67,39 @@ class Troublemaker {
         again.t_sensor += Nanoseconds{pick(kPeriodNs)};
         return s.frames.push_back(std::move(again));
       }
-      case 4: held_ = std::move(f); return s.frames.clear();
-      case 5: f.status = FrameStatus::kError; return;
-      case 6: f.t_sensor += Nanoseconds{pick(4 * kPeriodNs) - 2 * kPeriodNs}; return;
-      case 7: f.exposure_us -= static_cast<std::uint32_t>(pick(3000)); return;
-      default: if (!before_.empty()) f.pixels = before_; return;
+      case 4:
+        held_ = std::move(f);
+        return s.frames.clear();
+      case 5:
+        f.status = FrameStatus::kError;
+        return;
+      case 6:
+        f.t_sensor += Nanoseconds{pick(4 * kPeriodNs) - 2 * kPeriodNs};
+        return;
+      case 7:
+        f.exposure_us -= static_cast<std::uint32_t>(pick(3000));
+        return;
+      default:
+        if (!before_.empty()) f.pixels = before_;
+        return;
     }
   }
   void harm_edges(SimStep& s, int kind) {
     const DeviceTime any = s.edges.front().t + Nanoseconds{pick(kPeriodNs)};
     const auto lose = [&](EdgeKind k) { std::erase_if(s.edges, [&](const Edge& e) { return e.kind == k; }); };
     switch (kind) {
-      case 9: return lose(EdgeKind::kStrobe);
-      case 10: return s.edges.push_back({EdgeKind::kStrobe, any, 0});
-      case 11: return lose(EdgeKind::kT1);
-      case 12: return s.edges.push_back({EdgeKind::kT1, any, 0});
-      case 13: return lose(EdgeKind::kT2Rise);
-      case 14: return lose(EdgeKind::kT2Fall);
+      case 9:
+        return lose(EdgeKind::kStrobe);
+      case 10:
+        return s.edges.push_back({EdgeKind::kStrobe, any, 0});
+      case 11:
+        return lose(EdgeKind::kT1);
+      case 12:
+        return s.edges.push_back({EdgeKind::kT1, any, 0});
+      case 13:
+        return lose(EdgeKind::kT2Rise);
+      case 14:
+        return lose(EdgeKind::kT2Fall);
       case 15:
         s.edges.push_back({EdgeKind::kT2Rise, any, 0});
         return s.edges.push_back({EdgeKind::kT2Fall, any + Nanoseconds{pick(1'000'000)}, 0});
@@ -144,7 +164,7 @@ TEST(AssociationProperty, NoFrameLandsInAForeignPlaceUnderOnePercentFaults) {
   EXPECT_EQ(run.assembler().begun(), kBursts);
   EXPECT_EQ(whole + lost, kBursts);  // every burst begun has exactly one outcome
   EXPECT_GT(trouble.faults(), 5'000U);
-  EXPECT_GT(lost, 2'000U);       // the faults were felt …
+  EXPECT_GT(lost, 2'000U);               // the faults were felt …
   EXPECT_GT(whole, kBursts * 85 / 100);  // … and cost little more than what they hit
   RecordProperty("whole", static_cast<int>(whole));
   RecordProperty("lost", static_cast<int>(lost));

@@ -118,8 +118,8 @@ TEST(BurstBuilder, StillFringesHaveNoMotionFlag) {
 }
 
 TEST(BurstBuilder, FringesThatMoveBetweenFramesAreFlagged) {
-  const AssembledBurst b =
-      four_frames(320, 64, [](int k, int x) { return 120.0 + 80.0 * std::cos(0.4 * x + k * 1.5707963267948966 + 0.5 * k * k); });
+  const AssembledBurst b = four_frames(
+      320, 64, [](int k, int x) { return 120.0 + 80.0 * std::cos(0.4 * x + k * 1.5707963267948966 + 0.5 * k * k); });
   EXPECT_GT(closure_residual(b, {}), 4.0);
   EXPECT_NE(build_burst(captured(b), {})->meta[3].quality_flags & proto::kFlagMotion, 0);
 }

@@ -46,7 +46,8 @@ class TaggedSource final : public BurstSource {
     for (int k = 0; k < 4; ++k) {
       const auto i = static_cast<std::size_t>(k);
       b.t_exposure_ns[i] = t_ + k * kPeriodNs;
-      b.frames[i].assign(static_cast<std::size_t>(kTagWidth * kTagHeight), static_cast<std::uint8_t>(kTagLevel + 10 * k));
+      b.frames[i].assign(static_cast<std::size_t>(kTagWidth * kTagHeight),
+                         static_cast<std::uint8_t>(kTagLevel + 10 * k));
       std::memcpy(b.frames[i].data(), &b.burst_index, 8);
       b.frames[i][8] = static_cast<std::uint8_t>(k);
     }
