@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/algo/icp/pitch.hpp"
+
 namespace enamel::algo {
 namespace {
 
@@ -55,7 +57,7 @@ class SigmaHistogram {
 SampleSet sample_patch(const SurfacePatch& patch, int stride, const SampleConfig& config) {
   SampleSet out;
   const int reach = config.edge_px;
-  const auto jump = static_cast<float>(config.edge_jump_mm);
+  const auto jump = static_cast<float>(config.edge_pitches * reach * mean_pitch_mm(patch.points));
   const auto min_cos = static_cast<float>(std::cos(config.max_incidence_deg * std::numbers::pi / 180));
   const auto floor2 = static_cast<float>(config.sigma_floor_mm * config.sigma_floor_mm);
   const int offset = std::max(stride / 2, reach);

@@ -9,8 +9,8 @@
 namespace enamel::algo {
 
 struct SampleConfig {
-  int edge_px = 2;                ///< a sample needs valid neighbours at this distance on all four sides …
-  double edge_jump_mm = 0.25;     ///< … whose depth differs by less than this: no silhouettes, no gaps
+  int edge_px = 2;            ///< a sample needs valid neighbours at this distance on all four sides …
+  double edge_pitches = 4.5;  ///< … whose depth differs by less than this many times their distance: no silhouettes
   double max_incidence_deg = 70;  ///< steeper surface is dropped: its triangulation and its weight are both poor
   double sigma_floor_mm = 0.005;  ///< what calibration and motion leave on every point, added to sigma in squares
 };

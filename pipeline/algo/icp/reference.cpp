@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "calib/model/lens.hpp"
+#include "pipeline/algo/icp/pitch.hpp"
 
 namespace enamel::algo {
 namespace {
@@ -47,21 +48,6 @@ Map<Sum> window_sums(const Map<Vec3f>& normals, int radius) {
   return known;
 }
 
-/// Mean distance of neighbours in a row, over every eighth row; edges apart. 0 when there are none.
-double mean_pitch_mm(const Map<Vec3f>& points) {
-  double sum = 0;
-  std::size_t count = 0;
-  for (int v = 0; v < points.height(); v += 8) {
-    for (int u = 1; u < points.width(); ++u) {
-      const float d = (points(u, v) - points(u - 1, v)).norm();
-      if (!(d < 0.5F)) continue;
-      sum += static_cast<double>(d);
-      ++count;
-    }
-  }
-  return count > 0 ? sum / static_cast<double>(count) : 0;
-}
-
 }  // namespace
 
 Reference::Reference(const ModelView& view, const ReferenceConfig& config) : T_model_cam_(view.T_model_cam) {
@@ -83,7 +69,8 @@ Reference::Reference(const ModelView& view, const ReferenceConfig& config) : T_m
   }
   const Map<Sum> sums = window_sums(normals, radius);
   pixels_ = Map<Pixel>(width, height, Pixel{Vec3f::Constant(kNan), 0, Vec3f::Constant(kNan), 0});
-  const auto jump2 = static_cast<float>(config.edge_jump_mm * config.edge_jump_mm);
+  const double jump = config.edge_pitches * pitch * step;
+  const auto jump2 = static_cast<float>(jump * jump);
   const auto coherence = static_cast<float>(config.min_coherence);
   for (int v = 1; v + 1 < height; ++v) {
     for (int u = 1; u + 1 < width; ++u) {

@@ -11,8 +11,9 @@
 namespace enamel::algo {
 
 struct ReferenceConfig {
-  double pitch_mm = 0.056;     ///< views are thinned to about this between pixels: finer costs time, adds 0.2 µm
-  double edge_jump_mm = 0.25;  ///< a kept pixel's four neighbours farther than this apart: silhouette, not matched
+  double pitch_mm = 0.056;    ///< views are thinned to about this between pixels: finer costs time, adds 0.2 µm
+  double edge_pitches = 4.5;  ///< a kept pixel with a neighbour (of four) farther away than this many pitches lies on a
+                              ///< silhouette: not matched (77 degrees on a smooth surface)
   double normal_radius_mm =
       0.17;  ///< normals are averaged over a square of this half width, about a period of the ripple
              ///< that a moving burst leaves: else it holds on to the next burst's (same place in the image)

@@ -31,8 +31,9 @@ inline double normal(std::uint64_t key) {
 /// Uniform cubic B-spline on an endless grid of hashed coefficients: C2, value and gradient in closed form.
 class SplineField {
  public:
-  SplineField(std::uint64_t seed, double pitch_mm, double amplitude)
-      : seed_(mix(seed)), pitch_(pitch_mm), amp_(amplitude) {}
+  /// repeat: the field comes again along x after so many grid steps; 0: never.
+  SplineField(std::uint64_t seed, double pitch_mm, double amplitude, std::int64_t repeat = 0)
+      : seed_(mix(seed)), pitch_(pitch_mm), amp_(amplitude), repeat_(repeat) {}
 
   struct Value {
     double f = 0, fx = 0, fy = 0;
@@ -64,22 +65,25 @@ class SplineField {
              {t * t * t / 6, t * t / 2}}};
   }
   [[nodiscard]] double coefficient(std::int64_t i, std::int64_t j) const {
+    if (repeat_ > 0) i = (i % repeat_ + repeat_) % repeat_;
     return amp_ *
            (2 * uniform(seed_ ^ mix(static_cast<std::uint64_t>(i) * 0x1F123BB5ULL + static_cast<std::uint64_t>(j))) -
             1);
   }
   std::uint64_t seed_;
   double pitch_, amp_;
+  std::int64_t repeat_;
 };
 
 /// Height field z = h(x, y) in model coordinates (mm), z towards the camera, with a smooth mottled albedo.
 class SyntheticSurface {
  public:
   /// relief 1: cusps of about ±1 mm on a 2 mm raster with fissures; 0: the plane z = 0 (texture stays).
-  explicit SyntheticSurface(std::uint64_t seed, double relief = 1)
-      : cusps_(seed * 8 + 1, 2.0, 2.0 * relief),
-        bumps_(seed * 8 + 2, 0.5, 0.15 * relief),
-        albedo_(seed * 8 + 3, 0.3, 0.12) {}
+  /// repeat: everything comes again along x after 8 * repeat mm, as teeth nearly do; 0: never.
+  explicit SyntheticSurface(std::uint64_t seed, double relief = 1, std::int64_t repeat = 0)
+      : cusps_(seed * 8 + 1, 2.0, 2.0 * relief, 4 * repeat),
+        bumps_(seed * 8 + 2, 0.5, 0.15 * relief, 16 * repeat),
+        albedo_(seed * 8 + 3, 0.32, 0.12, 25 * repeat) {}
 
   [[nodiscard]] SplineField::Value height(double x, double y) const {
     const auto a = cusps_.at(x, y), b = bumps_.at(x, y);

@@ -33,8 +33,8 @@ class Session {
   TrackResult feed(int n, const Pose& truth, const ModelView& view = {}) { return feed(n, surface_, truth, view); }
   TrackResult feed(int n, const ts::SyntheticSurface& surface, const Pose& truth, const ModelView& view = {}) {
     const auto id = static_cast<std::uint64_t>(n);
-    return tracker_.track(BurstId{id}, time_of(n), ts::make_patch(surface, rig_.camera, truth, {0.01, 0.03, id + 100}),
-                          view);
+    return tracker_.track(BurstId{id}, time_of(n),
+                          ts::make_patch(surface, rig_.camera, truth, {sigma_mm, 0.03, id + 100}), view);
   }
   [[nodiscard]] ModelView model_from(const Pose& truth) const {
     return ts::view_in_frame(surface_, rig_.camera, truth, hand(0));
@@ -43,6 +43,8 @@ class Session {
     return ts::point_error_mm(hand(0) * r.T_model_cam, truth);
   }
   [[nodiscard]] const Tracker& tracker() const { return tracker_; }
+
+  double sigma_mm = 0.01;
 
  private:
   calib::Rig rig_;
@@ -68,6 +70,27 @@ TEST(Tracker, TracksFromPatchToPatchWhileThereIsNoModel) {
     const TrackResult r = s.feed(n, truth);
     EXPECT_EQ(r.state, n == 0 ? TrackState::kStarted : TrackState::kTracking) << n;
     EXPECT_LT(Session::error_mm(r, truth), 0.01) << n;
+  }
+}
+
+TEST(Tracker, KeepsUpWithThirtyMillimetresASecond) {
+  Session s(20);
+  for (int n = 0; n < 8; ++n) {
+    const Pose truth = hand(3 * seconds_of(n));  // the tremor too is three times as fast
+    const TrackResult r = s.feed(n, truth);
+    EXPECT_EQ(r.state, n == 0 ? TrackState::kStarted : TrackState::kTracking) << n;
+    EXPECT_LT(Session::error_mm(r, truth), 0.02) << n;
+  }
+}
+
+TEST(Tracker, StandsTheNoiseOfBareTeeth) {
+  Session s(21);
+  s.sigma_mm = 0.04;
+  for (int n = 0; n < 6; ++n) {
+    const Pose truth = hand(seconds_of(n));
+    const TrackResult r = s.feed(n, truth);
+    EXPECT_EQ(r.state, n == 0 ? TrackState::kStarted : TrackState::kTracking) << n;
+    EXPECT_LT(Session::error_mm(r, truth), 0.02) << n;
   }
 }
 
@@ -134,6 +157,30 @@ TEST(Tracker, FindsItsPlaceAfterJumpsOnManySurfaces) {
   }
   EXPECT_EQ(wrong, 0);
   EXPECT_GE(found, 19);
+}
+
+/// Two keyframes of a surface that repeats after 24 mm; the patch was taken at the second.
+std::optional<Relocalised> search_where_teeth_repeat(std::int64_t repeat) {
+  const calib::Rig rig = ts::test_rig(4);
+  const ts::SyntheticSurface surface(33, 1, repeat);
+  const TrackerConfig config;
+  const double px_per_mm = rig.camera.fx / 48;
+  KeyframeStore store(rig.camera, config.keyframes);
+  for (const double x : {0.0, 24.0}) {
+    const SurfacePatch patch = ts::make_patch(surface, rig.camera, ts::looking_down(x, 0), {0.01, 0.03, 1});
+    store.add(patch, ts::looking_down(x, 0), extract_features(patch, px_per_mm, config.features));
+  }
+  const SurfacePatch patch =
+      ts::make_patch(surface, rig.camera, ts::looking_down(24.5, 0.3, {0, 0, 0.2}), {0.01, 0.03, 2});
+  return relocalise(extract_features(patch, px_per_mm, config.features), make_pyramid(patch, config.icp), store.all(),
+                    {0, 1}, ViewCamera(rig.camera), 7, config.features.ratio, config.icp, config.relocalise);
+}
+
+TEST(Relocalise, RefusesToChooseBetweenTwoPlacesThatLookAlike) {
+  EXPECT_FALSE(search_where_teeth_repeat(3));
+  const auto unique = search_where_teeth_repeat(0);
+  ASSERT_TRUE(unique);
+  EXPECT_EQ(unique->keyframe, 1U);
 }
 
 TEST(Tracker, RefusesForeignSurfacesAfterJumps) {
