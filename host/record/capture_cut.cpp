@@ -33,7 +33,8 @@ class RangeCopy {
       if (copied_ > 0) {
         pending_.push_back(std::move(record));
       } else if (device) {
-        pending_.assign(1, std::move(record));  // which probe the bursts are from
+        pending_.clear();
+        pending_.push_back(std::move(record));  // which probe the bursts are from
       }
       return {};
     }

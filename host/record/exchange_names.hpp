@@ -20,6 +20,15 @@ inline std::string frame_file(std::uint64_t burst_id, int frame) {
   return "frames/" + digits + "_" + std::to_string(frame) + ".png";
 }
 
+/// "path:line: "
+inline std::string at_line(const std::string& path, int line) {
+  std::string out = path;
+  out += ':';
+  out += std::to_string(line);
+  out += ": ";
+  return out;
+}
+
 /// A name that stays inside the folder it is written to.
 inline bool is_safe_relative(const std::string& name) {
   const std::filesystem::path path(name);

@@ -136,8 +136,7 @@ Result<ExchangeReader> ExchangeReader::open(const std::string& folder) {
     for (int k = 0; k < proto::kFramesPerBurst; ++k) {
       const std::string name = frame_file(row.burst_id, k);
       if (std::binary_search(files.begin(), files.end(), name)) continue;
-      return fail(ErrorCode::kExchangeInvalid,
-                  table_path + ":" + std::to_string(row.line) + ": frame " + name + " is missing");
+      return fail(ErrorCode::kExchangeInvalid, at_line(table_path, row.line) + "frame " + name + " is missing");
     }
   }
   std::erase_if(reader.extra_files_,

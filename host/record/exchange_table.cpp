@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "host/record/exchange_folder.hpp"
+#include "host/record/exchange_names.hpp"
 
 namespace enamel::host {
 namespace {
@@ -55,7 +56,7 @@ Result<std::vector<ExchangeRow>> parse_bursts_csv(const std::string& text, const
   std::string_view rest = text;
   for (int number = 1; !rest.empty(); ++number) {
     const auto invalid = [&](const std::string& what) {
-      return fail(ErrorCode::kExchangeInvalid, path + ":" + std::to_string(number) + ": " + what);
+      return fail(ErrorCode::kExchangeInvalid, at_line(path, number) + what);
     };
     const std::size_t end = rest.find('\n');
     std::string_view line = rest.substr(0, end);

@@ -1,0 +1,97 @@
+// enamel compare: deviation of a mesh from a reference.
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/app/command.hpp"
+#include "pipeline/algo/compare/compare.hpp"
+#include "pipeline/algo/compare/deviation_picture.hpp"
+#include "pipeline/algo/io/mesh_file.hpp"
+#include "pipeline/algo/io/poses_csv.hpp"
+#include "protocol/base/file.hpp"
+
+namespace enamel::app {
+
+namespace {
+
+struct Options {
+  std::string mesh;
+  std::vector<std::string> references;
+  std::string align = "none";
+  std::string poses, truth_poses;
+  std::string out;
+  double max_mean_um = 0, min_coverage_pct = 0;
+  bool json = false;
+};
+
+void print(const algo::CompareResult& r) {
+  std::printf("mean absolute  %8.2f um\nmedian signed  %8.2f um\nrms            %8.2f um\n", r.mean_abs_um, r.median_um,
+              r.rms_um);
+  std::printf("95 %%           %8.2f um\n99 %%           %8.2f um\nlargest        %8.2f um\n", r.p95_um, r.p99_um, r.max_um);
+  std::printf("coverage       %8.2f %%\nbeyond border  %8.2f %%\n", r.coverage_pct, r.beyond_border_pct);
+  if (!r.end) return;
+  std::printf("end of scan    %8.2f um, %.4f deg\n", r.end->end_error_um, r.end->end_rotation_deg);
+  if (r.end->scale_ppm) std::printf("scale          %8.1f ppm\n", *r.end->scale_ppm);
+}
+
+Result<void> write_pictures(const Options& o, const Mesh& mesh, const algo::CompareResult& result) {
+  if (o.out.empty()) return {};
+  ENAMEL_TRY(make_folder(o.out));
+  const auto png = algo::deviation_png(mesh, result);
+  ENAMEL_TRY(write_file(o.out + "/deviation.png", {reinterpret_cast<const char*>(png.data()), png.size()}));
+  ENAMEL_TRY(write_file(o.out + "/deviation.ply",
+                        algo::ply_bytes(mesh, algo::deviation_colours(result.deviation_um, 100.0))));
+  return write_file(o.out + "/compare.json", algo::compare_json(result));
+}
+
+Result<int> run_compare(const Options& o) {
+  static const std::map<std::string, algo::Alignment> kAlignments{
+      {"none", algo::Alignment::kNone}, {"best", algo::Alignment::kBest}, {"start", algo::Alignment::kStart}};
+  algo::CompareInput input{.alignment = kAlignments.at(o.align)};
+  std::optional<std::vector<algo::PoseRow>> estimate, truth;
+  if (input.alignment == algo::Alignment::kStart) {
+    if (o.poses.empty() || o.truth_poses.empty()) {
+      return fail(ErrorCode::kUsage, "--align start needs --poses EST.csv and --truth-poses TRUTH.csv");
+    }
+    ENAMEL_TRY_ASSIGN(estimate, algo::read_poses_csv(o.poses));
+    ENAMEL_TRY_ASSIGN(truth, algo::read_poses_csv(o.truth_poses));
+    input.estimate_poses = &*estimate;
+    input.truth_poses = &*truth;
+  }
+  ENAMEL_TRY_ASSIGN(const algo::MeshFile mesh, algo::read_mesh(o.mesh));
+  std::vector<algo::MeshFile> references;
+  for (const std::string& path : o.references) {
+    ENAMEL_TRY_ASSIGN(references.emplace_back(), algo::read_mesh(path));
+  }
+  ENAMEL_TRY_ASSIGN(const auto result, algo::compare(mesh.mesh, references, input));
+  ENAMEL_TRY(write_pictures(o, mesh.mesh, result));
+  o.json ? static_cast<void>(std::puts(algo::compare_json(result).c_str())) : print(result);
+  const bool missed = (o.max_mean_um > 0 && !(result.mean_abs_um <= o.max_mean_um)) ||
+                      (o.min_coverage_pct > 0 && !(result.coverage_pct >= o.min_coverage_pct));
+  if (!missed) return 0;
+  std::fputs((Error{ErrorCode::kQualityGate, o.mesh}.message() + "\n").c_str(), stderr);
+  return exit_code(ErrorCode::kQualityGate);
+}
+
+}  // namespace
+
+Run add_compare(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  app.add_option("MESH", o->mesh, "measured mesh: PLY, STL or OBJ, mm")->required();
+  app.add_option("REFERENCE", o->references, "reference meshes; several are one surface")->required();
+  app.add_option("--align", o->align, "none: same frame; best: least squares; start: by the first common pose")
+      ->check(CLI::IsMember({"none", "best", "start"}))
+      ->capture_default_str();
+  app.add_option("--poses", o->poses, "poses.csv of the scan");
+  app.add_option("--truth-poses", o->truth_poses, "poses.csv of the truth");
+  app.add_option("--out", o->out, "folder for deviation.png, deviation.ply and compare.json");
+  app.add_option("--max-mean-um", o->max_mean_um, "exit 6 when the mean absolute deviation is larger");
+  app.add_option("--min-coverage-pct", o->min_coverage_pct, "exit 6 when the coverage is smaller");
+  app.add_flag("--json", o->json, "one JSON object on stdout");
+  return [o]() -> Result<int> { return run_compare(*o); };
+}
+
+}  // namespace enamel::app

@@ -1,0 +1,69 @@
+// The files of a run.
+#include <cmath>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include "host/app/run_options.hpp"
+#include "pipeline/algo/compare/compare.hpp"
+#include "pipeline/algo/compare/deviation_picture.hpp"
+#include "pipeline/algo/io/mesh_file.hpp"
+#include "pipeline/algo/io/poses_csv.hpp"
+#include "protocol/base/file.hpp"
+#include "protocol/base/log.hpp"
+#include "protocol/base/sha256.hpp"
+
+namespace enamel::app {
+
+namespace {
+
+std::vector<algo::PoseRow> pose_rows(const host::ScanResult& scan) {
+  std::vector<algo::PoseRow> rows;
+  rows.reserve(scan.poses.size());
+  for (const host::PlacedPose& p : scan.poses) rows.push_back({p.id.value, to_ns(p.t_mid), p.T_model_cam});
+  return rows;
+}
+
+// Accuracy against the twin's truth, laid on it by the first pose alone: drift is not hidden by a best fit.
+Result<std::string> accuracy(const Mesh& mesh, const std::vector<algo::PoseRow>& estimate, const Truth& truth,
+                             const std::string& folder) {
+  ENAMEL_TRY_ASSIGN(const auto truth_poses, algo::parse_poses_csv(truth.poses_csv));
+  std::vector<algo::MeshFile> references(1);
+  ENAMEL_TRY_ASSIGN(references[0], algo::parse_mesh(truth.surface_ply, algo::MeshFormat::kPly));
+  const algo::CompareInput input{algo::Alignment::kStart, &estimate, &truth_poses};
+  ENAMEL_TRY_ASSIGN(const auto result, algo::compare(mesh, references, input));
+  const auto png = algo::deviation_png(mesh, result);
+  ENAMEL_TRY(write_file(folder + "/deviation.png", {reinterpret_cast<const char*>(png.data()), png.size()}));
+  return algo::compare_json(result);
+}
+
+}  // namespace
+
+Result<host::Report> write_outputs(const std::string& folder, const host::ScanResult& scan, host::Report report,
+                                   const Truth& truth) {
+  const auto poses = pose_rows(scan);
+  const std::string ply = algo::ply_bytes(scan.mesh);
+  report.hash = scan.trace.hash(RollingHash().update(ply).hex());
+  report.stage_ms = scan.stage_ms;
+  report.latency_ms = scan.latency_ms;
+  report.rate_hz = scan.seconds > 0 ? static_cast<double>(report.bursts.accepted) / scan.seconds : 0;
+  report.mesh_vertices = scan.mesh.vertices.size();
+  report.mesh_triangles = scan.mesh.triangles.size();
+  ENAMEL_TRY(write_file(folder + "/mesh.ply", ply));
+  ENAMEL_TRY(write_file(folder + "/mesh.stl", algo::stl_bytes(scan.mesh)));
+  ENAMEL_TRY(algo::write_poses_csv(folder + "/poses.csv", poses));
+  ENAMEL_TRY(write_file(folder + "/stages.csv", scan.trace.to_csv()));
+  if (truth.known() && !scan.mesh.triangles.empty()) {
+    log::info("outputs", "comparing with the truth");
+    auto compared = accuracy(scan.mesh, poses, truth, folder);
+    if (compared) {
+      report.accuracy_json = std::move(*compared);
+    } else {
+      report.notes["accuracy"] = "none: " + compared.error().detail;
+    }
+  }
+  ENAMEL_TRY(host::write_report(report, folder + "/report.json"));
+  return report;
+}
+
+}  // namespace enamel::app
