@@ -124,7 +124,7 @@ void SurfelMap::weigh_row(const FuseConfig& config, int j, FuseStats& stats) {
     const bool facing = usable & (cosine >= cos_min);
     weight[i] = facing ? full : 0.0F;
     used += facing ? 1 : 0;
-    steep += usable & !facing ? 1 : 0;
+    steep += (usable & !facing) ? 1 : 0;
   }
   stats.surfels_used += static_cast<std::uint64_t>(used);
   stats.surfels_steep += static_cast<std::uint64_t>(steep);
