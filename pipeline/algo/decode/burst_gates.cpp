@@ -12,14 +12,23 @@ constexpr float kNoiseSigmas = 6;    ///< 3 sigma of the residual, whose std is 
 
 double closure_share(const PhaseMaps& maps, const NoiseModel& noise) {
   std::size_t seen = 0, fits = 0;
-  for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
-    const float d = maps.code_dn[i], s = maps.sine_dn[i];
-    const bool counted = (maps.reject[i] == PixelReject::kNone) & (d == d);
-    const float ad = d < 0 ? -d : d, as = s < 0 ? -s : s;
-    const float gap = ad > as ? ad - as : as - ad;
-    const float limit = kTolerance * maps.modulation_dn[i] + kNoiseSigmas * sqrt_poly(noise.variance(maps.mean_dn[i]));
-    seen += counted ? 1 : 0;
-    fits += counted & (gap < limit) ? 1 : 0;
+  const NoiseModel model = noise;
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  for (std::size_t at = 0; at < maps.phase_rad.size(); at += width) {
+    const float* __restrict d = &maps.code_dn[at], * __restrict s = &maps.sine_dn[at];
+    const float* __restrict b = &maps.modulation_dn[at], * __restrict a = &maps.mean_dn[at];
+    const PixelReject* __restrict reject = &maps.reject[at];
+    unsigned row_seen = 0, row_fits = 0;
+    for (std::size_t u = 0; u < width; ++u) {
+      const float gap = std::abs(std::abs(d[u]) - std::abs(s[u]));
+      const float limit = kTolerance * b[u] + kNoiseSigmas * root(model.variance(a[u]));
+      const unsigned counted =
+          static_cast<unsigned>(reject[u] == PixelReject::kNone) & static_cast<unsigned>(d[u] == d[u]);
+      row_seen += counted;
+      row_fits += counted & static_cast<unsigned>(gap < limit);
+    }
+    seen += row_seen;
+    fits += row_fits;
   }
   return seen > 0 ? static_cast<double>(fits) / static_cast<double>(seen) : 0;
 }

@@ -24,26 +24,39 @@ inline float sin_four(float c, float s) noexcept {
 void solve_row(const PhaseMaps& m, const PolarityMaps& p, const RayDepth& rays, float fourth, std::size_t at,
                std::size_t width, const RowOut& o) {
   const float q_near = 1.0F / rays.near_mm, q_far = 1.0F / rays.far_mm;
+  const float phase_low = rays.min_phase_rad, phase_high = rays.max_phase_rad;
+  const float* __restrict phase = &m.phase_rad[at], * __restrict cosine = &m.cosine_dn[at];
+  const float* __restrict sine = &m.sine_dn[at], * __restrict sigma = &m.sigma_rad[at];
+  const std::int16_t* __restrict turn = &p.turn[at];
+  const float* __restrict mid = &rays.phase_mid_rad[at], * __restrict c0 = &rays.c0[at], * __restrict c1 = &rays.c1[at];
+  const float* __restrict c2 = &rays.c2[at], * __restrict c3 = &rays.c3[at];
+  float* __restrict inverse = o.inverse, * __restrict depth = o.depth, * __restrict sigma_mm = o.sigma;
+  float* __restrict wrapped = o.wrapped;
+  std::uint8_t* __restrict order = o.order;
+  PixelReject* __restrict reject = o.reject;
+  ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const std::size_t i = at + u;
-    const float raw = m.phase_rad[i] - fourth * sin_four(m.cosine_dn[i], m.sine_dn[i]);
-    const int turns = p.turn[i] + (raw >= kPiF ? 1 : 0) - (raw < -kPiF ? 1 : 0);
-    const float phi = raw >= kPiF ? raw - kTwoPiF : (raw < -kPiF ? raw + kTwoPiF : raw);
+    const float raw = phase[u] - fourth * sin_four(cosine[u], sine[u]);
+    const int turns = turn[u] + static_cast<int>(raw >= kPiF) - static_cast<int>(raw < -kPiF);
+    const float phi = select(raw >= kPiF, raw - kTwoPiF, select(raw < -kPiF, raw + kTwoPiF, raw));
     const float absolute = phi + kTwoPiF * static_cast<float>(turns);
-    const float q = rays.inverse_depth(i, absolute);
-    const float slope = rays.inverse_depth_slope(i, absolute);
-    const bool inside =
-        (q <= q_near) & (q >= q_far) & (absolute > rays.min_phase_rad) & (absolute < rays.max_phase_rad);
-    const bool candidate = o.reject[u] == PixelReject::kNone;
-    const bool ok = candidate & inside;
-    const float z = 1.0F / (ok ? q : 1.0F);
-    o.reject[u] = candidate & !inside ? PixelReject::kOutOfRange : o.reject[u];
-    o.inverse[u] = ok ? q : kNan;
-    o.depth[u] = ok ? z : kNan;
-    o.sigma[u] = ok ? z * z * (slope < 0 ? -slope : slope) * m.sigma_rad[i] : kNan;
-    o.wrapped[u] = phi;
-    const int order = turns - (phi < 0 ? 1 : 0);
-    o.order[u] = ok & (order >= 0) & (order < kNoOrder) ? static_cast<std::uint8_t>(order) : kNoOrder;
+    const float t = absolute - mid[u];
+    const float q = c0[u] + t * (c1[u] + t * (c2[u] + t * c3[u]));
+    const float slope = c1[u] + t * (2 * c2[u] + t * (3 * c3[u]));
+    const unsigned inside = static_cast<unsigned>(q <= q_near) & static_cast<unsigned>(q >= q_far) &
+                            static_cast<unsigned>(absolute > phase_low) & static_cast<unsigned>(absolute < phase_high);
+    const auto was = static_cast<unsigned>(reject[u]);
+    const bool ok = (inside == 1) & (was == 0);
+    const float z = 1.0F / select(ok, q, 1.0F);
+    reject[u] =
+        static_cast<PixelReject>(was == 0 ? (1 - inside) * static_cast<unsigned>(PixelReject::kOutOfRange) : was);
+    inverse[u] = select(ok, q, kNan);
+    depth[u] = select(ok, z, kNan);
+    sigma_mm[u] = select(ok, z * z * std::abs(slope) * sigma[u], kNan);
+    wrapped[u] = phi;
+    const int floor_order = turns - static_cast<int>(phi < 0);
+    const bool known = ok & (floor_order >= 0) & (floor_order < static_cast<int>(kNoOrder));
+    order[u] = static_cast<std::uint8_t>(known ? floor_order : static_cast<int>(kNoOrder));
   }
 }
 

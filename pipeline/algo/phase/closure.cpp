@@ -9,26 +9,29 @@
 namespace enamel::algo {
 namespace {
 
-constexpr std::size_t kSums = 6;  ///< x1x1 x1x2 x2x2 x1y x2y n, with x1 the motion's and x2 the harmonic's column
+constexpr int kFourthRowStep = 3;  ///< a third of a burst's pixels gives a1 to 1e-3 rad
+constexpr std::size_t kSums = 6;   ///< x1x1 x1x2 x2x2 x1y x2y n, with x1 the motion's and x2 the harmonic's column
 using Sums = std::array<double, kSums>;
 
 /// Adds one image row to per-column sums, column by column: vectorises, and the order of additions is fixed.
 void add_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::size_t width, float limit, float* sums) {
-  const float *c = &m.cosine_dn[at], *s = &m.sine_dn[at], *b = &m.modulation_dn[at], *r = &m.code_dn[at];
-  const float* w = &p.weight[at];
-  float *s0 = sums, *s1 = s0 + width, *s2 = s1 + width, *s3 = s2 + width, *s4 = s3 + width, *s5 = s4 + width;
+  const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict b = &m.modulation_dn[at];
+  const float* __restrict r = &m.code_dn[at], * __restrict w = &p.weight[at];
+  float* __restrict s0 = sums, * __restrict s1 = s0 + width, * __restrict s2 = s1 + width;
+  float* __restrict s3 = s2 + width, * __restrict s4 = s3 + width, * __restrict s5 = s4 + width;
+  ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const bool used = ((w[u] > 0.999F) | (w[u] < -0.999F)) & (r[u] < limit * b[u]) & (r[u] > -limit * b[u]);
-    const float plus = w[u] > 0 ? 1.0F : 0.0F;
-    const float x1 = used ? 2 * (s[u] * plus - c[u]) : 0.0F;
-    const float x2 = used ? 4 * plus * (c[u] - s[u]) * (c[u] + s[u]) / (b[u] + 1e-6F) : 0.0F;
-    const float y = used ? r[u] : 0.0F;
+    const float used = select((std::abs(w[u]) > 0.999F) & (std::abs(r[u]) < limit * b[u]), 1, 0);
+    const float plus = select(w[u] > 0, used, 0);
+    const float x1 = 2 * (s[u] * plus - c[u] * used);
+    const float x2 = 4 * plus * (c[u] - s[u]) * (c[u] + s[u]) / (b[u] + 1e-6F);
+    const float y = select(used > 0, r[u], 0);
     s0[u] += x1 * x1;
     s1[u] += x1 * x2;
     s2[u] += x2 * x2;
     s3[u] += x1 * y;
     s4[u] += x2 * y;
-    s5[u] += used ? 1.0F : 0.0F;
+    s5[u] += used;
   }
 }
 
@@ -49,16 +52,17 @@ Pair solve(const double* s, double p1, double p2, Pair prior) {
 /// centres.
 void correct_row(const PhaseMaps& m, const float* w, const float* em, const float* rm, std::size_t at,
                  std::size_t width, float* phase) {
-  const float *c = &m.cosine_dn[at], *s = &m.sine_dn[at], *b = &m.modulation_dn[at];
+  const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict b = &m.modulation_dn[at];
+  float* __restrict out = phase;
+  ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const float inv = 1.0F / (b[u] + 1e-6F);
     const float cs = c[u] * inv, sn = s[u] * inv;
     const float cos2 = (cs - sn) * (cs + sn), sin2 = 2 * cs * sn;
-    const float full = w[u] < 0 ? -w[u] : w[u];
     const float half = 0.5F * em[u], ripple = 2 * rm[u] * cos2 * cs;
     const float three = ripple + half * (sin2 - 1);
-    const float with_code = w[u] > 0 ? half * cos2 : ripple + half * (sin2 + cos2);
-    phase[u] -= three + full * (with_code - three);
+    const float with_code = select(w[u] > 0, half * cos2, ripple + half * (sin2 + cos2));
+    out[u] -= three + std::abs(w[u]) * (with_code - three);
   }
 }
 
@@ -144,7 +148,7 @@ FourthHarmonic estimate_fourth_harmonic(std::span<const CellSpan> spans, const P
   FourthHarmonic out;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   for (const CellSpan& span : spans) {
-    if (!span.whole) continue;
+    if (!span.whole || span.row % kFourthRowStep != 0) continue;
     const std::size_t at = static_cast<std::size_t>(span.row) * width;
     float part = 0;
     for (std::size_t i = at + static_cast<std::size_t>(span.begin); i < at + static_cast<std::size_t>(span.end); ++i) {
@@ -152,8 +156,7 @@ FourthHarmonic estimate_fourth_harmonic(std::span<const CellSpan> spans, const P
       const float inv2 = 1.0F / (c * c + s * s + 1e-6F);
       const float cos2 = (c - s) * (c + s) * inv2, sin2 = 2 * c * s * inv2;
       // cos 4(phi + e) for the corrected phase phi + e, e small.
-      const float moved = maps.phase_rad[i] - atan2_poly(s, c);
-      const float e = moved > kPiF ? moved - kTwoPiF : (moved < -kPiF ? moved + kTwoPiF : moved);
+      const float e = wrap_once(maps.phase_rad[i] - atan2_poly(s, c));
       part += 2 * cos2 * cos2 - 1 - 8 * e * sin2 * cos2;
     }
     sum += static_cast<double>(part);

@@ -3,6 +3,7 @@
 
 #include "calib/model/rig.hpp"
 #include "pipeline/algo/phase/burst_view.hpp"
+#include "pipeline/algo/phase/poly_trig.hpp"
 
 namespace enamel::algo {
 
@@ -21,7 +22,7 @@ struct NoiseModel {
 
   [[nodiscard]] float variance(float intensity_dn) const noexcept {
     const float signal = intensity_dn - black_dn;
-    return floor_dn2 + slope_dn * (signal > 0 ? signal : 0);
+    return floor_dn2 + slope_dn * larger(signal, 0);
   }
 };
 

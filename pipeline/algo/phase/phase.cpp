@@ -40,11 +40,14 @@ struct RowOut {
   float* sigma;
 };
 
-void solve_row(const Rows& rows, std::size_t width, const NoiseModel& noise, float saturated_dn, const RowOut& o) {
+void solve_row(const Rows& rows, std::size_t width, const NoiseModel noise, float saturated_dn, const RowOut& o) {
   const float* __restrict i0 = rows[0].data();
   const float* __restrict i1 = rows[1].data();
   const float* __restrict i2 = rows[2].data();
   const float* __restrict i3 = rows[3].data();
+  float* __restrict mean = o.mean, * __restrict cosine = o.cosine, * __restrict sine = o.sine, * __restrict code = o.code;
+  float* __restrict modulation = o.modulation, * __restrict phase = o.phase, * __restrict sigma = o.sigma;
+  ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const float a = 0.5F * (i0[u] + i2[u]);
     const float c = 0.5F * (i0[u] - i2[u]);
@@ -53,13 +56,13 @@ void solve_row(const Rows& rows, std::size_t width, const NoiseModel& noise, flo
     // First-order propagation of the three frames' noise through atan2(s, c).
     const float e0 = 0.5F * (c - s), e2 = 0.5F * (c + s);
     const float var = e0 * e0 * noise.variance(i0[u]) + e2 * e2 * noise.variance(i2[u]) + c * c * noise.variance(i1[u]);
-    o.mean[u] = a;
-    o.cosine[u] = c;
-    o.sine[u] = s;
-    o.code[u] = i3[u] < saturated_dn ? i3[u] - a : std::numeric_limits<float>::quiet_NaN();
-    o.modulation[u] = sqrt_poly(b2);
-    o.phase[u] = atan2_poly(s, c);
-    o.sigma[u] = sqrt_poly(var) / b2;
+    mean[u] = a;
+    cosine[u] = c;
+    sine[u] = s;
+    code[u] = select(i3[u] < saturated_dn, i3[u] - a, std::numeric_limits<float>::quiet_NaN());
+    modulation[u] = root(b2);
+    phase[u] = atan2_poly(s, c);
+    sigma[u] = root(var) / b2;
   }
 }
 
@@ -70,7 +73,7 @@ void mask_row(const Rows& rows, std::size_t width, const NoiseModel& noise, cons
   const float* __restrict i2 = rows[2].data();
   const float saturated_dn = config.saturation * noise.full_scale_dn;
   const float clip_dn = noise.black_dn > 0 ? 0.5F : -1.0F;  // a pedestal exists so that dark pixels are not clipped
-  const float dark_dn = noise.black_dn + config.dark_sigmas * sqrt_poly(noise.floor_dn2);
+  const float dark_dn = noise.black_dn + config.dark_sigmas * root(noise.floor_dn2);
   for (std::size_t u = 0; u < width; ++u) {
     const float high = i0[u] > i1[u] ? (i0[u] > i2[u] ? i0[u] : i2[u]) : (i1[u] > i2[u] ? i1[u] : i2[u]);
     const float low = i0[u] < i1[u] ? (i0[u] < i2[u] ? i0[u] : i2[u]) : (i1[u] < i2[u] ? i1[u] : i2[u]);

@@ -22,8 +22,8 @@ SpanState state_of(const CellSpan& s, const CellSigns& signs) {
           odd ? (s.cell + 1) / 2 : s.cell / 2};
 }
 
-void solve_span(std::size_t begin, std::size_t end, const SpanState& st, const NoiseModel& noise,
-                const PolarityConfig& config, PhaseMaps& m, PolarityMaps& out) {
+void solve_span(std::size_t begin, std::size_t end, const SpanState st, const NoiseModel noise,
+                const PolarityConfig config, PhaseMaps& m, PolarityMaps& out) {
   const float ramp = 1.0F / (config.flip_full_rad - config.flip_drop_rad);
   const float* __restrict mean = m.mean_dn.pixels().data();
   const float* __restrict cosine = m.cosine_dn.pixels().data();
@@ -35,14 +35,15 @@ void solve_span(std::size_t begin, std::size_t end, const SpanState& st, const N
   float* __restrict weight = out.weight.pixels().data();
   std::int16_t* __restrict turn = out.turn.pixels().data();
   const float b = st.sign;
+  ENAMEL_INDEPENDENT
   for (std::size_t i = begin; i < end; ++i) {
     const float a = mean[i], c = cosine[i], s3 = sine[i], d = code[i], old = phase[i];
     const float t = old - st.origin;
     const float to_low = t + st.low_flip, to_high = kPiF - t + st.high_flip;
-    const float x = ((to_low < to_high ? to_low : to_high) - config.flip_drop_rad) * ramp;
-    const bool usable = (d == d) & (x > 0);
-    const float w = usable ? (x < 1 ? x : 1.0F) : 0.0F;
-    const float bd = d == d ? b * d : s3;
+    const float x = (smaller(to_low, to_high) - config.flip_drop_rad) * ramp;
+    const bool usable = d == d;
+    const float w = select(usable, smaller(larger(x, 0), 1), 0);
+    const float bd = select(usable, b * d, s3);
     const float s = s3 + 0.5F * w * (bd - s3);
     const float g = 1 - 0.5F * w * (1 + b);
     const float e0 = 0.5F * (c * g - s), e2 = 0.5F * (c * g + s), e1 = c * (1 - 0.5F * w), e3 = 0.5F * c * w;
@@ -50,12 +51,12 @@ void solve_span(std::size_t begin, std::size_t end, const SpanState& st, const N
                       e1 * e1 * noise.variance(a - s3) + e3 * e3 * noise.variance(a + b * bd);
     const float b2 = c * c + s * s + 1e-6F;
     const float p = atan2_poly(s, c);
-    const int step = (p - old > kPiF ? 1 : 0) - (p - old < -kPiF ? 1 : 0);
+    const int step = static_cast<int>(p - old > kPiF) - static_cast<int>(p - old < -kPiF);
     sine[i] = s;
     code[i] = s3 - b * d;
-    modulation[i] = sqrt_poly(b2);
+    modulation[i] = root(b2);
     phase[i] = p;
-    sigma[i] = sqrt_poly(var) / b2;
+    sigma[i] = root(var) / b2;
     weight[i] = b * w;
     turn[i] = static_cast<std::int16_t>(st.turn - step);
   }

@@ -2,20 +2,35 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
+
+/// Before a loop: its iterations touch different elements, whatever the pointers' names suggest.
+#if defined(__clang__)
+#define ENAMEL_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define ENAMEL_INDEPENDENT _Pragma("GCC ivdep")
+#endif
 
 namespace enamel::algo {
 
 inline constexpr float kPiF = 3.14159265358979F;
 inline constexpr float kTwoPiF = 6.28318530717959F;
 
+/// c ? a : b without a branch that a compiler could thread through a loop: loops of selects vectorise everywhere.
+[[nodiscard]] inline float select(bool c, float a, float b) noexcept {
+  const std::uint32_t mask = 0U - static_cast<std::uint32_t>(c);
+  return std::bit_cast<float>((std::bit_cast<std::uint32_t>(a) & mask) | (std::bit_cast<std::uint32_t>(b) & ~mask));
+}
+
+[[nodiscard]] inline float smaller(float a, float b) noexcept { return a < b ? a : b; }
+[[nodiscard]] inline float larger(float a, float b) noexcept { return a > b ? a : b; }
+
 /// atan2(y, x) in [-pi, pi], error <= 4e-7 rad (tested). (0, 0) gives 0. Minimax odd polynomial of degree 15 on [0, 1].
 [[nodiscard]] inline float atan2_poly(float y, float x) noexcept {
-  const float ax = x < 0 ? -x : x;
-  const float ay = y < 0 ? -y : y;
-  const float big = ax > ay ? ax : ay;
-  const float small = ax > ay ? ay : ax;
-  const float q = small / (big > 1e-30F ? big : 1e-30F);
+  const float ax = std::abs(x), ay = std::abs(y);
+  const float big = larger(larger(ax, ay), 1e-30F);
+  const float q = smaller(ax, ay) / big;
   const float s = q * q;
   float p = -0.004054556135088205F;
   p = p * s + 0.021862918511033058F;
@@ -26,20 +41,18 @@ inline constexpr float kTwoPiF = 6.28318530717959F;
   p = p * s - 0.33329859375953674F;
   p = p * s + 0.9999993443489075F;
   float a = p * q;
-  a = ay > ax ? 0.5F * kPiF - a : a;
-  a = x < 0 ? kPiF - a : a;
-  return y < 0 ? -a : a;
+  a = select(ay > ax, 0.5F * kPiF - a, a);
+  a = select(x < 0, kPiF - a, a);
+  return std::copysign(a, y);
 }
 
-/// Square root by Newton from a bit-level guess; relative error <= 3e-7 (tested). For loops where the compiler would
-/// call a library function to set errno and so not vectorise.
-[[nodiscard]] inline float sqrt_poly(float a) noexcept {
-  const float b = a > 1e-30F ? a : 1e-30F;
-  float r = std::bit_cast<float>(0x5f375a86U - (std::bit_cast<std::uint32_t>(b) >> 1U));  // 1/sqrt, 3 % off
-  r = r * (1.5F - 0.5F * b * r * r);
-  r = r * (1.5F - 0.5F * b * r * r);
-  r = r * (1.5F - 0.5F * b * r * r);
-  return b * r;
+/// Square root, correctly rounded by IEEE 754. (std::sqrt vectorises where errno is switched off: see CMakeLists.txt.)
+[[nodiscard]] inline float root(float a) noexcept { return std::sqrt(a); }
+
+/// d brought into [-pi, pi]; |d| <= 3 pi.
+[[nodiscard]] inline float wrap_once(float d) noexcept {
+  const float e = select(d > kPiF, d - kTwoPiF, d);
+  return select(e < -kPiF, e + kTwoPiF, e);
 }
 
 }  // namespace enamel::algo

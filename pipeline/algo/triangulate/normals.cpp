@@ -26,17 +26,19 @@ struct RowSums {
 void add_pair(const float* plus, const float* minus, const float* limit, Offset o, int begin, int end,
               const RowSums& s) {
   const auto du = static_cast<float>(2 * o.du), dv = static_cast<float>(2 * o.dv);
-  const float reach = sqrt_poly(du * du + dv * dv);
+  const float reach = root(du * du + dv * dv), duu = du * du, duv = du * dv, dvv = dv * dv;
+  const float* __restrict p = plus, * __restrict m = minus, * __restrict most = limit;
+  float* __restrict uu = s.uu, * __restrict uv = s.uv, * __restrict vv = s.vv, * __restrict su = s.u, * __restrict sv = s.v;
+  ENAMEL_INDEPENDENT
   for (int x = begin; x < end; ++x) {
-    const float d = plus[x] - minus[x];
-    const bool same = (d < limit[x] * reach) & (d > -limit[x] * reach);  // false for NaN
-    const float w = same ? 1.0F : 0.0F;
-    const float e = same ? d : 0.0F;
-    s.uu[x] += w * (du * du);
-    s.uv[x] += w * (du * dv);
-    s.vv[x] += w * (dv * dv);
-    s.u[x] += du * e;
-    s.v[x] += dv * e;
+    const float d = p[x] - m[x];
+    const bool same = std::abs(d) < most[x] * reach;  // false for NaN
+    const float e = select(same, d, 0);
+    uu[x] += select(same, duu, 0);
+    uv[x] += select(same, duv, 0);
+    vv[x] += select(same, dvv, 0);
+    su[x] += du * e;
+    sv[x] += dv * e;
   }
 }
 
@@ -47,14 +49,15 @@ struct RowGeometry {
 
 void solve_row(const RowSums& s, const float* q, const RowGeometry& g, int width, Vec3f* out) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  ENAMEL_INDEPENDENT
   for (int u = 0; u < width; ++u) {
     const float det = s.uu[u] * s.vv[u] - s.uv[u] * s.uv[u];
-    const float inverse = 1.0F / (det > 8.0F ? det : 8.0F);  // the weakest usable pairs (1,0),(0,1) give 16
+    const float inverse = 1.0F / larger(det, 8.0F);  // the weakest usable pairs (1,0),(0,1) give 16
     const float qx = (s.vv[u] * s.u[u] - s.uv[u] * s.v[u]) * inverse / g.per_px_x;
     const float qy = (s.uu[u] * s.v[u] - s.uv[u] * s.u[u]) * inverse / g.per_px_y;
     const float nz = q[u] - g.x[u] * qx - g.y[u] * qy;
-    const float length = sqrt_poly(qx * qx + qy * qy + nz * nz);
-    const float scale = det > 8.0F && q[u] > 0 ? -1.0F / length : kNan;
+    const float length = root(qx * qx + qy * qy + nz * nz);
+    const float scale = select((det > 8.0F) & (q[u] > 0), -1.0F / length, kNan);
     out[u] = Vec3f(qx * scale, qy * scale, nz * scale);
   }
 }

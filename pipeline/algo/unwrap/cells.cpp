@@ -58,7 +58,7 @@ float step_height(const float* p, std::ptrdiff_t stride) {
 }
 
 /// Smallest step that is neither noise (4 sigma of six samples' combination) nor ripple of the three-frame phase.
-float step_threshold(float sigma, float samples) { return 4 * sqrt_poly(6.0F / samples) * sigma + 0.1F; }
+float step_threshold(float sigma, float samples) { return 4 * root(6.0F / samples) * sigma + 0.1F; }
 
 bool is_kink(const PhaseMaps& phase, const Map<float>& phi, std::size_t i) {
   const float j = step_height(&phi[i], 1);
@@ -86,6 +86,8 @@ bool is_step_between_rows(const PhaseMaps& phase, const Map<float>& phi, std::si
 }
 
 struct Linker {
+  static constexpr std::int32_t kStepFound = -2;  ///< kStepFound - k: linked to k, but for a step between
+
   const PhaseMaps& phase;
   const Map<float>& phi;
   std::vector<Piece>& pieces;
@@ -105,23 +107,32 @@ struct Linker {
       for (std::int32_t u = std::max(o.begin, p.begin); u < std::min(o.end, p.end); ++u) shared += south[u];
       if (shared > most) most = shared, best = static_cast<std::int32_t>(k);
     }
-    if (best < 0 || !room) return best;
-    const Piece& o = pieces[static_cast<std::size_t>(best)];
-    return is_step_between_rows(phase, phi, lower_row_at, std::max(o.begin, p.begin), std::min(o.end, p.end)) ? -1
-                                                                                                              : best;
+    return best;
+  }
+
+  bool step_between(const Piece& p, std::int32_t other) const {
+    const Piece& o = pieces[static_cast<std::size_t>(other)];
+    return room && is_step_between_rows(phase, phi, lower_row_at, std::max(o.begin, p.begin), std::min(o.end, p.end));
   }
 
   void link(std::size_t a0, std::size_t b0, std::size_t end) const {
     std::size_t from = a0;
     for (std::size_t k = b0; k < end; ++k) {
       while (from < b0 && pieces[from].end <= pieces[k].begin) ++from;
-      pieces[k].up = best_overlap(pieces[k], from, b0);
+      const std::int32_t other = best_overlap(pieces[k], from, b0);
+      pieces[k].up = other >= 0 && step_between(pieces[k], other) ? kStepFound - other : other;
     }
     from = b0;
     for (std::size_t k = a0; k < b0; ++k) {
       while (from < end && pieces[from].end <= pieces[k].begin) ++from;
-      pieces[k].down = best_overlap(pieces[k], from, end);
+      const std::int32_t other = best_overlap(pieces[k], from, end);
+      if (other < 0) continue;
+      const std::int32_t back = pieces[static_cast<std::size_t>(other)].up, self = static_cast<std::int32_t>(k);
+      const bool known = back == self || back == kStepFound - self;  // looked at from the other side already
+      const bool step = known ? back != self : step_between(pieces[k], other);
+      pieces[k].down = step ? -1 : other;
     }
+    for (std::size_t k = b0; k < end; ++k) pieces[k].up = std::max(pieces[k].up, -1);
   }
 };
 

@@ -13,11 +13,6 @@ namespace {
 constexpr float kLaplaceSigmas = 3 * 4.4721360F;  // 3 sqrt(20): a noise-free smooth place keeps its quality
 constexpr float kInvalidDifference = 10;          // any wrapped difference is below pi
 
-inline float wrap(float d) noexcept {
-  d = d > kPiF ? d - kTwoPiF : d;
-  return d < -kPiF ? d + kTwoPiF : d;
-}
-
 struct PixelRow {
   const float* phase;
   const float* sigma;
@@ -26,39 +21,42 @@ struct PixelRow {
 };
 
 /// Wrapped difference to the neighbour `step` pixels on, less the carrier; kInvalidDifference beside an invalid pixel.
-void differences(const PixelRow& r, std::ptrdiff_t step, std::size_t count, float* out) {
+void differences(const PixelRow& r, std::ptrdiff_t step, std::size_t count, float* __restrict out) {
+  const float* __restrict p = r.phase, * __restrict q = r.phase + step;
+  const float* __restrict c = r.carrier, * __restrict d = r.carrier + step;
+  const PixelReject* __restrict a = r.reject, * __restrict b = r.reject + step;
   for (std::size_t u = 0; u < count; ++u) {
-    const auto n = static_cast<std::ptrdiff_t>(u) + step;
-    const float d = wrap(r.phase[n] - r.phase[u]) - (r.carrier[n] - r.carrier[u]);
-    const float e = wrap(d);
-    const bool ok = (r.reject[n] == PixelReject::kNone) & (r.reject[u] == PixelReject::kNone);
-    out[u] = ok ? e : kInvalidDifference;
+    const float e = wrap_once(wrap_once(q[u] - p[u]) - (d[u] - c[u]));
+    const bool ok = (static_cast<unsigned>(a[u]) | static_cast<unsigned>(b[u])) == 0;  // both kNone
+    out[u] = select(ok, e, kInvalidDifference);
   }
 }
 
-void decide(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* difference, float slope,
-            const LinkConfig& c, std::uint8_t* link) {
+void decide(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* __restrict difference, float slope,
+            const LinkConfig& c, std::uint8_t* __restrict link) {
+  const float* __restrict s = r.sigma, * __restrict t = r.sigma + step;
+  const float sigmas = c.noise_sigmas, most = c.max_deviation_rad;
   for (std::size_t u = 0; u < count; ++u) {
-    const auto n = static_cast<std::ptrdiff_t>(u) + step;
-    const float noise = sqrt_poly(r.sigma[u] * r.sigma[u] + r.sigma[n] * r.sigma[n]);
-    const float wide = slope + c.noise_sigmas * noise;
-    const float limit = wide < c.max_deviation_rad ? wide : c.max_deviation_rad;
-    link[u] = (difference[u] < limit) & (difference[u] > -limit) ? 1 : 0;
+    const float limit = smaller(slope + sigmas * root(s[u] * s[u] + t[u] * t[u]), most);
+    link[u] = static_cast<std::uint8_t>(std::abs(difference[u]) < limit);
   }
 }
 
-void qualities(const PixelRow& r, std::size_t width, const float* east, const float* south, const float* north,
-               std::uint8_t* out) {
+/// east and west are the same array, one pixel apart; element -1 exists.
+void qualities(const PixelRow& r, std::size_t width, const float* __restrict east, const float* __restrict south,
+               const float* __restrict north, std::uint8_t* __restrict out) {
+  const float* __restrict sigma = r.sigma, * __restrict west = east - 1;
+  const PixelReject* __restrict reject = r.reject;
   for (std::size_t u = 0; u < width; ++u) {
-    const float west = u > 0 ? east[u - 1] : kInvalidDifference;
-    const float l = (east[u] - west) + (south[u] - north[u]);
-    const bool whole = (east[u] < 5) & (west < 5) & (south[u] < 5) & (north[u] < 5);
-    const float x = whole ? l / (kLaplaceSigmas * r.sigma[u]) : 4.0F;  // border pixels wait
-    const float q = 1.0F / (r.sigma[u] * (1.0F + x * x));
-    // Eight steps an octave straight from the float's exponent and mantissa; 2^-4 … 2^27 covers all qualities.
-    const int level = static_cast<int>(std::bit_cast<std::uint32_t>(q) >> 20U) - (123 << 3);
-    const int clamped = level < 1 ? 1 : (level > 255 ? 255 : level);
-    out[u] = r.reject[u] == PixelReject::kNone ? static_cast<std::uint8_t>(clamped) : std::uint8_t{0};
+    const float l = (east[u] - west[u]) + (south[u] - north[u]);
+    const float most = larger(larger(east[u], west[u]), larger(south[u], north[u]));
+    const float x = select(most < 5, l / (kLaplaceSigmas * sigma[u]), 4);  // border pixels wait
+    const float q = 1.0F / (sigma[u] * (1.0F + x * x));
+    // Two steps an octave straight from the float's exponent and mantissa, from 2^-8 on. Finer steps would only follow
+    // the noise of L and make the flood jump about in memory.
+    const int level = static_cast<int>(std::bit_cast<std::uint32_t>(q) >> 22U) - (119 << 1);
+    const int clamped = std::min(std::max(level, 1), 255);
+    out[u] = static_cast<std::uint8_t>(reject[u] == PixelReject::kNone ? clamped : 0);
   }
 }
 
@@ -77,8 +75,8 @@ void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkCon
   const auto width = static_cast<std::size_t>(w);
   if (out.east.width() != w || out.east.height() != h) out.east = out.south = out.quality = Map<std::uint8_t>(w, h);
   out.pairs = out.linked = 0;
-  out.scratch.assign(3 * width, kInvalidDifference);
-  float* east = out.scratch.data();
+  out.scratch.assign(3 * width + 1, kInvalidDifference);
+  float* east = out.scratch.data() + 1;
   float* south = east + width;
   float* north = south + width;
   for (int v = 0; v < h; ++v) {
@@ -96,8 +94,11 @@ void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkCon
       std::fill_n(&out.south[at], width, std::uint8_t{0});
     }
     qualities(row, width, east, south, north, &out.quality[at]);
-    for (std::size_t u = 0; u + 1 < width; ++u) out.pairs += east[u] < 5 ? 1 : 0;
-    for (std::size_t u = 0; u + 1 < width; ++u) out.linked += out.east[at + u];
+    unsigned pairs = 0, linked = 0;
+    for (std::size_t u = 0; u + 1 < width; ++u) pairs += static_cast<unsigned>(east[u] < 5);
+    for (std::size_t u = 0; u + 1 < width; ++u) linked += out.east[at + u];
+    out.pairs += pairs;
+    out.linked += linked;
     std::swap(south, north);
   }
 }
@@ -125,11 +126,14 @@ void reject_half_lit(const Map<float>& modulation_dn, Map<PixelReject>& reject) 
   PixelReject* r = reject.pixels().data();
   for (std::ptrdiff_t v = 0; v < h; ++v) {
     const std::ptrdiff_t up = v >= kStep_px ? -kStep_px * w : 0, down = v + kStep_px < h ? kStep_px * w : 0;
-    for (std::ptrdiff_t i = v * w + kStep_px; i < (v + 1) * w - kStep_px; ++i) {
-      const float across = b[i - kStep_px] > b[i + kStep_px] ? b[i - kStep_px] : b[i + kStep_px];
-      const float along = b[i + up] > b[i + down] ? b[i + up] : b[i + down];
-      const float most = across > along ? across : along;
-      r[i] = (r[i] == PixelReject::kNone) & (b[i] < 0.5F * most) ? PixelReject::kEdge : r[i];
+    const float* __restrict west = b + v * w, * __restrict east = west + 2 * kStep_px, * __restrict here = west + kStep_px;
+    const float* __restrict above = here + up, * __restrict below = here + down;
+    PixelReject* __restrict out = r + v * w + kStep_px;
+    for (std::ptrdiff_t u = 0; u < w - 2 * kStep_px; ++u) {
+      const float most = larger(larger(west[u], east[u]), larger(above[u], below[u]));
+      const unsigned half_lit = static_cast<unsigned>(here[u] < 0.5F * most);
+      const auto was = static_cast<unsigned>(out[u]);
+      out[u] = static_cast<PixelReject>(was == 0 ? half_lit * static_cast<unsigned>(PixelReject::kEdge) : was);
     }
   }
 }

@@ -24,7 +24,7 @@ struct Carrier {
 
 struct LinkMaps {
   Map<std::uint8_t> east, south;  ///< 1: pixel and its right / lower neighbour are valid and on one surface
-  Map<std::uint8_t> quality;      ///< modulation-Laplace, log scale (8 steps an octave), 0 only where invalid
+  Map<std::uint8_t> quality;      ///< modulation-Laplace, log scale (2 steps an octave), 0 only where invalid
   std::size_t pairs = 0;          ///< valid horizontal neighbour pairs …
   std::size_t linked = 0;         ///< … and those of them that are linked
   std::vector<float> scratch;

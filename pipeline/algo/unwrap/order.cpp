@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "pipeline/algo/phase/poly_trig.hpp"
+
 namespace enamel::algo {
 namespace {
 
@@ -16,11 +18,19 @@ using Costs = std::array<float, kStates>;
 
 float* at(std::vector<float>& v, std::size_t piece) { return &v[piece * kStates]; }
 
+/// Least of kStates costs, in four lanes.
+float least(const float* c) {
+  std::array<float, 4> m = {c[0], c[1], c[2], c[3]};
+  for (std::size_t k = 4; k < kStates; k += 4)
+    for (std::size_t j = 0; j < 4; ++j) m[j] = smaller(m[j], c[k + j]);
+  return smaller(smaller(m[0], m[1]), smaller(m[2], m[3]));
+}
+
 /// out[k] = unary[k] + min(in[k], min(in) + jump), less its own minimum so that sums stay small.
 void pass(const float* in, const float* unary, float jump, float* out) {
-  const float low = *std::min_element(in, in + kStates);
-  for (std::size_t k = 0; k < kStates; ++k) out[k] = unary[k] + std::min(in[k] - low, jump);
-  const float base = *std::min_element(out, out + kStates);
+  const float low = least(in);
+  for (std::size_t k = 0; k < kStates; ++k) out[k] = unary[k] + smaller(in[k] - low, jump);
+  const float base = least(out);
   for (std::size_t k = 0; k < kStates; ++k) out[k] -= base;
 }
 
@@ -66,13 +76,14 @@ class Solver {
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const Piece& p = pieces_[i];
       const SignCosts cost = signs_.informative ? sign_costs(p, config_) : SignCosts{};
-      for (std::size_t k = 0; k < kStates; ++k) {
-        const std::int32_t shift = base_of(p) + static_cast<std::int32_t>(k);
-        const std::int32_t cell = p.cell + 2 * shift;
-        const std::int32_t beyond = std::max({p.low - shift, shift - p.high, 0});
-        const bool possible = beyond <= kBeyond && cell >= 0 && cell < signs_.cells();
-        const float code = signs_.at(cell) > 0 ? cost.plus : cost.minus;
-        at(work_.unary, i)[k] = possible ? code + config_.beyond_range_cost * static_cast<float>(beyond) : kImpossible;
+      float* unary = at(work_.unary, i);
+      std::fill_n(unary, kStates, kImpossible);
+      const std::int32_t base = base_of(p), last = base + static_cast<std::int32_t>(kStates) - 1;
+      for (std::int32_t shift = std::max(base, p.low - kBeyond); shift <= std::min(last, p.high + kBeyond); ++shift) {
+        const std::int32_t beyond = std::max({p.low - shift, shift - p.high, 0}), cell = p.cell + 2 * shift;
+        if (cell < 0 || cell >= signs_.cells()) continue;
+        unary[shift - base] =
+            (signs_.at(cell) > 0 ? cost.plus : cost.minus) + config_.beyond_range_cost * static_cast<float>(beyond);
       }
     }
   }
@@ -114,22 +125,29 @@ class Solver {
     const float memory = neighbour >= 0 ? config_.row_memory : 0;
     const float* own = at(work_.row, i);
     const float* in = neighbour >= 0 ? at(mean, static_cast<std::size_t>(neighbour)) : own;
-    const float low = *std::min_element(in, in + kStates), own_low = *std::min_element(own, own + kStates);
+    const float low = least(in), own_low = least(own);
     float* out = at(mean, i);
     for (std::size_t k = 0; k < kStates; ++k)
-      out[k] = (1 - memory) * (own[k] - own_low) + memory * std::min(in[k] - low, 4 * config_.unseen_jump_cost);
+      out[k] = (1 - memory) * (own[k] - own_low) + memory * smaller(in[k] - low, 4 * config_.unseen_jump_cost);
   }
 
   void choose() {
     out_.pieces.assign(pieces_.size(), {});
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const float* total = at(work_.mean, i);
-      const auto best = static_cast<std::size_t>(std::min_element(total, total + kStates) - total);
-      float second = std::numeric_limits<float>::max();
-      for (std::size_t k = 0; k < kStates; ++k)
-        if (k != best) second = std::min(second, total[k]);
+      float first = kImpossible, second = kImpossible;
+      std::size_t best = 0;
+      for (std::size_t k = 0; k < kStates; ++k) {
+        if (total[k] < first) {
+          second = first;
+          first = total[k];
+          best = k;
+        } else {
+          second = smaller(second, total[k]);
+        }
+      }
       out_.pieces[i].shift = base_of(pieces_[i]) + static_cast<std::int32_t>(best);
-      out_.pieces[i].decided = total[best] < kImpossible && second - total[best] >= config_.decided_margin;
+      out_.pieces[i].decided = first < kImpossible && second - first >= config_.decided_margin;
     }
   }
 
@@ -169,7 +187,7 @@ class Solver {
       const std::int32_t shift = work_.size[root(i)], state = shift - base_of(pieces_[i]);
       if (state < 0 || state >= static_cast<std::int32_t>(kStates)) continue;
       const float* total = at(work_.row, i);  // of its own row, not diluted by others
-      if (total[state] - *std::min_element(total, total + kStates) > config_.inherit_cost) continue;
+      if (total[state] - least(total) > config_.inherit_cost) continue;
       out_.pieces[i].shift = shift;
       out_.pieces[i].inherited = true;
     }
