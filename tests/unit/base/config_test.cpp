@@ -50,7 +50,7 @@ SampleConfig bind_sample(ConfigReader& r) {
   return c;
 }
 
-Result<SampleConfig> read(std::string_view text, std::vector<std::string> overrides = {}) {
+Result<SampleConfig> read(std::string_view text, const std::vector<std::string>& overrides = {}) {
   ENAMEL_TRY_ASSIGN(ConfigReader r, ConfigReader::from_text(text, "test.toml"));
   for (const std::string& s : overrides) ENAMEL_TRY(r.set(s));
   const SampleConfig c = bind_sample(r);
@@ -58,8 +58,9 @@ Result<SampleConfig> read(std::string_view text, std::vector<std::string> overri
   return c;
 }
 
-void expect_error(std::string_view text, ErrorCode code, std::string_view part, std::vector<std::string> set = {}) {
-  const auto c = read(text, std::move(set));
+void expect_error(std::string_view text, ErrorCode code, std::string_view part,
+                  const std::vector<std::string>& set = {}) {
+  const auto c = read(text, set);
   ASSERT_FALSE(c) << "accepted: " << text;
   EXPECT_EQ(c.error().code, code) << c.error().detail;
   EXPECT_THAT(c.error().detail, HasSubstr(std::string(part)));

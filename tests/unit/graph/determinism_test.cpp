@@ -44,70 +44,60 @@ TEST(Delay, ChangesTheResult) {  // the hash does see the feedback
   EXPECT_NE(two.sink->hash(), three.sink->hash());
 }
 
-/// Two schedules, both legal: fusion of burst n is done before registration of n + 1 begins, or only after it began.
+/// Two schedules, both legal: fusion of burst n is done before registration of n + 1 begins, or ends only after it
+/// began.
 enum class Schedule { kFusionFirst, kRegistrationFirst };
 
-void force(Schedule schedule, ToyPipeline& p, Number count) {
-  auto registered = std::make_shared<std::atomic<Number>>(0);  // bursts that registration has begun
-  auto fused = std::make_shared<std::atomic<Number>>(0);       // bursts that fusion has finished
-  const auto wait_for = [](const std::atomic<Number>& a, Number at_least) {
+/// Makes registration and fusion wait for each other: what no stage may do, here to force a schedule that chance could
+/// bring.
+class Turnstile {
+ public:
+  Turnstile(Schedule schedule, Number count) : schedule_(schedule), count_(count) {}
+  void registration_begins(Number n) {
+    if (schedule_ == Schedule::kFusionFirst) wait_for(fused_, n);
+    note(registered_, n + 1);
+  }
+  void fusion_begins(Number n) {
+    if (schedule_ == Schedule::kRegistrationFirst && n + 1 < count_) wait_for(registered_, n + 2);
+  }
+  void fusion_ended(Number n) { note(fused_, n + 1); }
+
+ private:
+  static void wait_for(const std::atomic<Number>& a, Number at_least) {
     for (Number v = a.load(); v < at_least; v = a.load()) a.wait(v);
-  };
-  const auto note = [](std::atomic<Number>& a, Number value) {
+  }
+  static void note(std::atomic<Number>& a, Number value) {
     a.store(value);
     a.notify_all();
-  };
-  p.reg->before = [=](Number n) {
-    if (schedule == Schedule::kFusionFirst) wait_for(*fused, n);
-  };
-  auto inner = p.reg->before;
-  p.reg->before = [=](Number n) {
-    inner(n);
-    note(*registered, n + 1);
-  };
-  p.fuse->before = [=](Number n) {
-    if (schedule == Schedule::kRegistrationFirst && n + 1 < count) wait_for(*registered, n + 2);
-  };
-  p.fuse->after = [=](Number n) { note(*fused, n + 1); };
-}
+  }
+  Schedule schedule_;
+  Number count_;
+  std::atomic<Number> registered_{0};
+  std::atomic<Number> fused_{0};
+};
 
-/// Every burst is accepted here, so that registration sees each of them.
+/// With `latest_model`, registration also looks at the model as it happens to be, past the delay edge.
 std::string hash_under(Schedule schedule, bool latest_model) {
   constexpr Number kCount = 60;
-  SteadyClock clock;
-  ToyPipeline p(0);  // stages for a second graph
+  Turnstile turn(schedule, kCount);
+  std::atomic<Number> latest{0};
+  const SteadyClock clock;
   Graph g(clock);
   auto& source = g.add<CountingSource>("source", kCount);
+  auto& look = g.add<MapStage>("look", [&](const Item<Number>& i) {
+    turn.registration_begins(i.id.value);
+    return make_item<Number>(i, latest_model ? mix(*i, latest.load()) : *i);
+  });
   auto& reg = g.add<RegisterStage>("register");
   auto& fuse = g.add<FuseStage>("fuse");
   auto& sink = g.add<CollectSink>("sink");
-  p.reg = &reg;
-  p.fuse = &fuse;
-  force(schedule, p, kCount);
-  std::atomic<Number> latest{0};
-  MapStage* spoil = nullptr;
-  if (latest_model) {
-    // Registration looks at the model as it happens to be.
-    spoil =
-        &g.add<MapStage>("look", [&latest](const Item<Number>& i) { return make_item<Number>(i, mix(*i, latest)); });
-    auto before = reg.before;
-    reg.before = nullptr;
-    auto fn = [before, &latest](const Item<Number>& i) {
-      before(i.id.value);
-      return make_item<Number>(i, mix(*i, latest.load()));
-    };
-    auto& look = g.add<MapStage>("look_now", fn);
-    g.connect(source.out, spoil->in);
-    g.connect(spoil->out, look.in);
-    g.connect(look.out, reg.in);
-    auto after = fuse.after;
-    fuse.after = [after, &latest](Number n) {
-      latest.store(mix(n, 77));
-      after(n);
-    };
-  } else {
-    g.connect(source.out, reg.in);
-  }
+  fuse.before = [&](Number n) { turn.fusion_begins(n); };
+  fuse.after = [&](Number n) {
+    latest.store(n + 1);
+    turn.fusion_ended(n);
+  };
+  g.connect(source.out, look.in);
+  g.connect(look.out, reg.in);
   g.connect(reg.out, fuse.in);
   g.connect_feedback(fuse.view, reg.model, 2, make_rejected<Number>({}, "no_model"));
   g.connect(fuse.out, sink.in);
@@ -132,7 +122,7 @@ std::string hash_with_replicas(std::size_t replicas, std::size_t workers) {
   std::vector<Out<Number>*> outs;
   for (std::size_t i = 0; i < replicas; ++i) {
     auto& r = g.add<MapStage>("decode " + std::to_string(i), [](const Item<Number>& item) {
-      random_pause(3, item.id.value);
+      random_work(3, item.id.value);
       return item.id.value % 5 == 0 ? make_rejected<Number>(item, "dark") : make_item<Number>(item, mix(9, *item));
     });
     ins.push_back(&r.in);

@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <mutex>
+#include <thread>
 
 #include "tests/unit/graph/toy_stages.hpp"
 
@@ -84,7 +85,7 @@ TEST_P(Lifecycle, NotificationsFromAnotherThreadAreNeverLost) {
         source.closed = i == kItems;
       }
       waker.notify();
-      random_pause(4, i);
+      random_work(4, i);
     }
   });
   ASSERT_TRUE(run_with(GetParam(), g));
@@ -103,7 +104,7 @@ TEST_P(Lifecycle, ParkedSourceIsNotPolledAndStopWakesIt) {
     while (source.pulls.load() < 1) std::this_thread::yield();
     waker.notify();
     while (source.pulls.load() < 2) std::this_thread::yield();
-    for (int i = 0; i < 1000; ++i) std::this_thread::yield();  // time to poll, for one who would
+    for (Number i = 0; i < 50; ++i) random_work(6, i);  // time to poll, for one who would
     stop.request_stop();
   });
   ASSERT_TRUE(run_with(GetParam(), g, stop.get_token()));

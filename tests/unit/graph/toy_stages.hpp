@@ -6,7 +6,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -22,9 +21,11 @@ using Number = std::uint64_t;
 /// Cheap, not commutative, depends on every bit.
 inline Number mix(Number a, Number b) { return Rng(a, b, 0).next_u64(); }
 
-/// Lets another thread run now and then, so that schedules differ.
-inline void random_pause(Number a, Number b) {
-  for (Number n = mix(a, b) % 4; n > 0; --n) std::this_thread::yield();
+/// Work of varying length, so that schedules differ.
+inline void random_work(Number a, Number b) {
+  Number sink = 0;
+  for (Number n = mix(a, b) % 1024; n > 0; --n) sink = mix(sink, n);
+  ENAMEL_CHECK(sink != 1);  // keeps the loop
 }
 
 /// Emits bursts 0 … count − 1.
@@ -114,13 +115,11 @@ class RegisterStage final : public Stage {
   [[nodiscard]] Result<void> step() override {
     const Item<Number> item = in.take();
     const Item<Number> view = model.take();
-    if (before) before(item.id.value);
     seen_models.push_back(view.ok() ? *view : Number{0});
-    random_pause(11, item.id.value);
+    random_work(11, item.id.value);
     out.emit(make_item<Number>(item, mix(*item, seen_models.back())));
     return {};
   }
-  std::function<void(Number)> before;
   std::vector<Number> seen_models;
 };
 
@@ -135,7 +134,7 @@ class FuseStage final : public Stage {
   [[nodiscard]] Result<void> step() override {
     const Item<Number> item = in.take();
     if (before) before(item.id.value);
-    random_pause(12, item.id.value);
+    random_work(12, item.id.value);
     if (item.ok()) model_ = mix(model_, *item);
     ItemHead head = item;
     head.rejected = nullptr;
@@ -156,7 +155,7 @@ struct ToyPipeline {
   explicit ToyPipeline(Number count, std::size_t delay = 2) : graph(clock) {
     source = &graph.add<CountingSource>("source", count);
     decode = &graph.add<MapStage>("decode", [](const Item<Number>& i) {
-      random_pause(10, i.id.value);
+      random_work(10, i.id.value);
       return i.id.value % 7 == 3 ? make_rejected<Number>(i, "low_modulation") : make_item<Number>(i, mix(5, *i));
     });
     reg = &graph.add<RegisterStage>("register");
