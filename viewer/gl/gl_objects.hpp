@@ -3,9 +3,15 @@
 
 #include <epoxy/gl.h>
 
+#include <cstdint>
 #include <utility>
 
 namespace enamel::view {
+
+/// GL takes offsets into a buffer as pointers.
+[[nodiscard]] inline const void* buffer_offset(std::uintptr_t bytes) {
+  return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr): GL's interface
+}
 
 template <class Kind>
 class GlName {

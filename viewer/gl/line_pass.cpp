@@ -1,7 +1,5 @@
 #include "viewer/gl/line_pass.hpp"
 
-#include <cstdint>
-
 #include "viewer/gl/shader.hpp"
 
 namespace enamel::view {
@@ -35,8 +33,7 @@ Result<std::unique_ptr<LinePass>> LinePass::make() {
   glBindBuffer(GL_ARRAY_BUFFER, pass->buffer_.id());
   const auto attribute = [](GLuint location, GLint count, std::size_t offset) {
     glEnableVertexAttribArray(location);
-    glVertexAttribPointer(location, count, GL_FLOAT, GL_FALSE, sizeof(Vertex),
-                          static_cast<const std::uint8_t*>(nullptr) + offset);
+    glVertexAttribPointer(location, count, GL_FLOAT, GL_FALSE, sizeof(Vertex), buffer_offset(offset));
   };
   attribute(0, 3, offsetof(Vertex, from));
   attribute(1, 3, offsetof(Vertex, to));

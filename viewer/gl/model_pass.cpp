@@ -66,9 +66,7 @@ void ModelPass::point_attributes() const {
   glEnableVertexAttribArray(0);
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, kGpuVertexBytes, nullptr);
   glEnableVertexAttribArray(1);
-  // The offset inside the vertex travels as a pointer: that is GL's interface.
-  glVertexAttribPointer(1, 4, GL_SHORT, GL_TRUE, kGpuVertexBytes,
-                        static_cast<const std::uint8_t*>(nullptr) + offsetof(GpuVertex, normal_quality));
+  glVertexAttribPointer(1, 4, GL_SHORT, GL_TRUE, kGpuVertexBytes, buffer_offset(offsetof(GpuVertex, normal_quality)));
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
   glBindVertexArray(0);
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr float kMargin = 20;
 
 ImTextureID texture_id(GLuint texture) {
-  // ImGui's GL backend carries a texture's name in a pointer.
+  // ImGui's GL backend carries a texture's name in a pointer. NOLINTNEXTLINE(performance-no-int-to-ptr)
   return reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture));
 }
 
