@@ -19,10 +19,21 @@ inline constexpr std::int32_t kNoBlock = -1;
 /// Block indices lie in [-kBlockRange, kBlockRange).
 inline constexpr std::int32_t kBlockRange = 1 << 20;
 
-/// Voxel (x, y, z) of a block, 0 … 7 each, is element x + 8 y + 64 z.
+/// Voxel (x, y, z) of a block, 0 … 7 each.
+[[nodiscard]] constexpr std::size_t voxel_index(int x, int y, int z) noexcept {
+  const int i = x + 8 * y + 64 * z;
+  return static_cast<std::size_t>(i);
+}
+
+/// Element of Block::neighbour for the block at an offset of -1, 0 or 1 along each axis.
+[[nodiscard]] constexpr std::size_t neighbour_index(int dx, int dy, int dz) noexcept {
+  const int i = (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1);
+  return static_cast<std::size_t>(i);
+}
+
 struct Block {
   BlockIndex index{};
-  std::array<std::int32_t, 27> neighbour{};  ///< ids; (dx+1) + 3 (dy+1) + 9 (dz+1); itself in the middle
+  std::array<std::int32_t, 27> neighbour{};  ///< ids by neighbour_index; itself in the middle
   std::array<float, kBlockVoxels>
       distance_mm{};                         ///< weighted mean signed distance, positive outside; 0 where weight is 0
   std::array<float, kBlockVoxels> weight{};  ///< 0 = never observed

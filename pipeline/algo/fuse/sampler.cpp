@@ -9,8 +9,6 @@ constexpr double kBias = static_cast<double>(kBlockRange) * kBlockEdge;
 
 inline float mix(float a, float b, float t) noexcept { return a + t * (b - a); }
 
-inline std::size_t voxel_index(int x, int y, int z) noexcept { return static_cast<std::size_t>(x + 8 * y + 64 * z); }
-
 }  // namespace
 
 bool Sampler::locate(const Vec3d& at, Cell& cell) {
@@ -39,8 +37,7 @@ bool Sampler::locate(const Vec3d& at, Cell& cell) {
 bool Sampler::voxel(int x, int y, int z, float& value) const {
   const Block* block = block_;
   if (((x | y | z) & ~7) != 0) {
-    const int at = ((x >> 3) + 1) + 3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1);
-    const std::int32_t id = block_->neighbour[static_cast<std::size_t>(at)];
+    const std::int32_t id = block_->neighbour[neighbour_index(x >> 3, y >> 3, z >> 3)];
     if (id == kNoBlock) {
       return false;
     }

@@ -15,11 +15,9 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 /// area.
 constexpr float kEndMargin = 1e-3F;
 
-std::size_t voxel_index(int x, int y, int z) noexcept { return static_cast<std::size_t>(x + 8 * y + 64 * z); }
-
 // Block that holds voxel (x, y, z), each -8 … 15, counted from `block`'s first.
 std::int32_t owner(const Block& block, int x, int y, int z) noexcept {
-  return block.neighbour[static_cast<std::size_t>(((x >> 3) + 1) + 3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1))];
+  return block.neighbour[neighbour_index(x >> 3, y >> 3, z >> 3)];
 }
 
 }  // namespace
@@ -66,7 +64,7 @@ bool BlockMesher::find_cells() {
       all &= all >> 1U;
       usable &= usable >> 1U;
       const unsigned active = any & ~all & usable & 0xFFU;
-      active_[static_cast<std::size_t>(y + kBlockEdge * z)] = static_cast<std::uint16_t>(active);
+      active_[voxel_index(y, z, 0)] = static_cast<std::uint16_t>(active);
       any_active |= active;
     }
   }
@@ -109,8 +107,8 @@ Vec3f BlockMesher::gradient(const std::array<int, 3>& at) const {
 
 std::uint32_t BlockMesher::vertex(const TsdfModel& model, std::int32_t block_id, const std::array<int, 3>& lower,
                                   int axis, MeshedBlock& out) {
-  const auto slot =
-      static_cast<std::size_t>(((axis * kCorners + lower[2]) * kCorners + lower[1]) * kCorners + lower[0]);
+  const int at_edge = ((axis * kCorners + lower[2]) * kCorners + lower[1]) * kCorners + lower[0];
+  const auto slot = static_cast<std::size_t>(at_edge);
   if (vertex_of_[slot] >= 0) {
     return static_cast<std::uint32_t>(vertex_of_[slot]);
   }
@@ -190,7 +188,7 @@ void BlockMesher::run(const TsdfModel& model, std::int32_t block_id, MeshedBlock
   vertex_of_.fill(-1);
   for (int z = 0; z < kBlockEdge; ++z) {
     for (int y = 0; y < kBlockEdge; ++y) {
-      for (unsigned cells = active_[static_cast<std::size_t>(y + kBlockEdge * z)]; cells != 0; cells &= cells - 1) {
+      for (unsigned cells = active_[voxel_index(y, z, 0)]; cells != 0; cells &= cells - 1) {
         mesh_cell(model, block_id, std::countr_zero(cells), y, z, out);
       }
     }

@@ -42,9 +42,13 @@ class BlockMesher {
                        MeshedBlock& out);
   [[nodiscard]] Vec3f gradient(const std::array<int, 3>& at) const;
   [[nodiscard]] static std::size_t padded(int x, int y, int z) noexcept {
-    return static_cast<std::size_t>((x + 1) + kPadded * ((y + 1) + kPadded * (z + 1)));
+    const int i = (x + 1) + kPadded * ((y + 1) + kPadded * (z + 1));
+    return static_cast<std::size_t>(i);
   }
-  [[nodiscard]] static std::size_t row(int y, int z) noexcept { return static_cast<std::size_t>(y + kCorners * z); }
+  [[nodiscard]] static std::size_t row(int y, int z) noexcept {
+    const int i = y + kCorners * z;
+    return static_cast<std::size_t>(i);
+  }
 
   MeshConfig config_;
   RowMasks inside_{}, usable_{};  ///< bit x of row (y, z)

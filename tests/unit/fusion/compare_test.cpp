@@ -76,7 +76,7 @@ TEST(TriangleTree, FindsWhatAFullSearchFinds) {
   const TriangleTree tree(mesh);
   synthetic::Random random(4);
   for (int k = 0; k < 300; ++k) {
-    const Vec3d p(24 * (random.uniform() - 0.5), 16 * (random.uniform() - 0.5), 8 * (random.uniform() - 0.5));
+    const Vec3d p = random.vector().cwiseProduct(Vec3d(24, 16, 8));
     double best = 1e9;
     for (const auto& t : mesh.triangles) {
       best = std::min(best, nearest_on_triangle(p, mesh.vertices[t[0]].cast<double>(),
@@ -93,18 +93,18 @@ TEST(TriangleTree, EveryFeatureOfATriangleIsExact) {
   const Vec3d a(0, 0, 0);
   const Vec3d b(2, 0, 0);
   const Vec3d c(0, 1, 0);
-  const auto is = [&](const Vec3d& p, double distance, Feature feature) {
+  const auto is = [&](const Vec3d& p, double distance, TriangleFeature feature) {
     const Nearest n = nearest_on_triangle(p, a, b, c);
     EXPECT_NEAR(n.distance_mm, distance, 1e-12);
     EXPECT_EQ(n.feature, feature);
   };
-  is({-3, -4, 0}, 5, Feature::kVertex0);
-  is({5, -4, 0}, 5, Feature::kVertex1);
-  is({0, 3, 0}, 2, Feature::kVertex2);
-  is({1, -2, 0}, 2, Feature::kEdge01);
-  is({-2, 0.5, 0}, 2, Feature::kEdge20);
-  is({2, 2, 0}, 4 / std::sqrt(5.0), Feature::kEdge12);
-  is({0.2, 0.2, -7}, 7, Feature::kFace);
+  is({-3, -4, 0}, 5, TriangleFeature::kVertex0);
+  is({5, -4, 0}, 5, TriangleFeature::kVertex1);
+  is({0, 3, 0}, 2, TriangleFeature::kVertex2);
+  is({1, -2, 0}, 2, TriangleFeature::kEdge01);
+  is({-2, 0.5, 0}, 2, TriangleFeature::kEdge20);
+  is({2, 2, 0}, 4 / std::sqrt(5.0), TriangleFeature::kEdge12);
+  is({0.2, 0.2, -7}, 7, TriangleFeature::kFace);
 }
 
 TEST(Compare, ABallTenMicrometresTooLargeDeviatesByPlusTen) {
@@ -145,7 +145,7 @@ TEST(Compare, SignsHoldAtSharpCornersOfSoupsWithoutSharedVertices) {
   const SignedSurface surface(cube);
   synthetic::Random random(9);
   for (int k = 0; k < 2000; ++k) {
-    const Vec3d p(3 * (random.uniform() - 0.5), 3 * (random.uniform() - 0.5), 3 * (random.uniform() - 0.5));
+    const Vec3d p = 3 * random.vector();
     EXPECT_EQ(surface.distance(p).distance_mm > 0, p.cwiseAbs().maxCoeff() > 1.0) << p.transpose();
     EXPECT_FALSE(surface.distance(p).on_border);
   }

@@ -40,8 +40,12 @@ Deviation to_sphere(const ModelView& view, double radius_mm) {
   return d;
 }
 
-Vec3d direction(synthetic::Random& random, double spread) {
-  return Vec3d(spread * (random.uniform() - 0.5), spread * (random.uniform() - 0.5), 1.0);
+/// A pose over the origin, shifted and tilted at random.
+Pose around(synthetic::Random& random) {
+  const Vec3d shift = random.vector();
+  const Vec3d tilt = 0.6 * random.vector();
+  const Vec3d rest = random.vector();
+  return looking_at({shift.x(), shift.y(), 0}, {tilt.x(), tilt.y(), 1}, 48 + 4 * rest.x(), rest.y());
 }
 
 TEST(Fuse, AnEmptyModelShowsAnEmptyView) {
@@ -132,8 +136,7 @@ TEST(Fuse, TwentyNoisyBurstsOfASphereLeaveLittleBiasAndNoise) {
   synthetic::Random random(3);
   const auto surface = synthetic::sphere(Vec3d::Zero(), 3.0);
   for (std::uint64_t k = 0; k < 20; ++k) {
-    const Pose pose = looking_at({random.uniform() - 0.5, random.uniform() - 0.5, 0}, direction(random, 0.6),
-                                 46 + 4 * random.uniform(), random.uniform());
+    const Pose pose = around(random);
     model.integrate(BurstId{k}, render(rig, surface, pose, {0.0085, true, k + 1}), pose);
   }
   const Pose pose = looking_at(Vec3d::Zero(), Vec3d::UnitZ(), 48);

@@ -253,8 +253,9 @@ TEST(Mesh, ARoundedEdgeOfATenthOfAMillimetreStaysSharperThanFifteenHundredths) {
   TsdfModel model(rig);
   synthetic::Random random(5);
   for (std::uint64_t k = 0; k < 12; ++k) {
-    const Pose pose = looking_at({random.uniform() - 0.5, random.uniform() - 0.5, 0},
-                                 {random.uniform() - 0.5, 0.3 * random.uniform(), 1}, 48, 0.3 * random.uniform());
+    const Vec3d shift = random.vector();
+    const Vec3d tilt = random.vector();
+    const Pose pose = looking_at({shift.x(), shift.y(), 0}, {tilt.x(), 0.3 * tilt.y(), 1}, 48, 0.3 * tilt.z());
     model.integrate(BurstId{k}, render(rig, surface, pose, {0.0085, true, k + 1}), pose);
   }
   IncrementalMesher mesher;

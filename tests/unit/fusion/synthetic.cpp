@@ -15,6 +15,14 @@ double Random::uniform() {
   return (static_cast<double>(z >> 11U) + 0.5) * 0x1.0p-53;
 }
 
+Vec3d Random::vector() {
+  Vec3d v;
+  for (int k = 0; k < 3; ++k) {
+    v[k] = uniform() - 0.5;
+  }
+  return v;
+}
+
 double Random::normal() {
   const double radius = std::sqrt(-2.0 * std::log(uniform()));
   const double angle = 2.0 * M_PI * uniform();
@@ -131,7 +139,11 @@ Vec3d pixel_ray(const calib::LensValues& lens, double u, double v) {
 namespace {
 
 Vec3d jittered(const Vec3d& normal, Random& random) {
-  return (normal + 0.03 * Vec3d(random.normal(), random.normal(), random.normal())).normalized();
+  Vec3d noise;
+  for (int k = 0; k < 3; ++k) {  // one after the other: the order of evaluation of arguments differs between compilers
+    noise[k] = random.normal();
+  }
+  return (normal + 0.03 * noise).normalized();
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
   double uniform();  ///< (0, 1)
+  Vec3d vector();    ///< each component in (-0.5, 0.5)
   double normal();
 
  private:
