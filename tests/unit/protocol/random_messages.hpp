@@ -124,7 +124,8 @@ inline proto::Burst camera_burst(std::uint64_t index, int width, int height, int
   b.bit_depth = static_cast<std::uint8_t>(bit_depth);
   b.codec = bit_depth == 8 ? proto::Codec::kRaw8 : proto::Codec::kRaw16;
   b.frames = proto::kFramesPerBurst;
-  const std::size_t frame = static_cast<std::size_t>(width * height * (bit_depth == 8 ? 1 : 2));
+  const std::size_t frame =
+      static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * (bit_depth == 8 ? 1U : 2U);
   b.payload = r.octets(frame * proto::kFramesPerBurst);
   b.payload_crc32 = crc32(std::as_bytes(std::span(b.payload)));
   b.meta.resize(proto::kFramesPerBurst);

@@ -30,11 +30,11 @@ inline std::vector<capture::Record> write_sample(capture::CaptureWriter& out, in
     proto::Status status;
     randomize(random, status);
     log(status, [&](const auto& v, std::int64_t t) { return out.write_status(v, t); });
-    log(camera_burst(static_cast<std::uint64_t>(10 + 2 * i), 16, 12),
+    log(camera_burst(10 + 2 * static_cast<std::uint64_t>(i), 16, 12),
         [&](const auto& v, std::int64_t t) { return out.write_burst(v, t); });
     proto::ShedNote note;
     randomize(random, note);
-    note.burst_index = static_cast<std::uint64_t>(11 + 2 * i);
+    note.burst_index = 11 + 2 * static_cast<std::uint64_t>(i);
     log(note, [&](const auto& v, std::int64_t t) { return out.write_shed(v, t); });
     proto::Event event;
     randomize(random, event);
