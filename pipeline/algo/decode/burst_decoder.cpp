@@ -149,9 +149,12 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   make_spans(b.pieces.pieces, b.orders, b.phase.reject, b.spans);
   const double judged = b.orders.agreeing_px + b.orders.contradicting_px;
   diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;
+  diag.torn_share =
+      b.orders.seams > 0 ? static_cast<double>(b.orders.torn_seams) / static_cast<double>(b.orders.seams) : 0;
   step("order");
   if (b.spans.empty()) return BurstVerdict::kNoCode;
-  if (signs_.informative && diag.code_agreement < config_.min_code_agreement) return BurstVerdict::kPatternMismatch;
+  const bool follows = diag.code_agreement >= config_.min_code_agreement && diag.torn_share <= config_.max_torn_share;
+  if (signs_.informative && !follows) return BurstVerdict::kPatternMismatch;
   apply_polarity(b.spans, signs_, diag.noise, config_.polarity, b.phase, b.polarity);
   step("polarity");
   if (config_.correct_closure) {

@@ -31,7 +31,8 @@ struct DecodeConfig {
   std::size_t min_points = 1000;   ///< fewer cannot be registered
   double min_linked_share = 0.65;  ///< see burst_gates.hpp
   double min_closure_share = 0.65;
-  double min_code_agreement = 0.8;
+  double min_code_agreement = 0.95;  ///< five times the share of lying cells that order.hpp expects
+  double max_torn_share = 0.1;  ///< a foreign code can only be followed by jumping every few cells; surfaces do not
 };
 
 /// Memory that one caller (one thread) reuses from burst to burst.

@@ -98,11 +98,12 @@ std::string decode_json(const DecodedBurst& burst, const DecodeReport& report) {
       "{{\"burst\": {}, \"mode\": \"{}\", \"verdict\": \"{}\", \"valid_px\": {}, \"undecided_px\": {},\n"
       " \"rejected_px\": {{{}}},\n \"sigma_um_median\": {:.3f},\n"
       " \"diagnostics\": {{\"linked_share\": {:.5f}, \"closure_share\": {:.5f}, \"code_agreement\": {:.5f}, "
+      "\"torn_share\": {:.5f}, "
       "\"motion_rad\": {:.6f}, \"harmonic\": {:.6f}, \"fourth_rad\": {:.6f}, \"noise_from\": \"{}\"}},\n"
       " \"stage_ms\": {{{}}}}}\n",
       report.burst, name_of_mode(report.mode), name_of(burst.verdict), burst.patch.valid_px,
       burst.counts[static_cast<std::size_t>(PixelReject::kRelative)], rejected, median_sigma_um(burst.patch),
-      d.linked_share, d.closure_share, d.code_agreement, d.motion_rad, d.harmonic, d.fourth_rad,
+      d.linked_share, d.closure_share, d.code_agreement, d.torn_share, d.motion_rad, d.harmonic, d.fourth_rad,
       d.noise.source == NoiseSource::kRig ? "rig" : "closure", stages);
 }
 

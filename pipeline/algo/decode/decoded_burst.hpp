@@ -35,6 +35,7 @@ struct DecodeDiagnostics {
   double linked_share = 0;    ///< neighbouring pixel pairs that follow the rig's fringe carrier
   double closure_share = 0;   ///< lit pixels whose fourth frame is A + S or A - S
   double code_agreement = 0;  ///< of pixels in decided cells: code as labelled
+  double torn_share = 0;      ///< of smooth borders between cells: labelling jumps there
   float motion_rad = 0;       ///< mean phase change per frame interval
   float harmonic = 0;         ///< projector's B2/B1
   float fourth_rad = 0;       ///< a1 of the sin 4phi correction that was subtracted

@@ -12,6 +12,7 @@ namespace {
 constexpr int kBins = 16;
 constexpr std::size_t kSubsample = 7;       // odd and not a divisor of usual widths: visits all columns
 constexpr std::size_t kMinBinPixels = 100;  // median's own error 12 %
+constexpr double kRounding_dn2 = 1.0 / 12;
 constexpr float kMadToSigma = 1.4826F;
 
 float load(const BurstView& view, std::size_t frame, std::size_t i) {
@@ -67,12 +68,13 @@ NoiseModel noise_from_closure(const BurstView& view) {
     const double weight = static_cast<double>(r.size()), y = sigma * sigma;
     w += weight, wx += weight * x, wy += weight * y, wxx += weight * x * x, wxy += weight * x * y;
   }
-  const double det = w * wxx - wx * wx;
-  double slope = det > 1e-9 * w * wxx ? std::max(0.0, (w * wxy - wx * wy) / det) : 0.0;
-  double floor = w > 0 ? (wy - slope * wx) / w : 1.0;
-  if (floor < 1.0 / 12) {
-    floor = 1.0 / 12;
-    slope = wx > 0 ? std::max(0.0, (wy - floor * w) / wx) : 0.0;
+  // Too little spread of intensity for a line: shot noise through the rounding floor.
+  const double det = w * wxx - wx * wx, narrow = 0.05 * static_cast<double>(model.full_scale_dn) * w;
+  double slope = det > narrow * narrow ? std::max(0.0, (w * wxy - wx * wy) / det) : -1;
+  double floor = w > 0 && slope >= 0 ? (wy - slope * wx) / w : 0;
+  if (floor < kRounding_dn2) {
+    floor = kRounding_dn2;
+    slope = wx > 0 ? std::max(0.0, (wy - floor * w) / wx) : 1.0;
   }
   model.floor_dn2 = static_cast<float>(floor);
   model.slope_dn = static_cast<float>(slope);

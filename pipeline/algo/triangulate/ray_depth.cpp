@@ -10,6 +10,7 @@ namespace enamel::algo {
 namespace {
 
 constexpr int kNodes = 7;
+constexpr double kMinHalfRange_rad = 0.25;  ///< less than a twelfth of a fringe over the whole range measures nothing
 using Nodes = std::array<double, kNodes>;
 
 /// Chebyshev nodes of 1/z, first and last exactly on the range's ends so that the fit is never extrapolated.
@@ -46,7 +47,7 @@ Cubic fit_pixel(const calib::Rig& rig, calib::PlanePoint ray, const Nodes& q, do
   out.near = phase.back();
   out.mid = phase[kNodes / 2];
   const double half = 0.5 * std::abs(out.near - out.far);
-  if (!(half > 1e-6)) return out;
+  if (!(half > kMinHalfRange_rad)) return out;
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
   for (std::size_t i = 0; i < kNodes; ++i) {

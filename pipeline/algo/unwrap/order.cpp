@@ -11,7 +11,7 @@
 namespace enamel::algo {
 namespace {
 
-constexpr std::size_t kStates = 24;  ///< shifts per component, from two below the lowest that any piece allows
+constexpr std::size_t kStates = 16;  ///< shifts per component, from two below the lowest that any piece allows
 constexpr std::int32_t kBeyond = 2;  ///< orders beyond the depth range that a surface is followed
 constexpr float kImpossible = 60;
 using Costs = std::array<float, kStates>;
@@ -196,10 +196,16 @@ class Solver {
 
   void judge() {
     out_.agreeing_px = out_.contradicting_px = 0;
+    out_.seams = out_.torn_seams = 0;
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const Piece& p = pieces_[i];
-      if (!out_.pieces[i].decided || p.code_variance > 0.25F) continue;
-      const bool agrees = p.code * signs_.at(p.cell + 2 * out_.pieces[i].shift) > 0;
+      const PieceOrder& o = out_.pieces[i];
+      if (p.joined && !p.kink) {
+        ++out_.seams;
+        out_.torn_seams += o.shift != out_.pieces[i - 1].shift ? 1U : 0U;
+      }
+      if (!o.decided || p.code_variance > 0.25F) continue;
+      const bool agrees = p.code * signs_.at(p.cell + 2 * o.shift) > 0;
       (agrees ? out_.agreeing_px : out_.contradicting_px) += p.end - p.begin;
     }
   }

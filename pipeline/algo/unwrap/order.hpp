@@ -35,6 +35,8 @@ struct OrderResult {
   std::vector<PieceOrder> pieces;  ///< parallel to the list of pieces
   double agreeing_px = 0;          ///< pixels of decided pieces whose code has the sign of the labelling …
   double contradicting_px = 0;     ///< … and those that have the other
+  std::size_t seams = 0;           ///< smooth borders between neighbouring cells of a row …
+  std::size_t torn_seams = 0;      ///< … where the labelling jumps by whole fringes
 
   struct Work {
     std::vector<float> unary, left, right, row, up, down, mean;

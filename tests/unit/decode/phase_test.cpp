@@ -1,0 +1,123 @@
+#include "pipeline/algo/phase/phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/algo/phase/cell_signs.hpp"
+#include "pipeline/algo/phase/poly_trig.hpp"
+#include "tests/unit/decode/synthetic.hpp"
+
+namespace enamel::algo {
+namespace {
+
+TEST(PolyTrig, arctangent_stays_below_its_error_bound_all_around) {
+  double worst = 0;
+  for (int k = 0; k < 400'000; ++k) {
+    const double a = -std::numbers::pi + 2 * std::numbers::pi * (k + 0.5) / 400'000;
+    const auto x = static_cast<float>(80 * std::cos(a)), y = static_cast<float>(80 * std::sin(a));
+    const double exact = std::atan2(static_cast<double>(y), static_cast<double>(x));
+    worst = std::max(worst, std::abs(static_cast<double>(atan2_poly(y, x)) - exact));
+  }
+  EXPECT_LT(worst, 4e-7);
+  EXPECT_EQ(atan2_poly(0, 0), 0.0F);
+}
+
+NoiseModel quiet() { return noise_from_rig(*test::cropped_rig(8, 8).noise, 8); }
+
+PixelReject verdict_of(std::array<std::uint8_t, 4> dn) {
+  test::FrameSet f{1, 1, {}};
+  for (std::size_t k = 0; k < 4; ++k) f.frames[k] = {dn[k]};
+  PhaseMaps maps;
+  compute_phase(f.view(), quiet(), {}, maps);
+  return maps.reject[0];
+}
+
+TEST(PhaseMask, each_physical_limit_rejects_under_its_own_name) {
+  EXPECT_EQ(verdict_of({200, 120, 40, 120}), PixelReject::kNone);
+  EXPECT_EQ(verdict_of({5, 4, 4, 5}), PixelReject::kDark);
+  EXPECT_EQ(verdict_of({120, 60, 0, 60}), PixelReject::kDark);  // clipped at zero
+  EXPECT_EQ(verdict_of({255, 120, 40, 120}), PixelReject::kSaturated);
+  EXPECT_EQ(verdict_of({100, 100, 99, 100}), PixelReject::kNoisy);
+}
+
+TEST(PhaseMask, saturated_fourth_frame_leaves_the_three_frame_solution) {
+  test::FrameSet f{1, 1, {}};
+  f.frames = {{{160}, {40}, {160}, {255}}};
+  PhaseMaps maps;
+  compute_phase(f.view(), quiet(), {}, maps);
+  EXPECT_EQ(maps.reject[0], PixelReject::kNone);
+  EXPECT_TRUE(std::isnan(maps.code_dn[0]));
+  EXPECT_NEAR(maps.phase_rad[0], std::numbers::pi / 2, 1e-6);
+}
+
+TEST(Phase, three_frames_give_the_phase_whatever_the_polarity) {
+  const calib::Rig rig = test::cropped_rig(160, 20);
+  const auto burst = test::render(rig, test::flat(48));
+  PhaseMaps maps;
+  compute_phase(burst.frames.view(), quiet(), {}, maps);
+  for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
+    const double e = std::remainder(static_cast<double>(maps.phase_rad[i]) - burst.phase_rad[i], 2 * std::numbers::pi);
+    ASSERT_LT(std::abs(e), 0.016);  // rounding to whole DN: at most 1.2 DN of 80
+  }
+}
+
+TEST(Phase, sixteen_bit_frames_decode_like_eight_bit_ones) {
+  test::FrameSet f{1, 1, {}};
+  f.frames = {{{200}, {90}, {40}, {150}}};
+  PhaseMaps eight, sixteen;
+  compute_phase(f.view(), quiet(), {}, eight);
+  std::array<std::vector<std::uint8_t>, 4> wide;
+  for (std::size_t k = 0; k < 4; ++k) wide[k] = {0, f.frames[k][0]};  // value * 256
+  BurstView view{1, 1, 16, {}};
+  for (std::size_t k = 0; k < 4; ++k) view.frames[k] = wide[k];
+  ASSERT_TRUE(view.is_consistent());
+  compute_phase(view, noise_from_rig(*test::cropped_rig(8, 8).noise, 16), {}, sixteen);
+  EXPECT_EQ(eight.phase_rad[0], sixteen.phase_rad[0]);
+}
+
+TEST(NoiseModel, closure_estimate_finds_the_sensor_that_made_the_burst) {
+  const calib::Rig rig = test::cropped_rig(240, 160);
+  test::SceneOptions o;
+  o.noise = true;
+  const auto burst = test::render(rig, test::flat(48), o);
+  const NoiseModel truth = noise_from_rig(*rig.noise, 8), seen = noise_from_closure(burst.frames.view());
+  EXPECT_EQ(seen.source, NoiseSource::kClosure);
+  for (const float dn : {40.0F, 100.0F, 180.0F})
+    EXPECT_NEAR(std::sqrt(seen.variance(dn) / truth.variance(dn)), 1.0F, 0.2F) << dn;
+}
+
+TEST(CellSigns, follow_code_and_first_cell_cyclically) {
+  calib::Rig rig = test::cropped_rig(8, 8);
+  rig.patterns.first_cell = 3;
+  const CellSigns cells = make_cell_signs(rig.patterns, rig.projector).value();
+  ASSERT_GE(cells.cells(), 2 * 854 / 24);
+  for (int c = 0; c < cells.cells(); ++c)
+    EXPECT_EQ(cells.at(c), static_cast<float>(rig.patterns.polarity_code[static_cast<std::size_t>((c + 3) % 16)]));
+  EXPECT_TRUE(cells.informative);
+}
+
+TEST(CellSigns, single_marker_is_one_fringe_and_plain_says_nothing) {
+  calib::Rig rig = test::cropped_rig(8, 8);
+  rig.patterns.mode = calib::PatternMode::kSingle;
+  rig.patterns.marker_fringe = 5;
+  const CellSigns single = make_cell_signs(rig.patterns, rig.projector).value();
+  for (int c = 0; c < single.cells(); ++c) EXPECT_EQ(single.at(c) < 0, c == 10 || c == 11) << c;
+  rig.patterns.mode = calib::PatternMode::kPlain4;
+  EXPECT_FALSE(make_cell_signs(rig.patterns, rig.projector).value().informative);
+}
+
+TEST(CellSigns, refuse_sets_that_have_no_four_step_solution) {
+  calib::Rig rig = test::cropped_rig(8, 8);
+  for (const auto mode : {calib::PatternMode::kMicro, calib::PatternMode::kMulti}) {
+    rig.patterns.mode = mode;
+    EXPECT_EQ(make_cell_signs(rig.patterns, rig.projector).error().code, ErrorCode::kPatternSet);
+  }
+  rig.patterns.mode = calib::PatternMode::kPolarity;
+  rig.patterns.axis_v = true;
+  EXPECT_EQ(make_cell_signs(rig.patterns, rig.projector).error().code, ErrorCode::kPatternSet);
+}
+
+}  // namespace
+}  // namespace enamel::algo

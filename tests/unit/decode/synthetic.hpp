@@ -1,0 +1,118 @@
+// Test-only forward model: ideal four-frame bursts of analytic scenes. It shares the lens formula of calib/model
+// (tested on its own) but none of the decoder's phase, unwrapping or triangulation.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <numbers>
+
+#include "calib/model/lens.hpp"
+#include "pipeline/types/map.hpp"
+#include "tests/unit/calib/rig_text.hpp"
+#include "tests/unit/decode/folder_burst.hpp"
+
+namespace enamel::test {
+
+/// The rig of kRigText, cropped to width x height pixels about its centre: same scale, fewer pixels.
+inline calib::Rig cropped_rig(int width, int height) {
+  calib::Rig rig = calib::parse_rig(kRigText).value();
+  rig.camera.cx -= (rig.camera.width - width) / 2.0;
+  rig.camera.cy -= (rig.camera.height - height) / 2.0;
+  rig.camera.width = width;
+  rig.camera.height = height;
+  return rig;
+}
+
+/// Deterministic unit normals: 64-bit LCG and Box-Muller in double.
+class Normals {
+ public:
+  explicit Normals(std::uint64_t seed) : state_(seed * 2654435769U + 1) {}
+  double operator()() {
+    const double a = uniform();
+    const double b = uniform();
+    return std::sqrt(-2 * std::log(a)) * std::cos(2 * std::numbers::pi * b);
+  }
+
+ private:
+  double uniform() {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return (static_cast<double>(state_ >> 11U) + 0.5) / 9007199254740992.0;
+  }
+  std::uint64_t state_;
+};
+
+struct SceneOptions {
+  double mean_dn = 104;  ///< above black
+  double modulation_dn = 80;
+  double motion_rad = 0;  ///< phase change per frame interval, zero at mid-burst
+  double harmonic = 0;    ///< projector's B2/B1
+  bool noise = false;
+  std::uint64_t seed = 1;
+  /// Light on the pixel, 0…1; depth may be anything where it is 0.
+  std::function<double(int u, int v)> light = [](int, int) { return 1.0; };
+};
+
+struct SyntheticBurst {
+  FrameSet frames;
+  Map<double> phase_rad;  ///< true absolute Phi at mid-burst
+  Map<double> depth_mm;
+};
+
+inline double wave(double phi, double harmonic) { return std::cos(phi) + harmonic * std::cos(2 * phi); }
+
+/// depth: camera z of the pixel's ray, mm. Needs mode T or plain4 and rig.noise.
+inline SyntheticBurst render(const calib::Rig& rig, const std::function<double(int, int)>& depth,
+                             const SceneOptions& o = {}) {
+  const int w = rig.camera.width, h = rig.camera.height;
+  SyntheticBurst out{{w, h, {}}, Map<double>(w, h), Map<double>(w, h)};
+  Normals normal(o.seed);
+  const auto& code = rig.patterns.polarity_code;
+  const auto& n = *rig.noise;
+  for (int v = 0; v < h; ++v)
+    for (int u = 0; u < w; ++u) {
+      const double z = depth(u, v), light = o.light(u, v);
+      const calib::PlanePoint ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
+      const double phi = 2 * std::numbers::pi * calib::project_to_projector(rig, ray, z).x / rig.patterns.period_px;
+      out.phase_rad(u, v) = phi;
+      out.depth_mm(u, v) = z;
+      for (int k = 0; k < 4; ++k) {
+        const double p = phi + o.motion_rad * (k - 1.5);
+        int b = 1;
+        if (k == 3 && !code.empty()) {
+          const int cell = static_cast<int>(std::floor(p / std::numbers::pi)) + rig.patterns.first_cell;
+          b = code[static_cast<std::size_t>(cell) % code.size()];
+        }
+        const double shift = k == 3 && b < 0 ? 1 : k;  // the flipped fourth frame is the second one again
+        const double signal =
+            light * (o.mean_dn + o.modulation_dn * wave(p + shift * std::numbers::pi / 2, o.harmonic));
+        double dn = n.black_dn + signal;
+        if (o.noise) {
+          const double electrons = std::max(0.0, signal) * n.gain_e_per_dn;
+          dn += (std::sqrt(electrons) * normal() + n.read_noise_e * normal()) / n.gain_e_per_dn;
+        }
+        out.frames.frames[static_cast<std::size_t>(k)].push_back(
+            static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L)));
+      }
+    }
+  return out;
+}
+
+inline std::function<double(int, int)> flat(double z_mm) {
+  return [z_mm](int, int) { return z_mm; };
+}
+
+/// Depth change that moves the phase of the rig's central pixel by exactly one fringe, from z on towards the camera.
+inline double fringe_jump_mm(const calib::Rig& rig, double z_mm) {
+  const calib::PlanePoint ray = calib::undistort(rig.camera, {rig.camera.width / 2.0, rig.camera.height / 2.0});
+  const double u0 = calib::project_to_projector(rig, ray, z_mm).x;
+  double low = 0, high = 8;
+  for (int i = 0; i < 60; ++i) {
+    const double mid = 0.5 * (low + high);
+    (std::abs(calib::project_to_projector(rig, ray, z_mm - mid).x - u0) < rig.patterns.period_px ? low : high) = mid;
+  }
+  return low;
+}
+
+}  // namespace enamel::test

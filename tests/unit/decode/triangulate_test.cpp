@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/algo/triangulate/normals.hpp"
+#include "pipeline/algo/triangulate/ray_depth.hpp"
+#include "tests/unit/decode/synthetic.hpp"
+
+namespace enamel::algo {
+namespace {
+
+TEST(RayDepth, baked_cubic_meets_the_iterative_form_within_a_tenth_of_a_micrometre) {
+  const calib::Rig rig = calib::parse_rig(test::kRigText).value();  // whole field: the corners are the hard part
+  const RayDepth rays = RayDepth::bake(rig, *rig.depth_range).value();
+  double worst_um = 0;
+  for (int v = 0; v < 480; v += 31)
+    for (int u = 0; u < 640; u += 37) {
+      const std::size_t i = static_cast<std::size_t>(v) * 640 + static_cast<std::size_t>(u);
+      const calib::PlanePoint ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
+      for (int s = 0; s <= 20; ++s) {
+        const double share = s / 20.0;
+        const auto phase = static_cast<float>(rays.phase_near_rad[i] * (1 - share) + rays.phase_far_rad[i] * share);
+        const auto exact = depth_by_iteration(rig, ray, static_cast<double>(phase), 48);
+        ASSERT_TRUE(exact);
+        worst_um = std::max(worst_um, 1e3 * std::abs(1 / static_cast<double>(rays.inverse_depth(i, phase)) - *exact));
+      }
+    }
+  EXPECT_LE(worst_um, 0.1);
+}
+
+TEST(RayDepth, iteration_inverts_the_projection) {
+  const calib::Rig rig = test::cropped_rig(64, 64);
+  for (const double z : {40.0, 44.5, 48.0, 53.0, 56.0}) {
+    const calib::PlanePoint ray = calib::undistort(rig.camera, {12, 50});
+    const double phase = 2 * std::numbers::pi * calib::project_to_projector(rig, ray, z).x / rig.patterns.period_px;
+    EXPECT_NEAR(depth_by_iteration(rig, ray, phase, 48).value(), z, 1e-9);
+  }
+}
+
+TEST(RayDepth, geometry_that_cannot_measure_depth_is_refused) {
+  calib::Rig rig = test::cropped_rig(16, 16);
+  rig.T_proj_cam = {{{1, 0, 0, 0}, {0, 1, 0, -10}, {0, 0, 1, 0}, {0, 0, 0, 1}}};  // baseline along the fringes
+  const auto rays = RayDepth::bake(rig, *rig.depth_range);
+  ASSERT_FALSE(rays);
+  EXPECT_EQ(rays.error().code, ErrorCode::kRigInvalid);
+}
+
+struct NormalScene {
+  RayDepth rays;
+  Map<float> inverse, sigma;
+  Map<Vec3f> normals;
+  std::vector<float> scratch;
+
+  explicit NormalScene(const std::function<double(int, int)>& depth) {
+    const calib::Rig rig = test::cropped_rig(80, 60);
+    rays = RayDepth::bake(rig, *rig.depth_range).value();
+    inverse = Map<float>(80, 60);
+    sigma = Map<float>(80, 60, 0.008F);
+    for (int v = 0; v < 60; ++v)
+      for (int u = 0; u < 80; ++u) inverse(u, v) = static_cast<float>(1 / depth(u, v));
+    compute_normals(rays, inverse, sigma, {}, scratch, normals);
+  }
+};
+
+TEST(Normals, of_a_tilted_plane_are_exact_and_face_the_camera) {
+  const Eigen::Vector3d n = Eigen::Vector3d(0.5, -0.3, -1).normalized();
+  const calib::Rig rig = test::cropped_rig(80, 60);
+  const NormalScene s([&](int u, int v) {
+    const auto ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
+    return n.z() * 48 / (n.x() * ray.x + n.y() * ray.y + n.z());
+  });
+  for (int v = 3; v < 57; ++v)
+    for (int u = 3; u < 77; ++u) {
+      const double c = s.normals(u, v).cast<double>().dot(n);
+      ASSERT_LT(std::acos(std::min(1.0, c)) * 180 / std::numbers::pi, 0.3) << u << "," << v;
+    }
+}
+
+TEST(Normals, do_not_mix_two_surfaces_across_a_step) {
+  const NormalScene s([](int u, int) { return u < 40 ? 46.0 : 50.0; });
+  for (int v = 3; v < 57; ++v)
+    for (const int u : {36, 37, 38, 41, 42, 43}) ASSERT_LT(s.normals(u, v).z(), -0.999F) << u << "," << v;
+}
+
+TEST(Normals, are_nan_where_there_is_no_depth) {
+  const NormalScene s([](int u, int) { return u == 40 ? std::nan("") : 48.0; });
+  EXPECT_TRUE(std::isnan(s.normals(40, 30).z()));
+  EXPECT_FALSE(std::isnan(s.normals(42, 30).z()));
+}
+
+}  // namespace
+}  // namespace enamel::algo
