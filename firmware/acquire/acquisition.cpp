@@ -39,7 +39,7 @@ Acquisition::~Acquisition() {
   abort();
 }
 
-void Acquisition::begin(Job job, SessionTag session, std::optional<std::uint64_t> limit) {
+void Acquisition::begin(Job job, ScanTag session, std::optional<std::uint64_t> limit) {
   {
     const std::lock_guard lock(mutex_);
     request_ = Request{job, ++requests_, session, limit};
@@ -48,7 +48,7 @@ void Acquisition::begin(Job job, SessionTag session, std::optional<std::uint64_t
   changed_.notify_all();
 }
 
-void Acquisition::scan(SessionTag session, std::optional<std::uint64_t> limit) { begin(Job::kScan, session, limit); }
+void Acquisition::scan(ScanTag session, std::optional<std::uint64_t> limit) { begin(Job::kScan, session, limit); }
 void Acquisition::self_test() { begin(Job::kSelfTest); }
 void Acquisition::calibrate() { begin(Job::kCalibrate); }
 
@@ -194,7 +194,7 @@ bool Acquisition::led_failed() {
 }
 
 /// Hands over what the assembler has decided.
-void Acquisition::settle(BurstAssembler& assembler, SessionTag session) {
+void Acquisition::settle(BurstAssembler& assembler, ScanTag session) {
   const std::uint64_t begun = assembler.begun() - begun_seen_;
   begun_seen_ = assembler.begun();
   ledger_.begin(session, begun);

@@ -27,7 +27,7 @@ struct AcquisitionConfig {
 
 /// What the publisher needs beside the frames.
 struct CapturedBurst {
-  SessionTag session;
+  ScanTag session;
   AssembledBurst burst;
   Nanoseconds frame_period{};
   std::int16_t temp_centi_c = 0;
@@ -45,7 +45,7 @@ class Acquisition final : public AcquisitionPort {
   Acquisition(const Acquisition&) = delete;
   Acquisition& operator=(const Acquisition&) = delete;
 
-  void scan(SessionTag session, std::optional<std::uint64_t> limit) override;
+  void scan(ScanTag session, std::optional<std::uint64_t> limit) override;
   void self_test() override;
   void calibrate() override;
   void drain() override;
@@ -57,18 +57,18 @@ class Acquisition final : public AcquisitionPort {
   struct Request {
     Job job = Job::kNone;
     std::uint64_t number = 0;
-    SessionTag session;
+    ScanTag session;
     std::optional<std::uint64_t> limit;
   };
 
-  void begin(Job job, SessionTag session = {}, std::optional<std::uint64_t> limit = std::nullopt);
+  void begin(Job job, ScanTag session = {}, std::optional<std::uint64_t> limit = std::nullopt);
   void run(const std::stop_token& stop);
   [[nodiscard]] AcquisitionReport do_job(const Request& request);
   [[nodiscard]] AcquisitionReport run_scan(const Request& request);
   [[nodiscard]] AcquisitionReport run_self_test();
   [[nodiscard]] AcquisitionReport run_calibration();
   [[nodiscard]] AcquisitionReport scan_loop(const Request& request, BurstAssembler& assembler);
-  void settle(BurstAssembler& assembler, SessionTag session);
+  void settle(BurstAssembler& assembler, ScanTag session);
   [[nodiscard]] std::optional<AcquisitionReport> arm_next(bool under_way);
   [[nodiscard]] bool led_failed();
   [[nodiscard]] Result<CameraFrame> frame_with_edges(std::vector<Edge>& edges, DeviceTime& known_until);

@@ -28,7 +28,7 @@ class AcquisitionPort {
  public:
   virtual ~AcquisitionPort() = default;
   /// Bursts until drain(), abort(), the limit or the end of the source.
-  virtual void scan(SessionTag session, std::optional<std::uint64_t> limit) = 0;
+  virtual void scan(ScanTag session, std::optional<std::uint64_t> limit) = 0;
   /// Camera delivers, LED answers, dark is dark.
   virtual void self_test() = 0;
   /// Measures the delay of the sensor's stamps.

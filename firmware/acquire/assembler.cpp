@@ -96,7 +96,7 @@ void BurstAssembler::check_sequence(const CameraFrame& frame) {
       fault(DropReason::kPeriod);
     }
   }
-  previous_ = Previous{frame.sensor_seq, frame.t_sensor};
+  previous_ = FrameSeen{frame.sensor_seq, frame.t_sensor};
 }
 
 tl::expected<BurstAssembler::Window, DropReason> BurstAssembler::window_of(const CameraFrame& frame) {

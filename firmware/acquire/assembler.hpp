@@ -54,6 +54,18 @@ struct GivenUpBurst {
   proto::DropReason reason = proto::DropReason::kOther;
 };
 
+struct BurstInProgress {
+  std::uint64_t index = 0;
+  DeviceTime t_gate{};
+  int next = 0;  ///< pattern expected
+  AssembledBurst burst;
+};
+
+struct FrameSeen {
+  std::uint32_t seq = 0;
+  DeviceTime t_sensor{};
+};
+
 using BurstOutcome = std::variant<AssembledBurst, GivenUpBurst>;
 
 /// One thread. Gates, edges and frames may be pushed in any order between each other; frames in order of completion.
@@ -78,12 +90,6 @@ class BurstAssembler {
   [[nodiscard]] int dark_leaks() const noexcept { return dark_leaks_; }
 
  private:
-  struct Current {
-    std::uint64_t index = 0;
-    DeviceTime t_gate{};
-    int next = 0;  ///< pattern expected
-    AssembledBurst burst;
-  };
   struct Window {
     DeviceTime begin{}, end{};
   };
@@ -102,15 +108,11 @@ class BurstAssembler {
   EdgeLog log_;
   std::deque<CameraFrame> waiting_;
   std::vector<BurstOutcome> outcomes_;
-  std::optional<Current> current_;
+  std::optional<BurstInProgress> current_;
   bool armed_ = false;  ///< the previous frame was a good dark sentinel
   double ambient_dn_ = 0;
   proto::DropReason not_armed_because_ = proto::DropReason::kOrder;
-  struct Previous {
-    std::uint32_t seq = 0;
-    DeviceTime t_sensor{};
-  };
-  std::optional<Previous> previous_;
+  std::optional<FrameSeen> previous_;
   std::optional<std::uint64_t> previous_hash_;
   int dark_leaks_ = 0;
   std::uint64_t begun_ = 0;

@@ -11,14 +11,14 @@
 namespace enamel::fw {
 
 /// Which scan a burst belongs to. Two hosts may choose the same session number: the epoch tells them apart.
-struct SessionTag {
+struct ScanTag {
   SessionId id{};
   std::uint32_t epoch = 0;  ///< counts sessions since the probe started
-  friend bool operator==(const SessionTag&, const SessionTag&) = default;
+  friend bool operator==(const ScanTag&, const ScanTag&) = default;
 };
 
 struct BurstCounts {
-  SessionTag session;
+  ScanTag session;
   std::uint64_t begun = 0;
   std::uint64_t emitted = 0;
   std::array<std::uint64_t, proto::kDropReasons> dropped{};
@@ -35,21 +35,21 @@ struct BurstCounts {
 class BurstLedger {
  public:
   /// A new session starts at zero; the same session goes on.
-  void open(SessionTag session) {
+  void open(ScanTag session) {
     const std::lock_guard lock(mutex_);
     if (counts_.session == session) return;
     counts_ = BurstCounts{};
     counts_.session = session;
   }
-  void begin(SessionTag session, std::uint64_t n) {
+  void begin(ScanTag session, std::uint64_t n) {
     const std::lock_guard lock(mutex_);
     if (counts_.session == session) counts_.begun += n;
   }
-  void emit(SessionTag session) {
+  void emit(ScanTag session) {
     const std::lock_guard lock(mutex_);
     if (counts_.session == session) ++counts_.emitted;
   }
-  void drop(SessionTag session, proto::DropReason reason) {
+  void drop(ScanTag session, proto::DropReason reason) {
     const std::lock_guard lock(mutex_);
     if (counts_.session == session) ++counts_.dropped[static_cast<std::size_t>(reason)];
   }

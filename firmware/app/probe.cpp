@@ -21,11 +21,12 @@ constexpr Nanoseconds kFlush{200'000'000};
 
 std::uint32_t crc_of(const std::string& text) { return crc32(std::as_bytes(std::span(text))); }
 
-proto::DeviceInfo device_info(const ProbeOptions& options, const std::string& rig_text) {
+proto::DeviceInfo device_info(const ProbeOptions& options, const std::string& rig_text, bool simulated) {
   proto::DeviceInfo info;
   info.serial = options.serial;
   info.probe_id = crc_of(options.serial);
   info.model = options.capture.empty() ? "enamel twin" : "enamel player";
+  if (simulated) info.model += ", SIMULATED";
   info.fw_version = kVersion;
   info.calibration_blob.assign(rig_text.begin(), rig_text.end());
   info.calib_crc32 = crc_of(rig_text);
@@ -154,10 +155,11 @@ Result<std::unique_ptr<Probe>> assemble(SimDevice& device, Clock& clock, const d
 Result<int> run_probe(const ProbeOptions& options, const std::atomic<bool>& stop) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(auto source, open_source(options));
+  const bool simulated = source->simulated();
   SimConfig sim;
   sim.speed = options.speed;
   ENAMEL_TRY_ASSIGN(const auto device, SimDevice::create(std::move(source), clock, sim));
-  const proto::DeviceInfo info = device_info(options, device->rig_text());
+  const proto::DeviceInfo info = device_info(options, device->rig_text(), simulated);
   dds::ParticipantOptions dds_options;
   dds_options.tag = options.dds_tag;
   ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(dds_options));

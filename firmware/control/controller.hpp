@@ -102,7 +102,7 @@ class ProbeController {
   std::optional<Drain> drain_;
   std::optional<HostTime> flush_deadline_;
   std::optional<std::uint64_t> limit_;
-  SessionTag session_;
+  ScanTag session_;
   std::uint32_t session_client_ = 0;
   bool session_closed_ = false;
   bool source_ended_ = false;

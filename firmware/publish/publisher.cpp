@@ -31,7 +31,7 @@ Publisher::~Publisher() {
 }
 
 void Publisher::push(CapturedBurst burst) {
-  std::optional<SessionTag> dropped;
+  std::optional<ScanTag> dropped;
   {
     const std::lock_guard lock(mutex_);
     if (queue_.size() >= config_.queue_depth) {

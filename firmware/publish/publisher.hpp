@@ -54,7 +54,7 @@ class Publisher {
   BurstLedger& ledger_;
   Clock& clock_;
   const PublisherConfig config_;
-  SessionTag session_;  ///< publisher thread
+  ScanTag session_;  ///< publisher thread
   std::uint64_t next_seq_ = 0;
 
   mutable std::mutex mutex_;

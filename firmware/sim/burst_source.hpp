@@ -30,6 +30,8 @@ class BurstSource {
   virtual ~BurstSource() = default;
   /// rig.json of the device that made the bursts, byte for byte.
   [[nodiscard]] virtual const std::string& rig_text() const = 0;
+  /// The light never was: a twin's, or the recording of one. Pictures and exports then say SIMULATED.
+  [[nodiscard]] virtual bool simulated() const { return true; }
   /// Number of bursts when known in advance.
   [[nodiscard]] virtual std::optional<std::uint64_t> count() const = 0;
   /// Next burst in order, nullopt at the end.

@@ -23,6 +23,12 @@ Result<std::unique_ptr<CaptureSource>> CaptureSource::open(const std::string& pa
   return std::unique_ptr<CaptureSource>(new CaptureSource(std::move(reader), path, loops));
 }
 
+bool CaptureSource::simulated() const {
+  const capture::KeyValues& facts = reader_.info().metadata;
+  return std::any_of(facts.begin(), facts.end(),
+                     [](const auto& fact) { return fact.second.find("SIMULATED") != std::string::npos; });
+}
+
 std::optional<std::uint64_t> CaptureSource::count() const {
   return reader_.info().bursts * static_cast<std::uint64_t>(std::max(1, loops_left_));
 }

@@ -18,6 +18,7 @@ class CaptureSource final : public BurstSource {
   [[nodiscard]] static Result<std::unique_ptr<CaptureSource>> open(const std::string& path, int loops = 1);
 
   [[nodiscard]] const std::string& rig_text() const override { return reader_.rig_text(); }
+  [[nodiscard]] bool simulated() const override;
   [[nodiscard]] std::optional<std::uint64_t> count() const override;
   /// Damaged bursts are left out, logged and counted. Errors: kFileRead, kRigForeign.
   [[nodiscard]] Result<std::optional<SimBurst>> next() override;

@@ -44,7 +44,7 @@ class AcquisitionTest : public testing::Test {
     EXPECT_EQ(c.begun, c.emitted + c.dropped_total());
   }
 
-  static constexpr SessionTag kSession{SessionId{7}, 1};
+  static constexpr ScanTag kSession{SessionId{7}, 1};
   VirtualClock clock;
   BurstLedger ledger;
   std::unique_ptr<SimDevice> device;

@@ -21,7 +21,7 @@ class FakeLamp final : public Light {
 class FakeAcquisition final : public AcquisitionPort {
  public:
   explicit FakeAcquisition(LightSwitch& light) : light_(light) {}
-  void scan(SessionTag session, std::optional<std::uint64_t> limit) override {
+  void scan(ScanTag session, std::optional<std::uint64_t> limit) override {
     ++scans;
     last_session = session;
     last_limit = limit;
@@ -43,7 +43,7 @@ class FakeAcquisition final : public AcquisitionPort {
     light_.want(false);
   }
   AcquisitionReport now;
-  SessionTag last_session;
+  ScanTag last_session;
   std::optional<std::uint64_t> last_limit;
   int scans = 0;
   int drains = 0;

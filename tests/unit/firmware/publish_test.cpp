@@ -13,7 +13,7 @@ namespace {
 
 using proto::DropReason;
 
-constexpr SessionTag kSession{SessionId{7}, 1};
+constexpr ScanTag kSession{SessionId{7}, 1};
 
 std::vector<AssembledBurst> assembled(std::uint64_t n) {
   DeviceRun run({.count = n});
@@ -21,7 +21,7 @@ std::vector<AssembledBurst> assembled(std::uint64_t n) {
   return std::move(run.bursts);
 }
 
-CapturedBurst captured(AssembledBurst burst, SessionTag session = kSession) {
+CapturedBurst captured(AssembledBurst burst, ScanTag session = kSession) {
   return {session, std::move(burst), Nanoseconds{kPeriodNs}, 3225, 0};
 }
 
@@ -148,7 +148,7 @@ class PublisherTest : public testing::Test {
     ledger.open(kSession);
     bursts = assembled(10);
   }
-  void push(std::size_t i, SessionTag session = kSession) {
+  void push(std::size_t i, ScanTag session = kSession) {
     ledger.begin(session, 1);
     publisher->push(captured(bursts[i], session));
   }
@@ -221,7 +221,7 @@ TEST_F(PublisherTest, ANewSessionStartsItsOwnNumbersAndCounts) {
   push(1);
   sink.wait_written(2);
   while (ledger.counts().under_way() > 0) std::this_thread::yield();
-  const SessionTag again{SessionId{7}, 2};  // another host, same number
+  const ScanTag again{SessionId{7}, 2};  // another host, same number
   ledger.open(again);
   push(2, again);
   EXPECT_EQ(sink.wait_written(3)[2].burst_seq, 0U);
