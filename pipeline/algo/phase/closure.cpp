@@ -21,7 +21,7 @@ void add_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::siz
   float* __restrict s3 = s2 + width, * __restrict s4 = s3 + width, * __restrict s5 = s4 + width;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const float used = select((std::abs(w[u]) > 0.999F) & (std::abs(r[u]) < limit * b[u]), 1, 0);
+    const float used = select(std::abs(w[u]) > 0.999F, 1, 0) * select(std::abs(r[u]) < limit * b[u], 1, 0);
     const float plus = select(w[u] > 0, used, 0);
     const float x1 = 2 * (s[u] * plus - c[u] * used);
     const float x2 = 4 * plus * (c[u] - s[u]) * (c[u] + s[u]) / (b[u] + 1e-6F);

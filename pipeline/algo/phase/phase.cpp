@@ -80,7 +80,8 @@ void mask_row(const Rows& rows, std::size_t width, const NoiseModel& noise, cons
     int why =
         sigma[u] < config.max_sigma_rad ? static_cast<int>(PixelReject::kNone) : static_cast<int>(PixelReject::kNoisy);
     why = high >= saturated_dn ? static_cast<int>(PixelReject::kSaturated) : why;
-    why = (high <= dark_dn) | (low < clip_dn) ? static_cast<int>(PixelReject::kDark) : why;
+    why = high <= dark_dn ? static_cast<int>(PixelReject::kDark) : why;
+    why = low < clip_dn ? static_cast<int>(PixelReject::kDark) : why;
     reject[u] = static_cast<PixelReject>(why);
   }
 }
