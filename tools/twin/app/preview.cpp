@@ -49,7 +49,6 @@ void put(RayPacket& rays, std::size_t i, const Vec3d& o, const Vec3d& d, float n
 cv::Vec3b colour(const RayScene::Surfel& s, const Shot& shot, bool shadow) {
   const double direct = shadow ? 0.0 : 0.42 * std::max(0.0, s.normal.dot(shot.light));
   const double light = 0.22 + 0.36 * std::max(0.0, s.normal.dot(shot.z)) + direct;
-  // Gum is told from tooth by its reflectance.
   const bool tooth = s.albedo > 0.605F;
   const Vec3d rgb = (tooth ? Vec3d(236, 231, 212) : Vec3d(214, 128, 126)) * light * (tooth ? s.albedo / 0.8F : 1.0F);
   const auto byte = [](double v) { return static_cast<unsigned char>(std::min(255.0, v)); };
@@ -79,7 +78,9 @@ void draw_row(const RayScene& scene, const Shot& shot, int row, cv::Mat& tile) {
 }  // namespace
 
 Result<void> write_preview(const SceneConfig& config, const std::string& path) {
-  ENAMEL_TRY_ASSIGN(Body body, make_body(config));
+  SceneConfig plain = config;
+  plain.effects.texture = false;  // gum and tooth are told apart by their reflectance
+  ENAMEL_TRY_ASSIGN(Body body, make_body(plain));
   const TriSurface truth = truth_mesh(body.surroundings, 0.1);
   Vec3f low = truth.vertices.front(), high = low;
   for (const auto& v : truth.vertices) {

@@ -56,6 +56,7 @@ Result<std::unique_ptr<RenderSink>> open_sink(const std::string& path, const std
     capture::CaptureHeader header;
     header.rig_text = rig_text;
     header.program = "enamel-twin 0.1.0";
+    header.metadata = {{"light", "SIMULATED"}};
     ENAMEL_TRY_ASSIGN(capture::CaptureWriter writer, capture::CaptureWriter::create(path, header));
     return std::unique_ptr<RenderSink>(std::make_unique<CaptureSink>(std::move(writer)));
   }

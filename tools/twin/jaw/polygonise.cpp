@@ -129,11 +129,12 @@ class Polygoniser {
     b.inside.resize(value.size());
     for (std::size_t i = 0; i < value.size(); ++i) b.inside[i] = value[i] < 0 ? 1 : 0;
     b.vertex.assign(static_cast<std::size_t>(kCells * kCells * kCells), kNone);
+    if (std::equal(b.inside.begin() + 1, b.inside.end(), b.inside.begin())) return;
     for (int z = 0; z < kCells; ++z) {
       for (int y = 0; y < kCells; ++y) {
         for (int x = 0; x < kCells; ++x) {
           Vector3d p;
-          if (!cell_point(b, value, x, y, z, p)) continue;
+          if (!crossed(b, x, y, z) || !cell_point(b, value, x, y, z, p)) continue;
           settle(p, cell_gradient(value, x, y, z));
           if (!keep_(p)) continue;
           b.vertex[cell(x, y, z)] = static_cast<std::uint32_t>(b.points.size());
@@ -141,6 +142,12 @@ class Polygoniser {
         }
       }
     }
+  }
+
+  static bool crossed(const Block& b, int x, int y, int z) {
+    int sum = 0;
+    for (int i = 0; i < 8; ++i) sum += b.inside[node(x + (i & 1), y + ((i >> 1) & 1), z + (i >> 2))];
+    return sum != 0 && sum != 8;
   }
 
   /// Mean of the crossings on the cell's twelve edges.

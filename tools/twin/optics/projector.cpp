@@ -1,5 +1,7 @@
 #include "tools/twin/optics/projector.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -66,9 +68,9 @@ ProjectorLight::ProjectorLight(const calib::Rig& rig, const ProjectorConfig& con
       emission[static_cast<std::size_t>(i)] = emission_of_level(config, level);
     }
     tables_[static_cast<std::size_t>(frame)].resize(bins_ * stride_);
-    for (std::size_t b = 0; b < bins_; ++b) {
+    tbb::parallel_for(std::size_t{0}, bins_, [&](std::size_t b) {
       fill(frame, b, std::sqrt(sigma2_min_ + kBinWidth * static_cast<double>(b)), emission);
-    }
+    });
   }
 }
 

@@ -41,7 +41,13 @@ class BurstRenderer {
   using Lights = std::array<Lane, kPacket>;
   using RowSums = std::array<std::vector<double>, 4>;
 
-  void trace_packet(const View& view, const double* directions, int x0, Lights& lights) const;
+  enum class Shade : std::uint8_t;
+
+  static void darken(Lane& lane);
+  static void agree(const std::array<std::vector<Shade>, 2>& outer, std::vector<Shade>& known);
+  /// known: by column, what needs no shadow ray any more; nullptr: nothing.
+  void trace_packet(const View& view, const double* directions, const Shade* known, int x0, Lights& lights) const;
+  void add_light(const Lights& lights, std::size_t x0, std::size_t frame, bool all_frames, RowSums& sums) const;
   void light_lane(const View& view, const Vec3d& ray_cam, const RayScene::Surfel& s, Lane& lane) const;
   void render_row(const std::vector<View>& views, bool is_static, int y, RowSums& sums) const;
   void truth_row(const View& view, int y, TruthMaps& maps) const;

@@ -23,7 +23,8 @@ struct LightConfig {
 };
 
 struct RenderConfig {
-  int grid = 2;  ///< grid*grid samples a pixel and frame
+  int grid = 2;                   ///< grid*grid samples a pixel and frame
+  bool every_shadow_ray = false;  ///< also where the samples about agree on light or shade
   LightConfig light;
 };
 

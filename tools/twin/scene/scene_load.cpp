@@ -53,6 +53,7 @@ void bind_projector(ConfigReader r, ProjectorConfig& p) {
 
 void bind_render(ConfigReader& r, SceneConfig& c) {
   r.bind("render.samples_grid", c.render.grid, {1, 8}, "n*n samples a pixel and frame, each with its own instant");
+  r.bind("render.every_shadow_ray", c.render.every_shadow_ray, "also where neighbouring samples agree");
   r.bind("light.ambient", c.render.light.ambient, {0, 1}, "ambient radiance times albedo, relative to full well");
   r.bind("light.reference_mm", c.render.light.reference_mm, {1, 1000}, "distance at which the exposure is set");
   r.bind("light.reference_fraction", c.render.light.reference_fraction, {0.01, 2},

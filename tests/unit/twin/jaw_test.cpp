@@ -1,0 +1,177 @@
+// The procedural jaw: a mesh without holes, fine enough, made by its seed alone; artefacts and mesh files.
+#include <algorithm>
+#include <map>
+
+#include "tests/unit/twin/twin_fixture.hpp"
+#include "tools/twin/optics/random.hpp"
+#include "tools/twin/surface/mesh_file.hpp"
+
+namespace enamel::twin {
+namespace {
+
+JawConfig coarse_jaw() {
+  JawConfig c;
+  c.max_edge_mm = 0.3;
+  c.from_mm = 20;
+  c.to_mm = 40;
+  return c;
+}
+
+double longest_edge(const TriSurface& m) {
+  double longest = 0;
+  for (const auto& t : m.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      longest = std::max(longest, static_cast<double>((m.vertices[t[i]] - m.vertices[t[(i + 1) % 3]]).norm()));
+    }
+  }
+  return longest;
+}
+
+TEST(TwinJaw, MeshKeepsItsEdgeLimitAndHasNoHoles) {
+  const JawConfig config = coarse_jaw();
+  const Jaw jaw = make_jaw(config, 5);
+  EXPECT_LE(longest_edge(jaw.mesh), config.max_edge_mm * 1.0001);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+  for (const auto& t : jaw.mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) ++uses[std::minmax(t[i], t[(i + 1) % 3])];
+  }
+  const ArchCoordinates where{Arch(jaw.dentition.shape)};
+  int open_inside = 0;
+  for (const auto& [edge, count] : uses) {
+    if (count != 1) continue;
+    const auto& v = jaw.mesh.vertices[edge.first];
+    const auto a = where.at(static_cast<double>(v.x()), static_cast<double>(v.y()));
+    if (a.s > config.from_mm + 1 && a.s < config.to_mm - 1 && a.n > -8.5 && a.n < 7) ++open_inside;
+  }
+  EXPECT_EQ(open_inside, 0);
+}
+
+TEST(TwinJaw, SurfaceIsWoundOutwardsAndCarriesEnamelAndGum) {
+  const Jaw jaw = make_jaw(coarse_jaw(), 5);
+  double up = 0;
+  for (const auto& n : jaw.mesh.normals) up += static_cast<double>(n.z());
+  EXPECT_GT(up / static_cast<double>(jaw.mesh.normals.size()), 0.2);
+  const auto enamel = std::count_if(jaw.mesh.albedo.begin(), jaw.mesh.albedo.end(), [](float a) { return a > 0.79F; });
+  const auto gum = std::count_if(jaw.mesh.albedo.begin(), jaw.mesh.albedo.end(), [](float a) { return a < 0.605F; });
+  const auto n = static_cast<double>(jaw.mesh.albedo.size());
+  EXPECT_GT(static_cast<double>(enamel) / n, 0.2);
+  EXPECT_GT(static_cast<double>(gum) / n, 0.2);
+}
+
+TEST(TwinJaw, SeedMakesThePatient) {
+  const Jaw a = make_jaw(coarse_jaw(), 5), again = make_jaw(coarse_jaw(), 5), b = make_jaw(coarse_jaw(), 6);
+  ASSERT_EQ(a.mesh.vertices.size(), again.mesh.vertices.size());
+  EXPECT_TRUE(std::equal(a.mesh.vertices.begin(), a.mesh.vertices.end(), again.mesh.vertices.begin()));
+  EXPECT_EQ(a.mesh.triangles, again.mesh.triangles);
+  EXPECT_NE(a.mesh.vertices.size(), b.mesh.vertices.size());
+  ASSERT_EQ(a.dentition.teeth.size(), 7U);
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_NE(a.dentition.teeth[i].form.mesiodistal, b.dentition.teeth[i].form.mesiodistal);
+  }
+  EXPECT_NE(a.dentition.shape.depth_mm, b.dentition.shape.depth_mm);
+}
+
+TEST(TwinJaw, TeethStandInOrderWithNarrowGaps) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const auto d = make_dentition(JawSide::kLower, 7, true, seed);
+    ASSERT_EQ(d.teeth.size(), 14U);
+    for (std::size_t i = 1; i < d.teeth.size(); ++i) {
+      const auto &l = d.teeth[i - 1], &r = d.teeth[i];
+      const double gap = r.s - l.s - 0.5 * (r.form.mesiodistal + l.form.mesiodistal);
+      EXPECT_GE(gap, 0.05);
+      EXPECT_LE(gap, 0.3);
+    }
+  }
+}
+
+TEST(TwinJaw, FieldNeverRisesFasterThanItsBound) {
+  const JawField field(make_dentition(JawSide::kLower, 7, false, 3), JawSide::kLower, 3);
+  const CounterRandom random(1, 1);
+  int near = 0;
+  for (std::uint64_t i = 0; i < 60000; ++i) {
+    const Eigen::Vector3d p(random.uniform(4 * i, -5, 34), random.uniform(4 * i + 1, -46, 7),
+                            random.uniform(4 * i + 2, -9, 11));
+    const double v = field.value(p);
+    if (std::abs(v) > 0.3) continue;
+    ++near;
+    Eigen::Vector3d g;
+    constexpr double kStep = 1e-4;
+    for (int k = 0; k < 3; ++k) g[k] = (field.value(p + kStep * Eigen::Vector3d::Unit(k)) - v) / kStep;
+    EXPECT_LE(g.norm(), 2.5 * JawField::kLipschitz) << p.transpose();
+  }
+  EXPECT_GT(near, 500);
+}
+
+TEST(TwinArtefacts, StairsHaveTheStatedRises) {
+  StepsConfig config;
+  const auto steps = make_steps(config);
+  std::vector<float> heights;
+  for (const auto& t : steps.mesh.triangles) {
+    const auto &a = steps.mesh.vertices[t[0]], &b = steps.mesh.vertices[t[1]], &c = steps.mesh.vertices[t[2]];
+    if (a.z() == b.z() && b.z() == c.z() && a.y() > 0.1F) heights.push_back(a.z());
+  }
+  std::sort(heights.begin(), heights.end());
+  heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+  std::vector<float> expected{0};
+  for (const double r : config.rises_mm) expected.push_back(expected.back() + static_cast<float>(r));
+  std::sort(expected.begin(), expected.end());
+  ASSERT_EQ(heights.size(), expected.size());
+  for (std::size_t i = 1; i < heights.size(); ++i) {
+    EXPECT_NEAR(static_cast<double>(heights[i] - heights[i - 1]), static_cast<double>(expected[i] - expected[i - 1]),
+                1e-5);
+  }
+}
+
+TEST(TwinArtefacts, BallsTessellateOnTheirSphere) {
+  const Ball ball{Vec3d(1, 2, 3), 2.5, 0.8F};
+  const auto mesh = tessellate(ball, 0.2);
+  EXPECT_LE(longest_edge(mesh), 0.2 * 1.5);
+  for (const auto& v : mesh.vertices) EXPECT_NEAR((v.cast<double>() - ball.centre).norm(), 2.5, 1e-6);
+}
+
+TriSurface triangle() {
+  TriSurface m;
+  m.vertices = {Vec3f(0, 0, 0), Vec3f(2, 0, 0), Vec3f(0, 1.5F, 0.25F)};
+  m.triangles = {{0, 1, 2}};
+  return m;
+}
+
+TEST(TwinMeshFile, PlyRoundTripKeepsVerticesAndFaces) {
+  const TriSurface m = triangle();
+  const std::vector<std::uint8_t> seen{1, 2, 255};
+  for (const bool with : {false, true}) {
+    const auto back =
+        parse_ply(write_ply(m, with ? std::span<const std::uint8_t>(seen) : std::span<const std::uint8_t>()));
+    ASSERT_TRUE(back) << back.error().message();
+    EXPECT_TRUE(std::equal(m.vertices.begin(), m.vertices.end(), back->vertices.begin(), back->vertices.end()));
+    EXPECT_EQ(back->triangles, m.triangles);
+  }
+}
+
+TEST(TwinMeshFile, ReadsAsciiFormsAndSplitsPolygons) {
+  const auto obj = parse_obj("# square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1 2/2 3/3 -1\n");
+  ASSERT_TRUE(obj);
+  EXPECT_EQ(obj->triangles.size(), 2U);
+  const auto ply = parse_ply(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty float y\nproperty float z\nproperty uchar "
+      "q\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2\n");
+  ASSERT_TRUE(ply) << ply.error().message();
+  const auto stl = parse_stl(
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\nendsolid\n");
+  ASSERT_TRUE(stl) << stl.error().message();
+  EXPECT_EQ(stl->vertices.size(), 3U);
+}
+
+TEST(TwinMeshFile, DamagedFilesAreErrorsNotCrashes) {
+  const std::string good = write_ply(triangle(), {});
+  for (std::size_t length = 0; length < good.size(); length += 7) EXPECT_FALSE(parse_ply(good.substr(0, length)));
+  EXPECT_FALSE(parse_obj("v 0 0 0\nv 1 0 0\nv nan 0 0\nf 1 2 3\n"));
+  EXPECT_FALSE(parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"));
+  EXPECT_FALSE(parse_stl(std::string(84, 'x')));
+  EXPECT_FALSE(load_mesh("/nonexistent.ply", 0.8F));
+}
+
+}  // namespace
+}  // namespace enamel::twin
