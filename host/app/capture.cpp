@@ -2,9 +2,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <string>
-
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "host/app/command.hpp"
 #include "host/record/burst_stream.hpp"
@@ -51,8 +50,9 @@ Result<int> info(const Options& o) {
   nlohmann::json attachments = nlohmann::json::array();
   std::string human = "bursts       " + std::to_string(i.bursts) + "\nshed         " + std::to_string(i.shed) +
                       "\nseconds      " + std::to_string(static_cast<double>(i.duration_ns()) * 1e-9) +
-                      "\nbytes        " + std::to_string(i.file_bytes) + "\ntruncated    " + (i.truncated ? "yes" : "no") +
-                      "\nprogram      " + i.program + "\ncalibration  " + (stream->rig_text().empty() ? "none" : "rig.json");
+                      "\nbytes        " + std::to_string(i.file_bytes) + "\ntruncated    " +
+                      (i.truncated ? "yes" : "no") + "\nprogram      " + i.program + "\ncalibration  " +
+                      (stream->rig_text().empty() ? "none" : "rig.json");
   nlohmann::json metadata = nlohmann::json::object();
   for (const auto& [key, value] : i.metadata) {
     metadata[key] = value;
@@ -127,7 +127,11 @@ Result<int> diff(const Options& o) {
     return 0;
   }
   say(o,
-      {{"equal", false}, {"stage", "input"}, {"burst", d->burst_index}, {"field", d->field}, {"left", d->left},
+      {{"equal", false},
+       {"stage", "input"},
+       {"burst", d->burst_index},
+       {"field", d->field},
+       {"left", d->left},
        {"right", d->right}},
       "first difference: burst " + std::to_string(d->burst_index) + ", stage input, " + d->field + ": " + d->left +
           " against " + d->right);
@@ -153,7 +157,9 @@ Run add_capture(CLI::App& app) {
   sub->add_option("IN", o->left, "recording (.mcap)")->required();
   sub->add_option("DIR", o->right, "folder to write")->required();
   verb("info", "what a recording holds", info)->add_option("IN", o->left, "recording or exchange folder")->required();
-  verb("verify", "read everything once and check every sum", verify)->add_option("IN", o->left, "recording")->required();
+  verb("verify", "read everything once and check every sum", verify)
+      ->add_option("IN", o->left, "recording")
+      ->required();
   sub = verb("cut", "copy a range of bursts; makes a clean file of a truncated one", cut);
   sub->add_option("IN", o->left, "recording (.mcap)")->required();
   sub->add_option("OUT", o->right, "recording to write (.mcap)")->required();

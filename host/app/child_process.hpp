@@ -22,7 +22,8 @@ struct ChildOptions {
 class ChildProcess {
  public:
   /// Errors: kFileNotFound when the program cannot be started.
-  [[nodiscard]] static Result<ChildProcess> start(const std::vector<std::string>& argv, const ChildOptions& options = {});
+  [[nodiscard]] static Result<ChildProcess> start(const std::vector<std::string>& argv,
+                                                  const ChildOptions& options = {});
 
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&& other) noexcept;

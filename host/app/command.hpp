@@ -1,10 +1,10 @@
-// Subcommands of `enamel`. Each is a function that adds itself to the parser and returns what to run when it was chosen.
+// Subcommands of `enamel`. Each is a function that adds itself to the parser and returns what to run when it was
+// chosen.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
-
-#include <CLI/CLI.hpp>
 
 #include "protocol/base/result.hpp"
 
@@ -15,6 +15,7 @@ using Run = std::function<Result<int>()>;
 
 Run add_capture(CLI::App& app);
 Run add_compare(CLI::App& app);
+Run add_config(CLI::App& app);
 Run add_decode(CLI::App& app);
 Run add_demo(CLI::App& app);
 Run add_doctor(CLI::App& app);

@@ -1,4 +1,6 @@
 // enamel compare: deviation of a mesh from a reference.
+#include "pipeline/algo/compare/compare.hpp"
+
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -7,7 +9,6 @@
 #include <vector>
 
 #include "host/app/command.hpp"
-#include "pipeline/algo/compare/compare.hpp"
 #include "pipeline/algo/compare/deviation_picture.hpp"
 #include "pipeline/algo/io/mesh_file.hpp"
 #include "pipeline/algo/io/poses_csv.hpp"
@@ -30,7 +31,8 @@ struct Options {
 void print(const algo::CompareResult& r) {
   std::printf("mean absolute  %8.2f um\nmedian signed  %8.2f um\nrms            %8.2f um\n", r.mean_abs_um, r.median_um,
               r.rms_um);
-  std::printf("95 %%           %8.2f um\n99 %%           %8.2f um\nlargest        %8.2f um\n", r.p95_um, r.p99_um, r.max_um);
+  std::printf("95 %%           %8.2f um\n99 %%           %8.2f um\nlargest        %8.2f um\n", r.p95_um, r.p99_um,
+              r.max_um);
   std::printf("coverage       %8.2f %%\nbeyond border  %8.2f %%\n", r.coverage_pct, r.beyond_border_pct);
   if (!r.end) return;
   std::printf("end of scan    %8.2f um, %.4f deg\n", r.end->end_error_um, r.end->end_rotation_deg);
@@ -42,8 +44,8 @@ Result<void> write_pictures(const Options& o, const Mesh& mesh, const algo::Comp
   ENAMEL_TRY(make_folder(o.out));
   const auto png = algo::deviation_png(mesh, result);
   ENAMEL_TRY(write_file(o.out + "/deviation.png", {reinterpret_cast<const char*>(png.data()), png.size()}));
-  ENAMEL_TRY(write_file(o.out + "/deviation.ply",
-                        algo::ply_bytes(mesh, algo::deviation_colours(result.deviation_um, 100.0))));
+  ENAMEL_TRY(
+      write_file(o.out + "/deviation.ply", algo::ply_bytes(mesh, algo::deviation_colours(result.deviation_um, 100.0))));
   return write_file(o.out + "/compare.json", algo::compare_json(result));
 }
 

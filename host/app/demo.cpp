@@ -41,7 +41,8 @@ std::string default_scene() {
 
 std::string default_cache() {
   if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != 0) return std::string(xdg) + "/enamel";
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home != 0) return std::string(home) + "/.cache/enamel";
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != 0)
+    return std::string(home) + "/.cache/enamel";
   return "/tmp/enamel-cache";
 }
 
@@ -64,7 +65,8 @@ void prune_cache(const std::string& cache, const fs::path& keep) {
   std::vector<std::pair<fs::file_time_type, fs::path>> files;
   std::error_code ec;
   for (const auto& entry : fs::directory_iterator(cache, ec)) {
-    if (entry.path().extension() == ".mcap" && entry.path() != keep) files.emplace_back(entry.last_write_time(ec), entry.path());
+    if (entry.path().extension() == ".mcap" && entry.path() != keep)
+      files.emplace_back(entry.last_write_time(ec), entry.path());
   }
   std::sort(files.begin(), files.end());
   for (std::size_t i = 0; i + kKept - 1 < files.size(); ++i) fs::remove(files[i].second, ec);
@@ -80,13 +82,15 @@ Result<std::string> recording(const Demo& demo, Clock& clock) {
     return path;
   }
   prune_cache(demo.cache, path);
-  log::info("demo", "rendering ahead: two cores render fewer than 30 bursts a second; the probe then plays at the true rate");
+  log::info("demo",
+            "rendering ahead: two cores render fewer than 30 bursts a second; the probe then plays at the true rate");
   const std::string partial = path + ".rendering.mcap";
   ENAMEL_TRY_ASSIGN(auto twin, ChildProcess::start({sibling_program("enamel-twin"), "render", demo.scene, "--seed",
                                                     std::to_string(demo.seed), "--out", partial}));
   while (!twin.poll() && !stop_requested()) clock.sleep_for(std::chrono::milliseconds(50));
   if (stop_requested()) return fail(ErrorCode::kCancelled);
-  if (*twin.poll() != 0) return fail(ErrorCode::kInternal, "enamel-twin ended with code " + std::to_string(*twin.poll()));
+  if (*twin.poll() != 0)
+    return fail(ErrorCode::kInternal, "enamel-twin ended with code " + std::to_string(*twin.poll()));
   fs::rename(partial, path, ec);
   if (ec) return fail(ErrorCode::kFileWrite, path + ": " + ec.message());
   return path;
@@ -97,9 +101,7 @@ std::string text_of(host::BurstStream& stream, const std::string& name) {
   return bytes ? std::string(bytes->begin(), bytes->end()) : std::string();
 }
 
-bool has_display() {
-  return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
-}
+bool has_display() { return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr; }
 
 Result<int> run_demo(Demo& demo) {
   SteadyClock clock;
@@ -122,11 +124,10 @@ Result<int> run_demo(Demo& demo) {
                      {"scene", demo.scene},
                      {"pace", "rendered ahead, played by enamel-probe at the true rate"},
                      {"source", path}};
-  ENAMEL_TRY_ASSIGN(const auto probe,
-                    ChildProcess::start({sibling_program("enamel-probe"), "--play", path, "--serial", demo.scan.serial,
-                                         "--dds-tag", demo.scan.dds_tag},
-                                        {.stdout_path = demo.scan.run.out + "/probe.out",
-                                         .stderr_path = demo.scan.run.out + "/probe.log"}));
+  ENAMEL_TRY_ASSIGN(const auto probe, ChildProcess::start({sibling_program("enamel-probe"), "--play", path, "--serial",
+                                                           demo.scan.serial, "--dds-tag", demo.scan.dds_tag},
+                                                          {.stdout_path = demo.scan.run.out + "/probe.out",
+                                                           .stderr_path = demo.scan.run.out + "/probe.log"}));
   return run_scan(demo.scan);
 }
 

@@ -2,9 +2,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <string>
-
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "host/app/command.hpp"
 #include "pipeline/algo/io/mesh_file.hpp"
@@ -49,7 +48,9 @@ Result<int> run_export(const Options& o) {
 Run add_export(CLI::App& app) {
   auto o = std::make_shared<Options>();
   app.add_option("SESSION", o->session, "session or output folder")->required();
-  app.add_option("--format", o->format, "stl, ply or obj")->check(CLI::IsMember({"stl", "ply", "obj"}))->capture_default_str();
+  app.add_option("--format", o->format, "stl, ply or obj")
+      ->check(CLI::IsMember({"stl", "ply", "obj"}))
+      ->capture_default_str();
   app.add_option("--out", o->out, "file to write (default: SESSION/export.FORMAT)");
   return [o]() -> Result<int> { return run_export(*o); };
 }

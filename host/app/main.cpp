@@ -2,6 +2,7 @@
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <opencv2/core/utility.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,7 +18,7 @@ struct Command {
   enamel::app::Run (*add)(CLI::App&);
 };
 
-constexpr std::array<Command, 8> kCommands{{
+constexpr std::array<Command, 9> kCommands{{
     {"demo", "the whole system on this machine: twin, probe, DDS, live preview, mesh, accuracy", enamel::app::add_demo},
     {"scan", "live scan of a probe on the network", enamel::app::add_scan},
     {"replay", "reprocess a recording or exchange folder: same capture, same bits", enamel::app::add_replay},
@@ -25,6 +26,7 @@ constexpr std::array<Command, 8> kCommands{{
     {"capture", "work on recordings: import export info verify cut diff", enamel::app::add_capture},
     {"compare", "deviation of a mesh from a reference", enamel::app::add_compare},
     {"export", "mesh of a session as STL, PLY or OBJ", enamel::app::add_export},
+    {"config", "the resolved configuration with every key explained", enamel::app::add_config},
     {"doctor", "what is wrong with this machine and how to mend it", enamel::app::add_doctor},
 }};
 
@@ -58,6 +60,8 @@ int main(int argc, char** argv) {
   // A full file system or a closed pipe shall be an error value, not the end of the program.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
+  // The stage graph shares the cores out; OpenCV must not take them a second time.
+  cv::setNumThreads(1);
   try {
     return run(argc, argv);
   } catch (const std::exception& e) {

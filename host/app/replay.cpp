@@ -1,5 +1,5 @@
-// enamel replay: lossless, deterministic reprocessing of a recording or exchange folder; --paced plays it at its recorded
-// speed with the live rules.
+// enamel replay: lossless, deterministic reprocessing of a recording or exchange folder; --paced plays it at its
+// recorded speed with the live rules.
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -76,7 +76,7 @@ Result<int> run_replay(const Options& o) {
   const host::ReplayConfig replay{.pipeline = config.pipeline,
                                   .workers = o.run.workers,
                                   .paced = o.paced,
-                                  .preview = true,
+                                  .preview_model = o.view && !o.run.headless,
                                   .calib_crc32 = wanted_crc};
   ENAMEL_TRY_ASSIGN(const auto session, host::ReplaySession::create(std::move(stream), rig, replay, clock));
   Screen screen("enamel replay", clock);

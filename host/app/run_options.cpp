@@ -3,9 +3,8 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
-#include <utility>
-
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "protocol/base/config.hpp"
 
@@ -90,7 +89,8 @@ void print_summary(const host::Report& report, bool json) {
   for (const auto& [stage, p] : report.stage_ms) {
     row(("stage " + stage + " p50 / p99").c_str(), number(p.p50, "%.1f", " / ") + number(p.p99, "%.1f", " ms"));
   }
-  row("mesh", std::to_string(report.mesh_vertices) + " vertices, " + std::to_string(report.mesh_triangles) + " triangles");
+  row("mesh",
+      std::to_string(report.mesh_vertices) + " vertices, " + std::to_string(report.mesh_triangles) + " triangles");
   if (!report.accuracy_json.empty()) {
     print_accuracy(nlohmann::json::parse(report.accuracy_json, nullptr, /*allow_exceptions=*/false));
   }

@@ -1,10 +1,9 @@
 // Options that every command which runs the pipeline shares, and what comes out of such a run.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
-
-#include <CLI/CLI.hpp>
 
 #include "host/report/report.hpp"
 #include "host/session/pipeline_config.hpp"
@@ -38,8 +37,8 @@ struct Truth {
   [[nodiscard]] bool known() const { return !surface_ply.empty() && !poses_csv.empty(); }
 };
 
-/// Writes mesh.stl, mesh.ply, poses.csv, stages.csv and report.json into `folder`; fills the report from the result and,
-/// with the truth, the accuracy. Nothing is written when the folder cannot be made. Errors: kFileWrite.
+/// Writes mesh.stl, mesh.ply, poses.csv, stages.csv and report.json into `folder`; fills the report from the result
+/// and, with the truth, the accuracy. Nothing is written when the folder cannot be made. Errors: kFileWrite.
 [[nodiscard]] Result<host::Report> write_outputs(const std::string& folder, const host::ScanResult& scan,
                                                  host::Report report, const Truth& truth);
 

@@ -18,11 +18,16 @@ constexpr Nanoseconds kIdle{20'000'000};
 
 view::ScanState scan_state(host::FeedState state) {
   switch (state) {
-    case host::FeedState::kWaiting: return view::ScanState::kWaitingForProbe;
-    case host::FeedState::kScanning: return view::ScanState::kScanning;
-    case host::FeedState::kPaused: return view::ScanState::kPaused;
-    case host::FeedState::kLost: return view::ScanState::kProbeLost;
-    case host::FeedState::kEnded: break;
+    case host::FeedState::kWaiting:
+      return view::ScanState::kWaitingForProbe;
+    case host::FeedState::kScanning:
+      return view::ScanState::kScanning;
+    case host::FeedState::kPaused:
+      return view::ScanState::kPaused;
+    case host::FeedState::kLost:
+      return view::ScanState::kProbeLost;
+    case host::FeedState::kEnded:
+      break;
   }
   return view::ScanState::kFinished;
 }
@@ -65,6 +70,7 @@ host::LiveSessionConfig session_config(const ScanRun& scan, const LoadedConfig& 
   c.program = "enamel " ENAMEL_VERSION;
   if (scan.record) c.recording_path = scan.run.out + "/capture.mcap";
   c.workers = scan.run.workers;
+  c.preview_model = !scan.run.headless;
   return c;
 }
 

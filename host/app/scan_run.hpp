@@ -12,18 +12,18 @@ namespace enamel::app {
 
 struct ScanRun {
   RunOptions run;
-  std::string serial;               ///< empty: the only probe there is
+  std::string serial;  ///< empty: the only probe there is
   std::string dds_tag = "enamel";
-  double seconds = 0;               ///< 0: until the probe's session ends
-  double wait_seconds = 15;         ///< for a probe to appear
-  bool start_at_once = false;       ///< else the person starts with the space bar
-  bool record = true;               ///< capture.mcap in the output folder
+  double seconds = 0;          ///< 0: until the probe's session ends
+  double wait_seconds = 15;    ///< for a probe to appear
+  bool start_at_once = false;  ///< else the person starts with the space bar
+  bool record = true;          ///< capture.mcap in the output folder
   Truth truth;
   std::map<std::string, std::string> notes;  ///< for the report
 };
 
-/// Returns the exit code: 0, or 4 when the loss equation fails or bursts were lost or incomplete. Errors: those that left
-/// nothing to write.
+/// Returns the exit code: 0, or 4 when the loss equation fails or bursts were lost or incomplete. Errors: those that
+/// left nothing to write.
 [[nodiscard]] Result<int> run_scan(const ScanRun& scan);
 
 }  // namespace enamel::app

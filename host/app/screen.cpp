@@ -4,6 +4,7 @@
 
 #include "viewer/gl/offscreen.hpp"
 #include "viewer/gl/picture.hpp"
+#include "viewer/scene/trail.hpp"
 
 namespace enamel::app {
 
@@ -38,6 +39,7 @@ void Screen::set_field(const calib::Rig& rig) {
   const calib::DepthRange depth = rig.depth_range.value_or(calib::DepthRange{});
   options_.field = view::probe_field(rig.camera.width, rig.camera.height, rig.camera.fx, rig.camera.fy, rig.camera.cx,
                                      rig.camera.cy, depth.near_mm, depth.far_mm);
+  if (window_) window_->set_field(options_.field);
 }
 
 std::shared_ptr<const view::PreviewFrame> Screen::frame(const State& state) const {
@@ -52,6 +54,7 @@ std::shared_ptr<const view::PreviewFrame> Screen::frame(const State& state) cons
     frame->burst = last_->burst;
     frame->placed = true;
     frame->track = last_->track.state;
+    frame->track_overlap = last_->track.overlap;
     frame->T_model_cam = last_->track.T_model_cam;
     frame->surface_distance_mm = last_->surface_distance_mm;
     frame->live = last_->live;
@@ -66,14 +69,15 @@ view::UserCommands Screen::refresh(const State& state, const std::shared_ptr<con
     last_ = item;
     if (item->track.state != TrackState::kLost) {
       auto trail = std::make_shared<std::vector<Vec3f>>(*trail_);  // published trails are immutable
-      trail->push_back(item->track.T_model_cam.translation().cast<float>());
+      trail->push_back(view::trail_point(item->track.T_model_cam, item->surface_distance_mm, options_.field));
       trail_ = std::move(trail);
     }
   }
   if (!window_) return {};
   window_->wait_frame();
   const view::UserCommands commands = window_->poll();
-  window_->render(frame(state));
+  // A frame that the driver refuses is left out; the next one is tried anew.
+  static_cast<void>(window_->render(frame(state)));
   return commands;
 }
 
@@ -82,7 +86,7 @@ Result<std::string> Screen::write_picture(const State& state, const Mesh* finish
   if (finished != nullptr) last->model = snapshot_of(*finished);
   view::Picture picture;
   if (window_) {
-    window_->render(last);
+    ENAMEL_TRY(window_->render(last));
     ENAMEL_TRY_ASSIGN(picture, window_->screenshot());
   } else {
     ENAMEL_TRY_ASSIGN(picture, view::draw_offscreen(*last, options_));

@@ -1,4 +1,5 @@
-// The host's screen: turns what session and pipeline publish into the viewer's frames, in a window or without any display.
+// The host's screen: turns what session and pipeline publish into the viewer's frames, in a window or without any
+// display.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +38,8 @@ class Screen {
   /// Draws the newest item (or the one before when `item` is null) and handles the keyboard.
   view::UserCommands refresh(const State& state, const std::shared_ptr<const stage::PreviewItem>& item);
 
-  /// Last picture, of the finished model when given, to a PNG. Returns which path drew it. Errors: kDisplay, kFileWrite.
+  /// Last picture, of the finished model when given, to a PNG. Returns which path drew it. Errors: kDisplay,
+  /// kFileWrite.
   [[nodiscard]] Result<std::string> write_picture(const State& state, const Mesh* finished, const std::string& path);
 
  private:

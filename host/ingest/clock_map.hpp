@@ -1,5 +1,6 @@
-// Device clock to host clock from four-stamp exchanges (NTP): offset = ((t2 - t1) + (t3 - t4)) / 2, uncertain by half of the
-// round trip. The exchange with the shortest round trip of the last sixteen counts; drift within them is far below that.
+// Device clock to host clock from four-stamp exchanges (NTP): offset = ((t2 - t1) + (t3 - t4)) / 2, uncertain by half
+// of the round trip. The exchange with the shortest round trip of the last sixteen counts; drift within them is far
+// below that.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
-// The one place on the host where bursts are dropped on purpose: a bounded queue between the network and the stage graph
-// that lets the oldest go when the pipeline is slower than the probe. Every item dropped is handed back to the caller, so
-// that it can be counted and noted in the recording.
+// The one place on the host where bursts are dropped on purpose: a bounded queue between the network and the stage
+// graph that lets the oldest go when the pipeline is slower than the probe. Every item dropped is handed back to the
+// caller, so that it can be counted and noted in the recording.
 #pragma once
 
 #include <condition_variable>
@@ -17,8 +17,8 @@ enum class GatePolicy {
   kShedOldest,  ///< push never waits: live
 };
 
-/// Thread-safe for one pusher and one popper. A mutex, not a ring: the pusher takes the oldest item out again, which the
-/// producer of an SPSC ring may not do, and the network thread is allowed to wait here.
+/// Thread-safe for one pusher and one popper. A mutex, not a ring: the pusher takes the oldest item out again, which
+/// the producer of an SPSC ring may not do, and the network thread is allowed to wait here.
 template <class T>
 class IngressGate {
  public:

@@ -92,10 +92,12 @@ Result<void> LiveFeed::take_input() {
   return {};
 }
 
-// The final counters come after the last burst, and both by different topics: drain until they agree or a second passed.
+// The final counters come after the last burst, and both by different topics: drain until they agree or a second
+// passed.
 void LiveFeed::close_session() {
   if (started_ && !ended_) {
-    if (const auto reply = link_.command(proto::Opcode::kScanStop); !reply) log::warn(kModule, "{}", reply.error().detail);
+    if (const auto reply = link_.command(proto::Opcode::kScanStop); !reply)
+      log::warn(kModule, "{}", reply.error().detail);
   }
   const HostTime deadline = clock_.now() + std::chrono::seconds(1);
   int quiet = 0;

@@ -28,10 +28,10 @@ class FeedSink {
 
 struct FeedConfig {
   std::uint32_t session_id = 1;
-  bool start_at_once = true;                     ///< false: wait for set_scanning(true)
-  Nanoseconds find_timeout{15'000'000'000};      ///< for the first probe; then kProbeNotFound
-  Nanoseconds lost_timeout{120'000'000'000};     ///< for a lost probe to come back; then the session ends with what it has
-  Nanoseconds settle{300'000'000};               ///< two probes take this long to show themselves both
+  bool start_at_once = true;                  ///< false: wait for set_scanning(true)
+  Nanoseconds find_timeout{15'000'000'000};   ///< for the first probe; then kProbeNotFound
+  Nanoseconds lost_timeout{120'000'000'000};  ///< for a lost probe to come back; then the session ends with what it has
+  Nanoseconds settle{300'000'000};            ///< two probes take this long to show themselves both
   Nanoseconds poll_period{10'000'000};
 };
 

@@ -55,7 +55,8 @@ Result<std::optional<proto::DeviceInfo>> ProbeLink::find() {
     seen_.push_back(info.value);
   }
   if (!config_.serial.empty()) {
-    const auto match = std::find_if(seen_.begin(), seen_.end(), [&](const auto& s) { return s.serial == config_.serial; });
+    const auto match =
+        std::find_if(seen_.begin(), seen_.end(), [&](const auto& s) { return s.serial == config_.serial; });
     if (match == seen_.end()) return std::optional<proto::DeviceInfo>{};
     probe_ = *match;
     return probe_;
@@ -94,7 +95,8 @@ Result<proto::CommandReply> ProbeLink::command(proto::Opcode opcode, std::array<
         if (opcode == proto::Opcode::kSessionClose) session_open_ = false;
         return reply.value;
       }
-      return fail(ErrorCode::kProbeRefused, std::string(name_of(opcode)) + ": " + std::string(name_of(reply.value.status)) +
+      return fail(ErrorCode::kProbeRefused, std::string(name_of(opcode)) + ": " +
+                                                std::string(name_of(reply.value.status)) +
                                                 (reply.value.detail.empty() ? "" : ", " + reply.value.detail));
     }
   }

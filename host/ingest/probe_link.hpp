@@ -19,8 +19,8 @@
 namespace enamel::host {
 
 struct ProbeLinkConfig {
-  std::string serial;                    ///< empty: the only probe there is
-  std::uint32_t client_id = 0;           ///< of this host; 0 = drawn from the clock
+  std::string serial;           ///< empty: the only probe there is
+  std::uint32_t client_id = 0;  ///< of this host; 0 = drawn from the clock
   Nanoseconds command_timeout{2'000'000'000};
   Nanoseconds command_retry{200'000'000};
   Nanoseconds lease_renewal{1'000'000'000};  ///< the probe pauses when nothing came for 3 s
@@ -43,8 +43,8 @@ class ProbeLink {
   /// Looks once for the probe. nullopt: none yet. Errors: kProbeAmbiguous with the serials seen.
   [[nodiscard]] Result<std::optional<proto::DeviceInfo>> find();
 
-  /// Sends a command and waits for its reply, re-sending the same cmd_id until then; bursts that arrive meanwhile are kept
-  /// for poll(). Errors: kProbeLost (no reply), kProbeRefused (with the probe's reason), kDds.
+  /// Sends a command and waits for its reply, re-sending the same cmd_id until then; bursts that arrive meanwhile are
+  /// kept for poll(). Errors: kProbeLost (no reply), kProbeRefused (with the probe's reason), kDds.
   [[nodiscard]] Result<proto::CommandReply> command(proto::Opcode opcode, std::array<std::int64_t, 4> args = {},
                                                     const std::string& text = {});
 

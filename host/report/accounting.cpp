@@ -13,10 +13,10 @@ std::uint64_t BurstCounts::rejected_total() const {
 Result<void> check(const BurstCounts& c) {
   const std::uint64_t wire_sum = c.lost_on_wire + c.incomplete + c.shed + c.accepted;
   if (c.captured != wire_sum) {
-    return fail(ErrorCode::kAccounting,
-                "captured " + std::to_string(c.captured) + " is not lost_on_wire " + std::to_string(c.lost_on_wire) +
-                    " + incomplete " + std::to_string(c.incomplete) + " + shed " + std::to_string(c.shed) +
-                    " + accepted " + std::to_string(c.accepted));
+    return fail(ErrorCode::kAccounting, "captured " + std::to_string(c.captured) + " is not lost_on_wire " +
+                                            std::to_string(c.lost_on_wire) + " + incomplete " +
+                                            std::to_string(c.incomplete) + " + shed " + std::to_string(c.shed) +
+                                            " + accepted " + std::to_string(c.accepted));
   }
   if (c.accepted != c.fused + c.rejected_total()) {
     return fail(ErrorCode::kAccounting, "accepted " + std::to_string(c.accepted) + " is not fused " +

@@ -1,7 +1,7 @@
 // The loss equation: where every burst that the probe began has gone.
 //   captured = lost_on_wire + incomplete + shed + accepted        accepted = fused + sum(rejected)
-// The probe counts its side (ProbeCounts, from Status), the host its own; the equation compares the two, so a burst that
-// vanishes without a counter on either side is noticed.
+// The probe counts its side (ProbeCounts, from Status), the host its own; the equation compares the two, so a burst
+// that vanishes without a counter on either side is noticed.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,8 @@ struct BurstCounts {
   [[nodiscard]] std::uint64_t rejected_total() const;
 };
 
-/// Errors: kAccounting when an equation fails, kDataLoss when lost_on_wire + incomplete > 0. Shedding alone is no error.
+/// Errors: kAccounting when an equation fails, kDataLoss when lost_on_wire + incomplete > 0. Shedding alone is no
+/// error.
 [[nodiscard]] Result<void> check(const BurstCounts& counts);
 
 /// One life of the probe process, as its Status tells.

@@ -52,7 +52,8 @@ std::string StageTrace::hash(const std::string& mesh_digest) const {
 Result<StageTrace> StageTrace::from_csv(const std::string& text, const std::string& path) {
   std::istringstream in(text);
   std::string line;
-  if (!std::getline(in, line) || line != header()) return fail(ErrorCode::kExchangeInvalid, path + ":1: no stage trace");
+  if (!std::getline(in, line) || line != header())
+    return fail(ErrorCode::kExchangeInvalid, path + ":1: no stage trace");
   StageTrace trace;
   for (int number = 2; std::getline(in, line); ++number) {
     auto row = parse_row(line);

@@ -8,8 +8,9 @@
 
 namespace enamel::host {
 
-/// The probe counts from zero in each of its lives; a burst_seq or burst_index that does not grow begins a new one, whose
-/// numbers follow the last number given. Depends on the accepted bursts in their order alone, so live and replay agree.
+/// The probe counts from zero in each of its lives; a burst_seq or burst_index that does not grow begins a new one,
+/// whose numbers follow the last number given. Depends on the accepted bursts in their order alone, so live and replay
+/// agree.
 class BurstNumbering {
  public:
   /// Strictly increasing.

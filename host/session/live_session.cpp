@@ -77,7 +77,7 @@ Result<void> LiveSession::start_pipeline(const proto::DeviceInfo& info) {
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, calib::parse_rig(text));
   if (rig.crc32 != info.calib_crc32) return fail(ErrorCode::kRigInvalid, "damaged on its way from the probe");
   const ScanPipelineOptions options{
-      .workers = config_.workers, .preview = config_.preview, .calib_crc32 = rig.crc32};
+      .workers = config_.workers, .preview_model = config_.preview_model, .calib_crc32 = rig.crc32};
   ENAMEL_TRY_ASSIGN(pipeline_, ScanPipeline::create(rig, config_.pipeline, options, clock_));
   if (!config_.recording_path.empty()) {
     const capture::CaptureHeader header{text, config_.program, {{"serial", info.serial}, {"model", info.model}}};
@@ -121,7 +121,8 @@ void LiveSession::on_burst(dds::Received<proto::Burst> burst, HostTime arrival) 
 void LiveSession::note_shed(const proto::Burst& burst) {
   const HostTime now = clock_.now();
   if (recorder_) {
-    recorder_->note(proto::ShedNote{burst.burst_index, burst.burst_seq, to_ns(now), proto::ShedReason::kIngressFull}, now);
+    recorder_->note(proto::ShedNote{burst.burst_index, burst.burst_seq, to_ns(now), proto::ShedReason::kIngressFull},
+                    now);
   }
   const std::lock_guard lock(mutex_);
   ledger_.shed();
@@ -167,7 +168,8 @@ std::optional<calib::Rig> LiveSession::rig() const {
 Result<LiveSession::Outcome> LiveSession::finish() {
   if (ingest_thread_.joinable()) ingest_thread_.join();
   if (record_thread_.joinable()) record_thread_.join();
-  if (!pipeline_) return tl::unexpected<Error>(feed_error_.value_or(Error{ErrorCode::kCancelled, "before a probe was found"}));
+  if (!pipeline_)
+    return tl::unexpected<Error>(feed_error_.value_or(Error{ErrorCode::kCancelled, "before a probe was found"}));
   ENAMEL_TRY(pipeline_->join());
   Outcome outcome;
   outcome.scan = pipeline_->take_result();

@@ -1,5 +1,6 @@
 // One live scan: what the link hears goes through the ingress gate and the recorder into the scan pipeline, and every
-// burst is accounted for. Threads: "ingest" (link), "record" (recorder and hand-over to the graph), the graph's workers.
+// burst is accounted for. Threads: "ingest" (link), "record" (recorder and hand-over to the graph), the graph's
+// workers.
 #pragma once
 
 #include <atomic>
@@ -24,12 +25,12 @@ struct LiveSessionConfig {
   ProbeLinkConfig link;
   FeedConfig feed;
   PipelineConfig pipeline;
-  std::string config_text;       ///< resolved configuration, attached to the recording
-  std::string recording_path;    ///< empty: none
-  std::string program;           ///< "enamel 0.1.0"
-  std::size_t gate_bursts = 8;   ///< waiting room; a burst is 1.2 MB
+  std::string config_text;      ///< resolved configuration, attached to the recording
+  std::string recording_path;   ///< empty: none
+  std::string program;          ///< "enamel 0.1.0"
+  std::size_t gate_bursts = 8;  ///< waiting room; a burst is 1.2 MB
   int workers = 2;
-  bool preview = true;
+  bool preview_model = true;  ///< mesh the growing model for a window
 };
 
 /// What a person at the screen wants to know now.

@@ -18,14 +18,16 @@ void bind_decode(ConfigReader r, algo::DecodeConfig& c) {
 }
 
 void bind_track(ConfigReader r, algo::TrackerConfig& c) {
-  r.bind("start_coverage", c.start_coverage, {0.0, 1.0}, "share of the image that must be good surface to define the model");
+  r.bind("start_coverage", c.start_coverage, {0.0, 1.0},
+         "share of the image that must be good surface to define the model");
   r.bind("max_gap_s", c.max_gap_s, {0.05, 60.0}, "longer without a placed burst: found again by features only");
   r.bind("max_speed_mm_s", c.max_speed_mm_s, {1.0, 5000.0}, "faster alignments are not believed");
   r.bind("max_turn_deg_s", c.max_turn_deg_s, {1.0, 10000.0}, "faster alignments are not believed");
   r.bind("min_overlap", c.accept.min_overlap, {0.0, 1.0}, "share of the patch that must meet the model");
   r.bind("min_consistency", c.accept.min_consistency, {0.0, 1.0}, "of what meets the model, the share that must agree");
   r.bind("max_rms_mm", c.accept.max_rms_mm, {0.001, 1.0}, "largest residual beyond the patch's own noise");
-  r.bind("keyframe_spacing_mm", c.keyframes.spacing_mm, {0.1, 50.0}, "a keyframe where every other is farther than this");
+  r.bind("keyframe_spacing_mm", c.keyframes.spacing_mm, {0.1, 50.0},
+         "a keyframe where every other is farther than this");
   r.bind("keyframe_spacing_deg", c.keyframes.spacing_deg, {0.1, 90.0}, "or turned by more than this");
   c.relocalise.accept = c.accept;
 }
@@ -47,8 +49,10 @@ void bind_mesh(ConfigReader r, algo::MeshConfig& c) {
 }  // namespace
 
 void bind(ConfigReader& reader, PipelineConfig& config) {
-  reader.bind("graph.feedback_delay", config.feedback_delay, {1, 8}, "bursts between fusion and its use in registration");
-  reader.bind("graph.preview_period", config.preview_period, {1, 30}, "the preview's surface is renewed every so many bursts");
+  reader.bind("graph.feedback_delay", config.feedback_delay, {1, 8},
+              "bursts between fusion and its use in registration");
+  reader.bind("graph.preview_period", config.preview_period, {1, 30},
+              "the preview's surface is renewed every so many bursts");
   bind_decode(reader.table("decode"), config.decode);
   bind_track(reader.table("track"), config.track);
   bind_fuse(reader.table("fuse"), config.fuse);

@@ -1,5 +1,5 @@
-// Writes the session's recording: what passed the ingress gate, as it was on the wire, and what the probe and the gate had
-// to say meanwhile.
+// Writes the session's recording: what passed the ingress gate, as it was on the wire, and what the probe and the gate
+// had to say meanwhile.
 #pragma once
 
 #include <cstdint>

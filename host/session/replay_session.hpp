@@ -1,5 +1,5 @@
-// A recording through the scan pipeline. Lossless: every burst in log order, as fast as it goes, the same bits every time.
-// Paced: at recorded speed through the live ingress gate.
+// A recording through the scan pipeline. Lossless: every burst in log order, as fast as it goes, the same bits every
+// time. Paced: at recorded speed through the live ingress gate.
 #pragma once
 
 #include <atomic>
@@ -23,7 +23,7 @@ struct ReplayConfig {
   PipelineConfig pipeline;
   int workers = 2;
   bool paced = false;
-  bool preview = false;
+  bool preview_model = false;     ///< mesh the growing model for a window
   std::uint32_t calib_crc32 = 0;  ///< bursts made with another calibration are rejected; 0: any
   std::size_t gate_bursts = 8;    ///< paced only, as live
 };

@@ -23,9 +23,11 @@ constexpr std::size_t kEntrance = 2;
 }  // namespace
 
 struct ScanPipeline::Impl {
-  Impl(const ScanPipelineOptions& o, Clock& c) : options(o), clock(c), gate(kEntrance, GatePolicy::kLossless), graph(c) {}
+  Impl(const ScanPipelineOptions& o, Clock& c)
+      : options(o), clock(c), gate(kEntrance, GatePolicy::kLossless), graph(c) {}
 
-  void build(const calib::Rig& rig, const PipelineConfig& config, const std::shared_ptr<const algo::BurstDecoder>& decoder);
+  void build(const calib::Rig& rig, const PipelineConfig& config,
+             const std::shared_ptr<const algo::BurstDecoder>& decoder);
   void run(const std::stop_token& stop);
 
   ScanPipelineOptions options;
@@ -51,8 +53,10 @@ void ScanPipeline::Impl::build(const calib::Rig& rig, const PipelineConfig& conf
     decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), decoder, options.calib_crc32);
   }
   auto& track = graph.add<stage::TrackStage>(rig, config.track);
-  const stage::FuseStageConfig fuse_config{
-      .fuse = config.fuse, .mesh = config.mesh, .preview = options.preview, .preview_period = config.preview_period};
+  const stage::FuseStageConfig fuse_config{.fuse = config.fuse,
+                                           .mesh = config.mesh,
+                                           .preview_model = options.preview_model,
+                                           .preview_period = config.preview_period};
   fuse = &graph.add<stage::FuseStage>(rig, fuse_config);
   sink = &graph.add<SinkStage>(clock);
   auto& screen = graph.add<PreviewStage>(preview);

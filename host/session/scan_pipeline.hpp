@@ -1,5 +1,5 @@
-// The stage graph of a scan, from bursts to the model: source -> decode -> track -> fuse -> sink, with the model fed back
-// through a delay edge and a preview tap that keeps the latest. Live scans and replays run exactly this.
+// The stage graph of a scan, from bursts to the model: source -> decode -> track -> fuse -> sink, with the model fed
+// back through a delay edge and a preview tap that keeps the latest. Live scans and replays run exactly this.
 #pragma once
 
 #include <cstdint>
@@ -52,8 +52,8 @@ struct ScanResult {
 };
 
 struct ScanPipelineOptions {
-  int workers = 2;       ///< 0: one thread, topological order
-  bool preview = false;  ///< publish preview items
+  int workers = 2;                ///< 0: one thread, topological order
+  bool preview_model = false;     ///< mesh the growing model for a window
   std::uint32_t calib_crc32 = 0;  ///< bursts that name another calibration are rejected; 0: any
 };
 

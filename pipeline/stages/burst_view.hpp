@@ -9,7 +9,8 @@ namespace enamel::stage {
 /// Needs proto::is_consistent(burst); refers to the burst's memory.
 [[nodiscard]] inline algo::BurstView view_of(const proto::Burst& burst) noexcept {
   algo::BurstView view{.width = burst.width, .height = burst.height, .bit_depth = burst.bit_depth};
-  for (int k = 0; k < proto::kFramesPerBurst; ++k) view.frames[static_cast<std::size_t>(k)] = proto::frame_bytes(burst, k);
+  for (int k = 0; k < proto::kFramesPerBurst; ++k)
+    view.frames[static_cast<std::size_t>(k)] = proto::frame_bytes(burst, k);
   return view;
 }
 

@@ -84,15 +84,13 @@ void FuseStage::pass_rejected(const graph::Item<Tracked>& item) {
 std::shared_ptr<const PreviewItem> FuseStage::make_preview(const graph::Item<Tracked>& item) {
   last_preview_.burst = item.id;
   last_preview_.track = item->result;
-  if (config_.preview) {
-    const SurfacePatch& patch = item->decoded->patch;
-    last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
-    last_preview_.live = grey(patch.texture_dn);
-    if (until_preview_-- == 0) {
-      until_preview_ = config_.preview_period - 1;
-      mesher_.update(model_, model_.take_changed(kVisibleMoveMm), kBlocksAtOnce);
-      last_preview_.model = std::make_shared<const ModelSnapshot>(mesher_.snapshot());
-    }
+  const SurfacePatch& patch = item->decoded->patch;
+  last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
+  last_preview_.live = grey(patch.texture_dn);
+  if (config_.preview_model && until_preview_-- == 0) {
+    until_preview_ = config_.preview_period - 1;
+    mesher_.update(model_, model_.take_changed(kVisibleMoveMm), kBlocksAtOnce);
+    last_preview_.model = std::make_shared<const ModelSnapshot>(mesher_.snapshot());
   }
   return std::make_shared<const PreviewItem>(last_preview_);
 }

@@ -16,8 +16,8 @@ namespace enamel::stage {
 struct FuseStageConfig {
   algo::FuseConfig fuse;
   algo::MeshConfig mesh;
-  bool preview = false;
-  int preview_period = 2;  ///< the preview's surface is renewed every so many bursts
+  bool preview_model = false;  ///< somebody watches the surface grow: mesh it as it changes
+  int preview_period = 2;      ///< … every so many bursts
 };
 
 /// Sees rejected bursts too: registration wants a view for every burst, and the person at the screen that one was lost.

@@ -17,8 +17,8 @@ struct PreviewItem {
   BurstId burst{};
   TrackResult track;
   double surface_distance_mm = std::numeric_limits<double>::quiet_NaN();  ///< median depth, NaN = nothing decoded
-  std::shared_ptr<const Map<std::uint8_t>> live;       ///< fringe-free picture, or null when the burst was not decoded
-  std::shared_ptr<const ModelSnapshot> model;          ///< or null while nothing is fused
+  std::shared_ptr<const Map<std::uint8_t>> live;  ///< fringe-free picture, or null when the burst was not decoded
+  std::shared_ptr<const ModelSnapshot> model;     ///< or null while nothing is fused
 };
 
 }  // namespace enamel::stage

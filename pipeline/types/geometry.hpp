@@ -1,5 +1,5 @@
-// Vectors and rigid motions shared by the algorithms. Poses are double, maps and clouds float: a depth of 48 mm in float
-// resolves 4 nm, a chain of poses must not drift.
+// Vectors and rigid motions shared by the algorithms. Poses are double, maps and clouds float: a depth of 48 mm in
+// float resolves 4 nm, a chain of poses must not drift.
 #pragma once
 
 #include <Eigen/Core>

@@ -12,7 +12,9 @@ class Map {
  public:
   Map() = default;
   Map(int width, int height, T fill = T{})
-      : width_(width), height_(height), data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {}
+      : width_(width),
+        height_(height),
+        data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {}
 
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }

@@ -11,8 +11,8 @@ namespace enamel {
 
 struct Mesh {
   std::vector<Vec3f> vertices;
-  std::vector<Vec3f> normals;                         ///< empty or one a vertex, unit, outwards
-  std::vector<float> quality;                         ///< empty or one a vertex, 0 (seen once, steep) … 1 (seen often, facing)
+  std::vector<Vec3f> normals;  ///< empty or one a vertex, unit, outwards
+  std::vector<float> quality;  ///< empty or one a vertex, 0 (seen once, steep) … 1 (seen often, facing)
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 

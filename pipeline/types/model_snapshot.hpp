@@ -1,4 +1,5 @@
-// The growing model as the viewer and the exporter take it. Immutable once published; blocks are shared between snapshots.
+// The growing model as the viewer and the exporter take it. Immutable once published; blocks are shared between
+// snapshots.
 #pragma once
 
 #include <array>
@@ -15,8 +16,8 @@ struct BlockMesh {
   std::array<std::int32_t, 3> block{};  ///< block index: floor(position / block edge)
   std::uint64_t epoch = 0;              ///< burst after which it was meshed, + 1
   std::vector<Vec3f> vertices;
-  std::vector<Vec3f> normals;           ///< one a vertex, unit, outwards
-  std::vector<float> quality;           ///< one a vertex, 0 (seen once, steep) … 1 (seen often, facing)
+  std::vector<Vec3f> normals;  ///< one a vertex, unit, outwards
+  std::vector<float> quality;  ///< one a vertex, 0 (seen once, steep) … 1 (seen often, facing)
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 

@@ -15,11 +15,11 @@ inline constexpr std::uint8_t kNoOrder = 255;
 
 /// Organised surface patch: all maps have the camera's size. Immutable once published.
 struct SurfacePatch {
-  Map<float> depth_mm;     ///< camera z; NaN = none; one independent measurement a pixel, not smoothed
-  Map<float> sigma_mm;     ///< one standard deviation of depth_mm; NaN where depth is NaN
-  Map<Vec3f> points;       ///< camera frame, NaN = none; from depth_mm
-  Map<Vec3f> normals;      ///< unit, towards the camera; NaN = none
-  Map<float> texture_dn;   ///< fringe-free grey image A (DN above black), valid everywhere
+  Map<float> depth_mm;    ///< camera z; NaN = none; one independent measurement a pixel, not smoothed
+  Map<float> sigma_mm;    ///< one standard deviation of depth_mm; NaN where depth is NaN
+  Map<Vec3f> points;      ///< camera frame, NaN = none; from depth_mm
+  Map<Vec3f> normals;     ///< unit, towards the camera; NaN = none
+  Map<float> texture_dn;  ///< fringe-free grey image A (DN above black), valid everywhere
   Map<float> modulation_dn;
   std::size_t valid_px = 0;
 };

@@ -1,5 +1,5 @@
-// Bad input and faults as a person meets them: the real program, one clear message with cause and remedy, the right exit
-// code, nothing half-written.
+// Bad input and faults as a person meets them: the real program, one clear message with cause and remedy, the right
+// exit code, nothing half-written.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -68,7 +68,8 @@ TEST(Faults, TruncatedRecordingIsReplayedAsFarAsItGoes) {
   const std::string whole = read_file(small_capture()).value_or("");
   ASSERT_GT(whole.size(), 1000U);
   ASSERT_TRUE(write_file(tmp / "cut.mcap", whole.substr(0, whole.size() / 2)));
-  const Ran ran = replay(tmp / "cut.mcap", tmp / "out", {"--rig", std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe.json"});
+  const Ran ran =
+      replay(tmp / "cut.mcap", tmp / "out", {"--rig", std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe.json"});
   EXPECT_EQ(ran.code, 0) << ran.err;
   EXPECT_NE(ran.err.find("truncated"), std::string::npos) << ran.err;
   EXPECT_TRUE(fs::exists(tmp / "out/mesh.ply"));
@@ -144,8 +145,8 @@ TEST(Faults, FullDisk) {
   const TempFolder tmp;
   // Files may grow to 200 KiB: the mesh does not fit.
   const Ran ran = run({"/bin/bash", "-c",
-                       "ulimit -f 200; exec " + program("enamel") + " replay " + small_capture() + " --headless --out " +
-                           (tmp / "out")});
+                       "ulimit -f 200; exec " + program("enamel") + " replay " + small_capture() +
+                           " --headless --out " + (tmp / "out")});
   expect_told(ran, 2, "file cannot be written");
   EXPECT_FALSE(fs::exists(tmp / "out/mesh.ply")) << "half-written mesh left behind";
   EXPECT_FALSE(fs::exists(tmp / "out/mesh.ply.partial"));

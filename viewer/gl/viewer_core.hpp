@@ -44,6 +44,7 @@ class ViewerCore {
   [[nodiscard]] const RenderTarget& picture_target() const { return *out_; }
   [[nodiscard]] Picture read_picture() const;
 
+  void set_field(const ProbeField& field) { field_ = field; }
   void act(Action action);
   void drag_orbit(double right_rad, double down_rad);
   void drag_pan(double right, double down);

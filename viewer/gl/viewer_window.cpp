@@ -216,6 +216,8 @@ Result<Picture> ViewerWindow::screenshot() {
   return picture;
 }
 
+void ViewerWindow::set_field(const ProbeField& field) { impl_->core->set_field(field); }
+
 DisplayToggles& ViewerWindow::toggles() { return impl_->core->toggles(); }
 
 ViewerStats ViewerWindow::stats() const {

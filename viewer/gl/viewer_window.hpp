@@ -57,6 +57,8 @@ class ViewerWindow {
   /// budget.
   [[nodiscard]] Result<Picture> screenshot();
 
+  /// The probe's field, once it is known.
+  void set_field(const ProbeField& field);
   [[nodiscard]] DisplayToggles& toggles();
   [[nodiscard]] ViewerStats stats() const;
   [[nodiscard]] std::string gl_description() const;  ///< "4.5 (Core Profile) Mesa …, llvmpipe …"

@@ -1,0 +1,130 @@
+// The live chain with its real processes: enamel-probe and enamel over Cyclone DDS on loopback.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/support/run.hpp"
+
+namespace enamel::test {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::seconds;
+
+std::string small_capture() { return std::string(ENAMEL_BIN_DIR) + "/../fixtures/small.mcap"; }
+
+app::ChildProcess start_probe(const TempFolder& tmp, const std::string& tag, const std::string& serial,
+                              const std::string& loops = "1") {
+  auto child = app::ChildProcess::start(
+      {program("enamel-probe"), "--play", small_capture(), "--serial", serial, "--dds-tag", tag, "--loops", loops},
+      {tmp / (serial + ".out"), tmp / (serial + ".log")});
+  EXPECT_TRUE(child);
+  return std::move(*child);
+}
+
+nlohmann::json report_of(const std::string& folder) {
+  return nlohmann::json::parse(read_file(folder + "/report.json").value_or("{}"), nullptr, false);
+}
+
+std::vector<std::string> scan_command(const TempFolder& tmp, const std::string& tag) {
+  return {program("enamel"), "scan", "--headless", "--session", tmp / "session", "--dds-tag", tag};
+}
+
+void expect_balanced(const nlohmann::json& bursts) {
+  std::uint64_t rejected = 0;
+  for (const auto& [reason, count] : bursts["rejected"].items()) rejected += count.get<std::uint64_t>();
+  EXPECT_EQ(bursts["captured"].get<std::uint64_t>(),
+            bursts["lost_on_wire"].get<std::uint64_t>() + bursts["incomplete"].get<std::uint64_t>() +
+                bursts["shed"].get<std::uint64_t>() + bursts["accepted"].get<std::uint64_t>())
+      << bursts;
+  EXPECT_EQ(bursts["accepted"].get<std::uint64_t>(), bursts["fused"].get<std::uint64_t>() + rejected) << bursts;
+}
+
+TEST(Live, EveryBurstIsAccountedForAndTheSessionReplaysToTheSameBits) {
+  const TempFolder tmp;
+  const std::string tag = unique_tag();
+  const auto probe = start_probe(tmp, tag, "P1");
+  const Ran scan = run(scan_command(tmp, tag), seconds(120));
+  ASSERT_EQ(scan.code, 0) << scan.err;
+  const auto live = report_of(tmp / "session");
+  EXPECT_EQ(live["bursts"]["captured"], 40);
+  EXPECT_EQ(live["bursts"]["lost_on_wire"], 0);
+  EXPECT_EQ(live["bursts"]["incomplete"], 0);
+  EXPECT_GT(live["bursts"]["fused"].get<int>(), 0);
+  expect_balanced(live["bursts"]);
+  for (const char* file : {"mesh.stl", "mesh.ply", "poses.csv", "preview.png", "capture.mcap"}) {
+    EXPECT_TRUE(fs::exists(tmp / (std::string("session/") + file))) << file;
+  }
+
+  const Ran replay =
+      run({program("enamel"), "replay", tmp / "session", "--out", tmp / "again", "--headless", "--threads", "1"},
+          seconds(120));
+  ASSERT_EQ(replay.code, 0) << replay.err;
+  const auto again = report_of(tmp / "again");
+  EXPECT_EQ(again["hash"], live["hash"]);
+  EXPECT_EQ(again["bursts"], live["bursts"]) << "the recording tells the same story of losses";
+  const Ran diff = run({program("enamel"), "capture", "diff", tmp / "session", tmp / "again"});
+  EXPECT_EQ(diff.code, 0) << diff.out;
+}
+
+TEST(Live, TwoProbesAreNamedAndOneCanBeChosen) {
+  const TempFolder tmp;
+  const std::string tag = unique_tag();
+  const auto first = start_probe(tmp, tag, "LEFT");
+  const auto second = start_probe(tmp, tag, "RIGHT");
+  std::this_thread::sleep_for(seconds(2));
+  const Ran ambiguous = run(scan_command(tmp, tag), seconds(60));
+  EXPECT_EQ(ambiguous.code, 3);
+  EXPECT_NE(ambiguous.err.find("LEFT"), std::string::npos) << ambiguous.err;
+  EXPECT_NE(ambiguous.err.find("RIGHT"), std::string::npos) << ambiguous.err;
+  EXPECT_NE(ambiguous.err.find("--probe"), std::string::npos) << "no remedy:\n" << ambiguous.err;
+  auto chosen = scan_command(tmp, tag);
+  chosen.insert(chosen.end(), {"--probe", "RIGHT"});
+  EXPECT_EQ(run(chosen, seconds(120)).code, 0);
+}
+
+TEST(Live, AKilledProbeIsReportedTheModelKeptAndScanningGoesOn) {
+  const TempFolder tmp;
+  const std::string tag = unique_tag();
+  auto probe = start_probe(tmp, tag, "P1", "100");
+  auto scan = app::ChildProcess::start(scan_command(tmp, tag), {tmp / "out", tmp / "err"});
+  ASSERT_TRUE(scan);
+  SteadyClock clock;
+  const auto said = [&](const std::string& words) {
+    for (int i = 0; i < 600; ++i) {
+      if (read_file(tmp / "err").value_or("").find(words) != std::string::npos) return true;
+      clock.sleep_for(std::chrono::milliseconds(100));
+    }
+    return false;
+  };
+  clock.sleep_for(seconds(5));
+  probe.signal(SIGKILL);
+  EXPECT_TRUE(said("probe lost")) << read_file(tmp / "err").value_or("");
+  const auto returned = start_probe(tmp, tag, "P1", "1");
+  ASSERT_EQ(scan->wait(clock, seconds(120)).value_or(-1), 4)
+      << read_file(tmp / "err").value_or("") << "a burst under way when the probe died is incomplete";
+  const auto report = report_of(tmp / "session");
+  EXPECT_GT(report["bursts"]["captured"].get<int>(), 40) << "both lives count";
+  EXPECT_GT(report["mesh"]["triangles"].get<int>(), 1000);
+  expect_balanced(report["bursts"]);
+}
+
+TEST(Live, InterruptEndsAScanWithItsFilesWritten) {
+  const TempFolder tmp;
+  const std::string tag = unique_tag();
+  const auto probe = start_probe(tmp, tag, "P1", "100");
+  auto scan = app::ChildProcess::start(scan_command(tmp, tag), {tmp / "out", tmp / "err"});
+  ASSERT_TRUE(scan);
+  SteadyClock clock;
+  clock.sleep_for(seconds(6));
+  scan->signal(SIGINT);
+  EXPECT_EQ(scan->wait(clock, seconds(60)).value_or(-1), 0) << read_file(tmp / "err").value_or("");
+  EXPECT_TRUE(fs::exists(tmp / "session/mesh.stl"));
+  expect_balanced(report_of(tmp / "session")["bursts"]);
+}
+
+}  // namespace
+}  // namespace enamel::test
