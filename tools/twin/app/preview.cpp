@@ -29,7 +29,7 @@ struct Shot {
   }
   [[nodiscard]] Vec3d origin(int column, int row) const {
     constexpr double kAwayMm = 200;
-    return centre + x * ((column - kTileWidth / 2) * mm_per_px) - y * ((row - kTileHeight / 2) * mm_per_px) +
+    return centre + x * ((column - 0.5 * kTileWidth) * mm_per_px) - y * ((row - 0.5 * kTileHeight) * mm_per_px) +
            z * kAwayMm;
   }
 };

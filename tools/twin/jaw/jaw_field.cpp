@@ -84,13 +84,19 @@ double JawField::ridge(const ArchCoordinates::At& a, const Eigen::Vector3d& p) c
 double JawField::collar(const PlacedTooth& t, const Eigen::Vector3d& q, double side) const {
   const ToothForm& f = t.form;
   const double u = std::abs(q.x()) / (0.5 * f.mesiodistal);
+  constexpr double kRiseFrom = 0.45, kRiseTo = 1.15, kSulcusMm = 0.35, kSulcusWidthMm = 0.2;
   const double papilla = std::min(3.2, 0.40 * f.height);
-  double margin = 0.35 + papilla * smooth_step(u, 0.45, 1.15);
-  const double outside = std::max(side, 0.0) / 0.2;
-  margin -= 0.35 * std::exp(-outside * outside);
+  const double outside = std::max(side, 0.0) / kSulcusWidthMm;
+  const double dip = kSulcusMm * std::exp(-outside * outside);
+  const double margin = 0.35 + papilla * smooth_step(u, kRiseFrom, kRiseTo) - dip;
+  // Height over a sloping margin to distance from it.
+  const double x = std::clamp((u - kRiseFrom) / (kRiseTo - kRiseFrom), 0.0, 1.0);
+  const double rise = papilla * 6.0 * x * (1.0 - x) / (kRiseTo - kRiseFrom) * 2.0 / f.mesiodistal;
+  const double fall = 2.0 * outside * dip / kSulcusWidthMm;
+  const double scale = 1.0 / std::sqrt(1.0 + rise * rise + fall * fall);
   const double thickness = 0.95 - 0.15 * smooth_step(u, 0.5, 1.0);
   constexpr double kMarginRound = 0.9;
-  return smooth_max(side - thickness, 0.85 * (q.z() - margin), kMarginRound);
+  return smooth_max(side - thickness, scale * (q.z() - margin), kMarginRound);
 }
 
 JawField::Sample JawField::sample(const Eigen::Vector3d& p) const {

@@ -33,7 +33,7 @@ class JawField {
     double enamel = 0;  ///< 1 on teeth, 0 on gum, blended over 0.1 mm
     double groove = 0;  ///< 1 in fissures
   };
-  static constexpr double kLipschitz = 1.6;
+  static constexpr double kLipschitz = 2.0;
   [[nodiscard]] Sample sample(const Eigen::Vector3d& p) const;
   [[nodiscard]] double value(const Eigen::Vector3d& p) const { return sample(p).value; }
 

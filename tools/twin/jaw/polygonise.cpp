@@ -42,7 +42,7 @@ class Polygoniser {
     tbb::parallel_for(std::size_t{0}, active_.size(), [&](std::size_t i) { mesh_block(active_[i]); });
     number_vertices();
     connect();
-    compute_normals(out_);
+    smooth_folds(out_);
     return std::move(out_);
   }
 
@@ -91,8 +91,12 @@ class Polygoniser {
                static_cast<std::size_t>(blocks_[0]) +
            static_cast<std::size_t>(x);
   }
-  static std::size_t node(int x, int y, int z) { return static_cast<std::size_t>((z * kNodes + y) * kNodes + x); }
-  static std::size_t cell(int x, int y, int z) { return static_cast<std::size_t>((z * kCells + y) * kCells + x); }
+  static std::size_t node(int x, int y, int z) { return index(x, y, z, kNodes); }
+  static std::size_t cell(int x, int y, int z) { return index(x, y, z, kCells); }
+  static std::size_t index(int x, int y, int z, int n) {
+    const int i = (z * n + y) * n + x;
+    return static_cast<std::size_t>(i);
+  }
   [[nodiscard]] Vector3d position(const Block& b, int x, int y, int z) const {
     return config_.low + config_.cell_mm * Vector3d(b.x * kCells + x, b.y * kCells + y, b.z * kCells + z);
   }
@@ -128,7 +132,7 @@ class Polygoniser {
     fill(b, 0, 0, 0, kCells, value);
     b.inside.resize(value.size());
     for (std::size_t i = 0; i < value.size(); ++i) b.inside[i] = value[i] < 0 ? 1 : 0;
-    b.vertex.assign(static_cast<std::size_t>(kCells * kCells * kCells), kNone);
+    b.vertex.assign(std::size_t{kCells} * kCells * kCells, kNone);
     if (std::equal(b.inside.begin() + 1, b.inside.end(), b.inside.begin())) return;
     for (int z = 0; z < kCells; ++z) {
       for (int y = 0; y < kCells; ++y) {

@@ -61,6 +61,7 @@ double side_distance(const ToothForm& f, const Eigen::Vector3d& p) {
 
 struct Top {
   double z, groove;
+  double steep;  // 0…1: about a fissure, whose walls are steeper than cusps
 };
 
 /// Cusps are rounded cones with a ridge towards the middle of the table; where two meet lies a fissure.
@@ -97,18 +98,18 @@ Top posterior_top(const ToothForm& f, const Eigen::Vector3d& p) {
   }
   const double apart = (first - second) / 0.17;
   const double groove = std::exp(-apart * apart);
-  return {smooth_max(first, second, kCrease) - 0.26 * groove, groove};
+  return {smooth_max(first, second, kCrease) - 0.26 * groove, groove, std::exp(-0.25 * apart * apart)};
 }
 
 Top front_top(const ToothForm& f, const Eigen::Vector3d& p) {
   const double x = p.x(), half = 0.5 * f.mesiodistal;
   if (f.kind == ToothKind::kCanine) {
     const double tip = -0.06 * f.mesiodistal;  // the mesial slope is the shorter one
-    return {f.height - 0.62 * (std::sqrt((x - tip) * (x - tip) + 0.25) - 0.5), 0};
+    return {f.height - 0.62 * (std::sqrt((x - tip) * (x - tip) + 0.25) - 0.5), 0, 0};
   }
   const double u = x / half;
   const double mamelons = 0.07 * std::cos(3.0 * 3.14159265358979 * u);
-  return {f.height - 0.25 * u * u - 0.45 * smooth_step(u, 0.45, 1.1) + mamelons, 0};
+  return {f.height - 0.25 * u * u - 0.45 * smooth_step(u, 0.45, 1.1) + mamelons, 0, 0};
 }
 
 }  // namespace
@@ -118,8 +119,9 @@ ToothField evaluate_tooth(const ToothForm& form, const Eigen::Vector3d& p) {
   out.side = side_distance(form, p);
   const bool front = form.kind == ToothKind::kIncisor || form.kind == ToothKind::kCanine;
   const Top top = front ? front_top(form, p) : posterior_top(form, p);
-  constexpr double kSlopeScale = 0.84;  // vertical distance to distance, cusp slopes about 0.65
-  out.crown = smooth_max(out.side, kSlopeScale * (p.z() - top.z), form.rounding);
+  // Vertical distance to distance: cusps fall by about 0.65, the walls of fissures by up to 2.7.
+  const double scale = 0.84 / (1.0 + 1.4 * top.steep);
+  out.crown = smooth_max(out.side, scale * (p.z() - top.z), form.rounding);
   out.groove = top.groove * smooth_step(-out.side, 0.3, 1.0);
   return out;
 }

@@ -22,9 +22,12 @@ std::vector<float> gaussian_kernel(double sigma) {
     sum += k.back();
   }
   std::vector<float> out;
+  out.reserve(k.size());
   for (const double v : k) out.push_back(static_cast<float>(v / sum));
   return out;
 }
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// One line of n samples, `step` apart, convolved into `out` with the same step.
 void blur_row(const float* in, float* out, int n, const std::vector<float>& kernel) {
@@ -33,7 +36,7 @@ void blur_row(const float* in, float* out, int n, const std::vector<float>& kern
     float sum = 0, weight = 0;
     const int lo = std::max(-reach, -x), hi = std::min(reach, n - 1 - x);
     for (int i = lo; i <= hi; ++i) {
-      const float w = kernel[static_cast<std::size_t>(i + reach)];
+      const float w = kernel[at(i + reach)];
       sum += w * in[x + i];
       weight += w;
     }
@@ -46,12 +49,12 @@ void blur_column_row(const std::vector<float>& in, std::vector<float>& out, int 
   const int reach = static_cast<int>(kernel.size()) / 2;
   const int lo = std::max(-reach, -y), hi = std::min(reach, height - 1 - y);
   float weight = 0;
-  for (int i = lo; i <= hi; ++i) weight += kernel[static_cast<std::size_t>(i + reach)];
+  for (int i = lo; i <= hi; ++i) weight += kernel[at(i + reach)];
   const float scale = lo == -reach && hi == reach ? 1.0F : 1.0F / weight;
   float* row = out.data() + static_cast<std::ptrdiff_t>(y) * width;
   std::fill(row, row + width, 0.0F);
   for (int i = lo; i <= hi; ++i) {
-    const float w = kernel[static_cast<std::size_t>(i + reach)] * scale;
+    const float w = kernel[at(i + reach)] * scale;
     const float* src = in.data() + static_cast<std::ptrdiff_t>(y + i) * width;
     for (int x = 0; x < width; ++x) row[x] += w * src[x];
   }
@@ -99,8 +102,8 @@ void apply_psf(std::vector<float>& image, int width, int height, double sigma_px
   std::vector<float> rows(image.size());
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kRowsPerTask), [&](const auto& range) {
     for (int y = range.begin(); y < range.end(); ++y) {
-      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(y) * width;
-      blur_row(image.data() + at, rows.data() + at, width, kernel);
+      const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y) * width;
+      blur_row(image.data() + first, rows.data() + first, width, kernel);
     }
   });
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kRowsPerTask), [&](const auto& range) {

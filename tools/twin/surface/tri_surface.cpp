@@ -118,6 +118,45 @@ void refine_edges(TriSurface& surface, double max_edge_mm) {
   }
 }
 
+std::size_t smooth_folds(TriSurface& surface) {
+  std::size_t folded = 0;
+  for (int round = 0;; ++round) {
+    compute_normals(surface);
+    std::vector<std::uint8_t> moves(surface.vertices.size(), 0);
+    folded = 0;
+    for (const auto& t : surface.triangles) {
+      const Vec3f a = surface.vertices[t[0]];
+      const Vec3f facet = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
+      const Vec3f about = surface.normals[t[0]] + surface.normals[t[1]] + surface.normals[t[2]];
+      if (facet.dot(about) > 0) continue;
+      ++folded;
+      for (const std::uint32_t i : t) moves[i] = 1;
+    }
+    if (folded == 0 || round == kMaxFoldRounds) return folded;
+    // What a few rounds did not mend needs room: its neighbours move as well.
+    constexpr int kPatience = 4;
+    if (round >= kPatience) {
+      const auto core = moves;
+      for (const auto& t : surface.triangles) {
+        if (core[t[0]] + core[t[1]] + core[t[2]] == 0) continue;
+        for (const std::uint32_t i : t) moves[i] = 1;
+      }
+    }
+    std::vector<Vec3f> sum(surface.vertices.size(), Vec3f::Zero());
+    std::vector<float> count(surface.vertices.size(), 0);
+    for (const auto& t : surface.triangles) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (moves[t[i]] == 0) continue;
+        sum[t[i]] += surface.vertices[t[(i + 1) % 3]] + surface.vertices[t[(i + 2) % 3]];
+        count[t[i]] += 2;
+      }
+    }
+    for (std::size_t i = 0; i < moves.size(); ++i) {
+      if (moves[i] != 0) surface.vertices[i] = sum[i] / count[i];
+    }
+  }
+}
+
 void append(TriSurface& surface, const TriSurface& extra) {
   const auto offset = static_cast<std::uint32_t>(surface.vertices.size());
   surface.vertices.insert(surface.vertices.end(), extra.vertices.begin(), extra.vertices.end());

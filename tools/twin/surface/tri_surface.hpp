@@ -37,6 +37,12 @@ void compute_normals(TriSurface& surface);
 /// Splits edges until none is longer than max_edge_mm; facets stay flat. Albedo and normals are interpolated.
 void refine_edges(TriSurface& surface, double max_edge_mm);
 
+/// Smooths the few places where facets are folded over against their neighbours: moves the vertices of such facets to
+/// the mean of theirs until none is left, at most kMaxFoldRounds times. Normals are recomputed. Returns the facets
+/// still folded.
+std::size_t smooth_folds(TriSurface& surface);
+inline constexpr int kMaxFoldRounds = 24;
+
 /// Appends `extra` to `surface`.
 void append(TriSurface& surface, const TriSurface& extra);
 
