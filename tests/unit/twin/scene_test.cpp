@@ -24,14 +24,14 @@ TEST(TwinScene, ShippedScenesAndTheirRigLoad) {
   }
 }
 
-TEST(TwinScene, QuadrantTakesAboutThreeHundredBursts) {
-  const auto bursts = [](const char* name) {
+TEST(TwinScene, QuadrantIsScannedInAboutTenSeconds) {
+  const auto path = [](const char* name) {
     const auto s = *load_scene(std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + name);
-    return make_arch_path(s.arch_path, Arch(ArchShape{}), s.timing)->bursts();
+    const int bursts = make_arch_path(s.arch_path, Arch(ArchShape{}), s.timing)->bursts();
+    return std::pair{bursts, bursts / s.timing.burst_rate_hz};
   };
-  EXPECT_GE(bursts("quadrant.toml"), 250);
-  EXPECT_LE(bursts("quadrant.toml"), 320);
-  EXPECT_NEAR(bursts("quadrant_small.toml"), 40, 5);
+  EXPECT_NEAR(path("quadrant.toml").second, 10.0, 1.5);
+  EXPECT_NEAR(path("quadrant_small.toml").first, 40, 5);
 }
 
 TEST(TwinScene, OverridesActLikeTheFile) {
