@@ -1,4 +1,6 @@
 // enamel: the host's program. stdout carries results, stderr the log.
+#include <malloc.h>
+
 #include <array>
 #include <csignal>
 #include <cstdio>
@@ -62,6 +64,9 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   // The stage graph shares the cores out; OpenCV must not take them a second time.
   cv::setNumThreads(1);
+  // Maps of some megabytes come and go with every burst: keep their pages instead of handing them back each time.
+  mallopt(M_MMAP_THRESHOLD, 256 << 20);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
   try {
     return run(argc, argv);
   } catch (const std::exception& e) {

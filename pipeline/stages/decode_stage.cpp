@@ -20,8 +20,8 @@ Result<void> DecodeStage::step() {
   }
   Decoded out{std::move(decoded.patch), {}};
   out.digests.input = Digest().add(std::span<const std::uint8_t>(item->payload)).value();
-  out.digests.decode =
-      Digest().add(out.patch.depth_mm).add(out.patch.sigma_mm).add(out.patch.normals).add(out.patch.texture_dn).value();
+  // Normals follow from depth; registration, which uses them, is digested next.
+  out.digests.decode = Digest().add(out.patch.depth_mm).add(out.patch.sigma_mm).add(out.patch.texture_dn).value();
   patch.emit(graph::make_item<Decoded>(item, std::move(out)));
   return {};
 }
