@@ -13,6 +13,12 @@ namespace {
 constexpr unsigned kTriangleGeometry = 0;
 constexpr unsigned kBallGeometry = 1;
 
+/// What shading needs of a vertex, in half a cache line: the mesh is large and hits are scattered.
+struct alignas(32) ShadeVertex {
+  Vec3f position, normal;
+  float albedo;
+};
+
 void copy(const Lanes& from, float* to) { std::memcpy(to, from.data(), sizeof(Lanes)); }
 
 void load(const RayPacket& rays, RTCRay8& out) {
@@ -36,6 +42,7 @@ void load(const RayPacket& rays, RTCRay8& out) {
 struct RayScene::Backend {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  std::vector<ShadeVertex> vertices;
 
   Backend() {
     device = rtcNewDevice(nullptr);
@@ -50,8 +57,12 @@ struct RayScene::Backend {
   Backend(const Backend&) = delete;
   Backend& operator=(const Backend&) = delete;
 
-  void add(const TriSurface& mesh) const {
+  void add(const TriSurface& mesh) {
     if (mesh.triangles.empty()) return;
+    vertices.reserve(mesh.vertices.size());
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      vertices.push_back({mesh.vertices[i], mesh.normals[i], mesh.albedo[i]});
+    }
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                           3 * sizeof(float), mesh.vertices.size()));
@@ -134,19 +145,19 @@ bool RayScene::resolve(const HitPacket& hits, std::size_t i, const Vec3d& origin
     out.albedo = ball.albedo;
     return true;
   }
-  const TriSurface& mesh = surroundings_.mesh;
-  const auto& t = mesh.triangles[hits.index[i]];
-  const Vec3d a = mesh.vertices[t[0]].cast<double>();
-  const Vec3d ab = mesh.vertices[t[1]].cast<double>() - a, ac = mesh.vertices[t[2]].cast<double>() - a;
+  const auto& t = surroundings_.mesh.triangles[hits.index[i]];
+  const ShadeVertex &v0 = backend_->vertices[t[0]], &v1 = backend_->vertices[t[1]], &v2 = backend_->vertices[t[2]];
+  const Vec3d a = v0.position.cast<double>();
+  const Vec3d ab = v1.position.cast<double>() - a, ac = v2.position.cast<double>() - a;
   const Vec3d n = ab.cross(ac);
   const double facing = n.dot(direction);
   if (facing >= 0) return false;
   out.t = n.dot(a - origin) / facing;
   out.facet = n / n.norm();
   const float u = hits.u[i], v = hits.v[i], w = 1.0F - u - v;
-  const Vec3f s = w * mesh.normals[t[0]] + u * mesh.normals[t[1]] + v * mesh.normals[t[2]];
+  const Vec3f s = w * v0.normal + u * v1.normal + v * v2.normal;
   out.normal = s.cast<double>() / static_cast<double>(s.norm());
-  out.albedo = w * mesh.albedo[t[0]] + u * mesh.albedo[t[1]] + v * mesh.albedo[t[2]];
+  out.albedo = w * v0.albedo + u * v1.albedo + v * v2.albedo;
   return true;
 }
 
