@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -102,8 +103,11 @@ class Ref {
     if (node_ == nullptr) return;
     // acq_rel: everything the other holders read or wrote happens before the next user fills the object again.
     if (node_->references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
-    node_->core->in_use.fetch_sub(1, std::memory_order_relaxed);
-    ENAMEL_CHECK(node_->core->free.push(node_->index), "more objects returned than the pool owns");
+    ENAMEL_CHECK(node_->core->in_use.fetch_sub(1, std::memory_order_relaxed) > 0,
+                 "more objects returned than the pool owns");
+    // Every index is out once, so there is room; the queue says full only while an acquire() is between claiming its
+    // cell and clearing it.
+    while (!node_->core->free.push(node_->index)) std::this_thread::yield();
   }
 
   Node* node_ = nullptr;

@@ -1,0 +1,59 @@
+#include "protocol/base/file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+namespace enamel {
+namespace {
+
+namespace fs = std::filesystem;
+
+class File : public testing::Test {
+ protected:
+  File() {
+    std::string pattern = (fs::temp_directory_path() / "enamel-file-XXXXXX").string();
+    folder_ = ::mkdtemp(pattern.data());
+  }
+  ~File() override { fs::remove_all(folder_); }
+  [[nodiscard]] std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  fs::path folder_;
+};
+
+TEST_F(File, ComesBackByteForByte) {
+  const std::string bytes("a\0b\n\xff", 5);
+  ASSERT_TRUE(write_file(at("x"), bytes));
+  EXPECT_EQ(read_file(at("x")).value_or(""), bytes);
+  EXPECT_FALSE(fs::exists(at("x.partial")));
+}
+
+TEST_F(File, EmptyFileIsNoError) {
+  ASSERT_TRUE(write_file(at("x"), ""));
+  const auto back = read_file(at("x"));
+  ASSERT_TRUE(back);
+  EXPECT_TRUE(back->empty());
+}
+
+TEST_F(File, MissingFileAndFolderAreTold) {
+  EXPECT_EQ(read_file(at("none")).error().code, ErrorCode::kFileNotFound);
+  EXPECT_EQ(read_file(folder_.string()).error().code, ErrorCode::kFileRead);
+}
+
+TEST_F(File, AFailedWriteLeavesTheOldFileAlone) {
+  ASSERT_TRUE(write_file(at("x"), "old"));
+  fs::create_directory(at("x.partial"));  // the temporary file cannot be made
+  const auto failed = write_file(at("x"), "new");
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::kFileWrite);
+  EXPECT_EQ(read_file(at("x")).value_or(""), "old");
+}
+
+TEST_F(File, AFullDiskIsAnErrorNotASurprise) {
+  const auto failed = write_file("/dev/full/x", "anything");
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::kFileWrite);
+}
+
+}  // namespace
+}  // namespace enamel
