@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/app/command.hpp"
+#include "host/app/input.hpp"
 #include "host/app/run_options.hpp"
 #include "host/record/burst_stream.hpp"
 #include "pipeline/algo/decode/decode_maps.hpp"
@@ -21,17 +22,11 @@ struct Options {
   std::uint64_t burst = 0;
 };
 
-Result<calib::Rig> rig_for(const Options& o, const host::BurstStream& stream) {
-  if (!o.rig.empty()) return calib::load_rig(o.rig);
-  if (stream.rig_text().empty()) return fail(ErrorCode::kRigMissing, o.input);
-  return calib::parse_rig(stream.rig_text());
-}
-
 Result<int> run_decode(const Options& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const LoadedConfig config, load_config(o.run));
   ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(o.input));
-  ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_for(o, *stream));
+  ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_for(o.rig, *stream, o.input));
   for (const std::string& key : rig.unknown_keys) log::info("rig", "unknown key '{}' kept and ignored", key);
   ENAMEL_TRY_ASSIGN(const proto::Burst burst, stream->burst_with_id({o.burst}));
   if (!proto::is_consistent(burst)) return fail(ErrorCode::kCaptureCorrupt, "burst " + std::to_string(o.burst));

@@ -9,6 +9,7 @@
 
 #include "host/app/child_process.hpp"
 #include "host/app/command.hpp"
+#include "host/app/input.hpp"
 #include "host/app/scan_run.hpp"
 #include "host/record/burst_stream.hpp"
 #include "protocol/base/file.hpp"
@@ -96,11 +97,6 @@ Result<std::string> recording(const Demo& demo, Clock& clock) {
   return path;
 }
 
-std::string text_of(host::BurstStream& stream, const std::string& name) {
-  const auto bytes = stream.attachment(name);
-  return bytes ? std::string(bytes->begin(), bytes->end()) : std::string();
-}
-
 bool has_display() { return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr; }
 
 Result<int> run_demo(Demo& demo) {
@@ -114,7 +110,7 @@ Result<int> run_demo(Demo& demo) {
   ENAMEL_TRY_ASSIGN(const std::string path, recording(demo, clock));
   {
     ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(path));
-    demo.scan.truth = {text_of(*stream, "truth/surface.ply"), text_of(*stream, "truth/poses.csv")};
+    demo.scan.truth = {attached_text(*stream, "truth/surface.ply"), attached_text(*stream, "truth/poses.csv")};
   }
   demo.scan.dds_tag = "enamel-demo-" + std::to_string(::getpid());
   demo.scan.serial = "TWIN-DEMO";

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host/app/command.hpp"
+#include "host/app/input.hpp"
 #include "host/app/run_options.hpp"
 #include "host/app/screen.hpp"
 #include "host/record/burst_stream.hpp"
@@ -26,22 +27,11 @@ struct Options {
   bool view = false;
 };
 
-std::string text_of(host::BurstStream& stream, const std::string& name) {
-  const auto bytes = stream.attachment(name);
-  return bytes ? std::string(bytes->begin(), bytes->end()) : std::string();
-}
-
 // A session folder stands for the recording in it.
 std::string resolved_input(const std::string& input) {
   std::error_code ec;
   const fs::path inside = fs::path(input) / "capture.mcap";
   return fs::is_regular_file(inside, ec) ? inside.string() : input;
-}
-
-Result<calib::Rig> rig_for(const Options& o, const host::BurstStream& stream) {
-  if (!o.rig.empty()) return calib::load_rig(o.rig);
-  if (stream.rig_text().empty()) return fail(ErrorCode::kRigMissing, o.input);
-  return calib::parse_rig(stream.rig_text());
 }
 
 void tell(const Error& error) { std::fputs((error.message() + "\n").c_str(), stderr); }
@@ -68,9 +58,9 @@ Result<int> run_replay(const Options& o) {
   ENAMEL_TRY_ASSIGN(auto stream, host::open_bursts(resolved_input(o.input)));
   if (stream->info().truncated) tell({ErrorCode::kCaptureTruncated, o.input});
   if (stream->info().bursts == 0) return fail(ErrorCode::kEmptyInput, o.input);
-  ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_for(o, *stream));
+  ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_for(o.rig, *stream, o.input));
   ENAMEL_TRY(make_folder(o.run.out));
-  const Truth truth{text_of(*stream, "truth/surface.ply"), text_of(*stream, "truth/poses.csv")};
+  const Truth truth{attached_text(*stream, "truth/surface.ply"), attached_text(*stream, "truth/poses.csv")};
   const std::uint64_t total = stream->info().bursts;
   const std::uint32_t wanted_crc = o.rig.empty() ? rig.crc32 : 0;
   const host::ReplayConfig replay{.pipeline = config.pipeline,
