@@ -104,9 +104,12 @@ TEST(Live, AKilledProbeIsReportedTheModelKeptAndScanningGoesOn) {
   probe.signal(SIGKILL);
   EXPECT_TRUE(said("probe lost")) << read_file(tmp / "err").value_or("");
   const auto returned = start_probe(tmp, tag, "P1", "1");
-  ASSERT_EQ(scan->wait(clock, seconds(120)).value_or(-1), 4)
-      << read_file(tmp / "err").value_or("") << "a burst under way when the probe died is incomplete";
+  const int code = scan->wait(clock, seconds(120)).value_or(-1);
   const auto report = report_of(tmp / "session");
+  ASSERT_TRUE(report.contains("bursts")) << code << read_file(tmp / "err").value_or("");
+  // Whether the kill hit a burst that the host knew to be begun is chance; that exit code and report agree is not.
+  const bool lossy = report["bursts"]["lost_on_wire"].get<int>() + report["bursts"]["incomplete"].get<int>() > 0;
+  EXPECT_EQ(code, lossy ? 4 : 0) << report["bursts"] << read_file(tmp / "err").value_or("");
   EXPECT_GT(report["bursts"]["captured"].get<int>(), 40) << "both lives count";
   EXPECT_GT(report["mesh"]["triangles"].get<int>(), 1000);
   expect_balanced(report["bursts"]);

@@ -21,9 +21,11 @@ Pose MotionModel::predict(DeviceTime t) const {
   const State& last = states_[0];
   std::size_t oldest = 0;
   while (oldest + 1 < count_ && seconds(states_[oldest + 1].t, last.t) <= config_.window_s) ++oldest;
+  // Sparse bursts: the two newest span more than the window, and say more than holding still does.
+  if (oldest == 0 && count_ > 1 && seconds(states_[1].t, last.t) <= config_.max_span_s) oldest = 1;
   if (oldest == 0) return last.T;
   const double span = seconds(states_[oldest].t, last.t);
-  const double ahead = std::min(seconds(last.t, t), config_.max_extrapolation_s);
+  const double ahead = std::min(seconds(last.t, t), std::max(config_.max_extrapolation_s, span));
   if (!(span > 0) || !(ahead > 0)) return last.T;
   const Vec3d work(0, 0, config_.work_distance_mm);
   const Vector6 moved = motion_between(states_[oldest].T, last.T, states_[oldest].T * work, 1.0);

@@ -11,7 +11,8 @@ namespace enamel::algo {
 
 struct MotionConfig {
   double window_s = 0.12;            ///< velocity is the mean over about a period of hand tremor (8 … 12 Hz)
-  double max_extrapolation_s = 0.1;  ///< beyond, the hand is as likely to turn back: position is held
+  double max_span_s = 0.5;           ///< with fewer than two poses in the window: over the two newest, if no older
+  double max_extrapolation_s = 0.1;  ///< beyond it and the span averaged over, the hand may turn back: held there
   double work_distance_mm = 48;      ///< motion is a turn about, and a shift of, the point this far before the camera
 };
 
