@@ -25,6 +25,22 @@ std::size_t full_grid(const calib::LensValues& camera, int stride) {
   return static_cast<std::size_t>(camera.width / stride) * static_cast<std::size_t>(camera.height / stride);
 }
 
+/// The wrist rolls about the place looked at, faster than sparse bursts can foretell: small turns first.
+std::array<Pose, 8> turned_about_work_point(const Pose& pose, double distance_mm, const std::array<double, 2>& angles) {
+  const Vec3d work(0, 0, distance_mm);
+  std::array<Pose, 8> out;
+  std::size_t n = 0;
+  for (const double degrees : angles) {
+    for (const Vec3d& axis : {Vec3d::UnitX().eval(), Vec3d::UnitY().eval()}) {
+      for (const double sign : {1.0, -1.0}) {
+        const Eigen::AngleAxisd turn(sign * degrees * std::numbers::pi / 180, axis);
+        out[n++] = pose * Eigen::Translation3d(work) * turn * Eigen::Translation3d(-work);
+      }
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
@@ -63,13 +79,20 @@ std::optional<IcpResult> Tracker::align_near(const PatchPyramid& pyramid, const 
   // yet.
   for (const ModelView* source : {&view, &*last_patch_}) {
     if (source->empty) continue;
-    const Reference reference(*source, config_.icp.reference);
-    for (const Pose& start : {predicted, motion_.last_pose()}) {
-      const IcpResult result = align(pyramid, reference, camera_, start, predicted, config_.icp);
-      if (acceptable(result, pyramid.levels.back().median_sigma_mm, config_.accept) &&
-          plausible(result.T_model_cam, t)) {
-        return result;
-      }
+    const std::array<Pose, 2> starts{predicted, motion_.last_pose()};
+    if (auto found = align_from(starts, pyramid, *source, predicted, t)) return found;
+  }
+  const auto turned = turned_about_work_point(motion_.last_pose(), config_.motion.work_distance_mm, config_.wrist_deg);
+  return align_from(turned, pyramid, *last_patch_, predicted, t);
+}
+
+std::optional<IcpResult> Tracker::align_from(std::span<const Pose> starts, const PatchPyramid& pyramid,
+                                             const ModelView& source, const Pose& predicted, DeviceTime t) const {
+  const Reference reference(source, config_.icp.reference);
+  for (const Pose& start : starts) {
+    const IcpResult result = align(pyramid, reference, camera_, start, predicted, config_.icp);
+    if (acceptable(result, pyramid.levels.back().median_sigma_mm, config_.accept) && plausible(result.T_model_cam, t)) {
+      return result;
     }
   }
   return std::nullopt;

@@ -1,7 +1,9 @@
 // Places each burst in the model: predict, align to the model's view, fall back to the last patch, else find it again.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <span>
 
 #include "calib/model/rig.hpp"
 #include "pipeline/algo/icp/icp.hpp"
@@ -30,6 +32,7 @@ struct TrackerConfig {
   double max_turn_deg_s = 360;
   double slack_mm = 0.5;  ///< added to what the speed limits allow
   double slack_deg = 3;
+  std::array<double, 2> wrist_deg{12, 24};  ///< turns tried about the place looked at where no other start converges
 };
 
 /// One burst after the other, in order of burst; single-threaded. Results are a function of the sequence of arguments
@@ -47,6 +50,9 @@ class Tracker {
  private:
   [[nodiscard]] std::optional<IcpResult> align_near(const PatchPyramid& pyramid, const ModelView& view,
                                                     DeviceTime t) const;
+  /// From one start after the other; the first that may be believed.
+  [[nodiscard]] std::optional<IcpResult> align_from(std::span<const Pose> starts, const PatchPyramid& pyramid,
+                                                    const ModelView& source, const Pose& predicted, DeviceTime t) const;
   [[nodiscard]] std::optional<IcpResult> find_again(BurstId burst, const SurfacePatch& patch,
                                                     const PatchPyramid& pyramid, const ModelView& view);
   [[nodiscard]] bool plausible(const Pose& T_model_cam, DeviceTime t) const;

@@ -28,7 +28,8 @@ Pose hand(double t_s) {
 class Session {
  public:
   /// shrink: of the probe's pixels; 4 (160 x 120) is fast and coarse.
-  explicit Session(std::uint64_t surface_seed, int shrink = 4) : rig_(ts::test_rig(shrink)), surface_(surface_seed) {}
+  explicit Session(std::uint64_t surface_seed, int shrink = 4, const TrackerConfig& config = {})
+      : rig_(ts::test_rig(shrink)), surface_(surface_seed), tracker_(rig_, config) {}
 
   TrackResult feed(int n, const Pose& truth, const ModelView& view = {}) { return feed(n, surface_, truth, view); }
   TrackResult feed(int n, const ts::SyntheticSurface& surface, const Pose& truth, const ModelView& view = {}) {
@@ -49,7 +50,7 @@ class Session {
  private:
   calib::Rig rig_;
   ts::SyntheticSurface surface_;
-  Tracker tracker_{rig_, {}};
+  Tracker tracker_;
 };
 
 TEST(Tracker, FollowsASweepWithTheModelTwoBurstsBehind) {
@@ -102,6 +103,29 @@ TEST(Tracker, BridgesBurstsThatNeverCame) {
     EXPECT_NE(r.state, TrackState::kLost) << n;
     EXPECT_LT(Session::error_mm(r, truth), 0.02) << n;
   }
+}
+
+/// How many of eight surfaces are still followed when the wrist rolls 40 degrees in the 0.2 s between two bursts.
+int followed_over_a_wrist_turn(const TrackerConfig& config) {
+  int followed = 0;
+  for (std::uint64_t seed = 40; seed < 48; ++seed) {
+    Session s(seed, 4, config);
+    for (int n = 0; n < 4; ++n) (void)s.feed(n, hand(seconds_of(n)));
+    const Pose truth = ts::looking_down(1.5, 0.2, {(seed % 2 == 0 ? 1 : -1) * 0.7, 0.05, 0});
+    const TrackResult r = s.feed(9, truth);
+    if (r.state != TrackState::kLost && Session::error_mm(r, truth) < 0.05) ++followed;
+  }
+  return followed;
+}
+
+TEST(Tracker, FollowsAWristTurnThatSparseBurstsDoNotForetell) {
+  TrackerConfig blind;
+  blind.wrist_deg = {0, 0};
+  blind.features.ratio = 0;  // no match: features cannot help out
+  TrackerConfig turning = blind;
+  turning.wrist_deg = TrackerConfig{}.wrist_deg;
+  EXPECT_GE(followed_over_a_wrist_turn(turning), 7);
+  EXPECT_LT(followed_over_a_wrist_turn(blind), 4) << "negative control: without turned starts";
 }
 
 TEST(Tracker, AnEmptyFirstPatchDoesNotDefineTheModel) {
