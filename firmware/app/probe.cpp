@@ -103,14 +103,15 @@ class EndOfWork {
   HostTime acknowledge_until_ = HostTime::max();
 };
 
-/// Time that a slow source or machine cost is never hidden: at most once a second, told to the host.
+/// Time that a slow source or machine cost is never hidden from the host: told at once, then after 2, 4, 8 … seconds.
 class StretchReport {
  public:
   void check(Probe& probe, HostTime now) {
     const StretchCount count = probe.device.stretched();
     if (count.times == told_ || now < next_) return;
     told_ = count.times;
-    next_ = now + Nanoseconds{1'000'000'000};
+    pause_ *= 2;
+    next_ = now + pause_;
     probe.server.publish({proto::kEventTimeStretched, proto::Severity::kInfo,
                           fmt::format("light is simulated slower than real time: stretched {} times by {} ms in all",
                                       count.times, count.total.count() / 1'000'000)});
@@ -118,6 +119,7 @@ class StretchReport {
 
  private:
   std::uint64_t told_ = 0;
+  Nanoseconds pause_{1'000'000'000};
   HostTime next_{};
 };
 

@@ -129,5 +129,19 @@ TEST(Live, InterruptEndsAScanWithItsFilesWritten) {
   expect_balanced(report_of(tmp / "session")["bursts"]);
 }
 
+TEST(Live, APacedReplayKeepsToRecordedTimeAndAccountsForWhatItSheds) {
+  const TempFolder tmp;
+  SteadyClock clock;
+  const HostTime begun = clock.now();
+  const Ran paced = run({program("enamel"), "replay", small_capture(), "--out", tmp / "paced", "--headless", "--paced"},
+                        seconds(120));
+  ASSERT_EQ(paced.code, 0) << paced.err;
+  EXPECT_GT(clock.now() - begun, std::chrono::milliseconds(1500)) << "39 periods of 40 ms";
+  const auto report = report_of(tmp / "paced");
+  EXPECT_EQ(report["bursts"]["captured"], 40);
+  EXPECT_GT(report["bursts"]["fused"].get<int>(), 0);
+  expect_balanced(report["bursts"]);
+}
+
 }  // namespace
 }  // namespace enamel::test

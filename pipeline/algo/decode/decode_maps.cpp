@@ -46,16 +46,25 @@ double median_sigma_um(const SurfacePatch& patch) {
   return 1e3 * static_cast<double>(*middle);
 }
 
-Result<std::string> png_bytes(const Map<std::uint8_t>& map) {
+Result<std::string> png_bytes(const Map<std::uint8_t>& map, const char* name) {
   std::vector<std::uint8_t> pixels(map.pixels().begin(), map.pixels().end());
   std::vector<std::uint8_t> png;
   try {
     const cv::Mat image(map.height(), map.width(), CV_8UC1, pixels.data());
-    if (!cv::imencode(".png", image, png)) return fail(ErrorCode::kFileWrite, "order.png cannot be encoded");
+    if (!cv::imencode(".png", image, png)) return fail(ErrorCode::kFileWrite, std::string(name) + " cannot be encoded");
   } catch (const cv::Exception& e) {
-    return fail(ErrorCode::kFileWrite, std::string("order.png: ") + e.what());
+    return fail(ErrorCode::kFileWrite, std::string(name) + ": " + e.what());
   }
   return std::string(png.begin(), png.end());
+}
+
+/// Grey levels far enough apart to be told by eye: 0 = measured, then 32 a reason in the order of pixel_reject.hpp.
+Map<std::uint8_t> reject_picture(const Map<PixelReject>& reject) {
+  constexpr int kLevels = 32;
+  Map<std::uint8_t> out(reject.width(), reject.height());
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = static_cast<std::uint8_t>(static_cast<int>(reject[i]) * kLevels);
+  return out;
 }
 
 }  // namespace
@@ -109,10 +118,12 @@ std::string decode_json(const DecodedBurst& burst, const DecodeReport& report) {
 
 Result<void> write_decode_maps(const DecodedBurst& burst, const DecodeReport& report, const std::string& folder) {
   ENAMEL_TRY(make_folder(folder));
-  ENAMEL_TRY_ASSIGN(const std::string order, png_bytes(burst.order));
+  ENAMEL_TRY_ASSIGN(const std::string order, png_bytes(burst.order, "order.png"));
+  ENAMEL_TRY_ASSIGN(const std::string reject, png_bytes(reject_picture(burst.reject), "reject.png"));
   ENAMEL_TRY(write_file(folder + "/phase.pfm", pfm_bytes(burst.phase_rad)));
   ENAMEL_TRY(write_file(folder + "/modulation.pfm", pfm_bytes(burst.patch.modulation_dn)));
   ENAMEL_TRY(write_file(folder + "/order.png", order));
+  ENAMEL_TRY(write_file(folder + "/reject.png", reject));
   ENAMEL_TRY(write_file(folder + "/depth.pfm", pfm_bytes(burst.patch.depth_mm)));
   ENAMEL_TRY(write_file(folder + "/sigma.pfm", pfm_bytes(burst.patch.sigma_mm)));
   ENAMEL_TRY(write_file(folder + "/points.ply", points_ply(burst.patch)));

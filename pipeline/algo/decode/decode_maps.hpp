@@ -18,7 +18,7 @@ struct DecodeReport {
   std::vector<std::pair<std::string, double>> stage_ms;  ///< in order of execution
 };
 
-/// Writes phase.pfm modulation.pfm order.png depth.pfm sigma.pfm points.ply decode.json into `folder`, which is made
+/// Writes phase.pfm modulation.pfm order.png reject.png depth.pfm sigma.pfm points.ply decode.json into `folder`, made
 /// when absent. Each file appears whole or not at all. Errors: kFileWrite.
 [[nodiscard]] Result<void> write_decode_maps(const DecodedBurst& burst, const DecodeReport& report,
                                              const std::string& folder);

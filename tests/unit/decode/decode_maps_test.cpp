@@ -40,8 +40,8 @@ TEST(DecodeMaps, writes_every_promised_file) {
   std::filesystem::remove_all(folder);
   const DecodeReport report{7, calib::PatternMode::kPolarity, {{"phase", 1.5}, {"unwrap", 2.0}}};
   ASSERT_TRUE(write_decode_maps(burst, report, folder));
-  for (const char* name :
-       {"phase.pfm", "modulation.pfm", "order.png", "depth.pfm", "sigma.pfm", "points.ply", "decode.json"})
+  for (const char* name : {"phase.pfm", "modulation.pfm", "order.png", "reject.png", "depth.pfm", "sigma.pfm",
+                           "points.ply", "decode.json"})
     EXPECT_TRUE(std::filesystem::exists(folder + "/" + name)) << name;
   const cv::Mat order = cv::imread(folder + "/order.png", cv::IMREAD_UNCHANGED);
   ASSERT_EQ(order.type(), CV_8UC1);
