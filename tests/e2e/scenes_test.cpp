@@ -1,0 +1,71 @@
+// Every scene that ships renders, and one burst of it decodes to the depth that the twin says was there.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "tests/support/run.hpp"
+
+namespace enamel::test {
+namespace {
+
+struct DepthError {
+  double coverage = 0;  ///< share of the truth's lit pixels that have a depth
+  double median_mm = 1e9;
+  double wrong = 1;  ///< share of the measured that is off by more than half a fringe order, 1.7 mm
+};
+
+cv::Mat depth_map(const std::string& path) { return cv::imread(path, cv::IMREAD_UNCHANGED); }
+
+DepthError compare(const cv::Mat& measured, const cv::Mat& truth, const cv::Mat& lit) {
+  std::vector<double> errors;
+  int wanted = 0;
+  for (int v = 0; v < truth.rows; ++v) {
+    for (int u = 0; u < truth.cols; ++u) {
+      if (lit.at<std::uint8_t>(v, u) == 0 || !std::isfinite(truth.at<float>(v, u))) continue;
+      ++wanted;
+      const float z = measured.at<float>(v, u);
+      if (std::isfinite(z)) errors.push_back(std::abs(z - truth.at<float>(v, u)));
+    }
+  }
+  if (errors.empty() || wanted == 0) return {};
+  std::sort(errors.begin(), errors.end());
+  const auto far = errors.end() - std::lower_bound(errors.begin(), errors.end(), 1.7);
+  return {static_cast<double>(errors.size()) / wanted, errors[errors.size() / 2],
+          static_cast<double>(far) / static_cast<double>(errors.size())};
+}
+
+class Scenes : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Scenes, RendersAndDecodesToItsTruth) {
+  const TempFolder tmp;
+  const std::string scene = std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + GetParam() + ".toml";
+  const Ran rendered = run({program("enamel-twin"), "render", scene, "--out", tmp / "folder", "--truth-maps"},
+                           std::chrono::seconds(300));
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  const Ran decoded = run({program("enamel"), "decode", tmp / "folder", "--burst", "0", "--out", tmp / "maps"});
+  ASSERT_EQ(decoded.code, 0) << decoded.err;
+
+  const cv::Mat measured = depth_map(tmp / "maps/depth.pfm");
+  const cv::Mat truth = depth_map(tmp / "folder/truth/depth_000000.pfm");
+  const cv::Mat lit = depth_map(tmp / "folder/truth/lit_000000.png");
+  ASSERT_EQ(measured.size(), truth.size());
+  ASSERT_EQ(lit.size(), truth.size());
+  const DepthError error = compare(measured, truth, lit);
+  EXPECT_GT(error.coverage, 0.75);
+  EXPECT_LT(error.median_mm, 0.02);
+  EXPECT_LT(error.wrong, 0.015);
+
+  cv::Mat flipped;
+  cv::flip(measured, flipped, 1);  // negative control: the same depths in other places
+  EXPECT_GT(compare(flipped, truth, lit).median_mm, 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, Scenes, ::testing::Values("plane", "spheres", "steps"),
+                         [](const auto& scene) { return std::string(scene.param); });
+
+}  // namespace
+}  // namespace enamel::test
