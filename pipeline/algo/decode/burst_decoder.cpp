@@ -91,6 +91,9 @@ struct DecodeWorkspace::Buffers {
   std::vector<CellSpan> spans;
   PolarityMaps polarity;
   ClosureFit closure;
+  RigidMotionWork rigid;
+  MotionField field;
+  Map<float> raw_phase;
   Map<float> inverse_depth;
   std::vector<float> scratch;
 };
@@ -116,6 +119,34 @@ Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfi
   d.noise_ = rig.noise;
   d.config_ = config;
   return d;
+}
+
+// Motion and harmonics, first per block of the image, then, where the probe moved, as one rigid motion of the surface
+// that the first correction shows.
+template <class Step>
+void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodedBurst& out, const Step& step) const {
+  auto& diag = out.diagnostics;
+  const float black = diag.noise.black_dn;
+  if (config_.correct_closure) {
+    b.raw_phase = b.phase.phase_rad;
+    fit_closure(b.phase, b.polarity, config_.closure, b.closure);
+    correct_phase(b.polarity, nullptr, black, b.closure, b.phase);
+    diag.motion_rad = b.closure.motion_rad;
+    diag.harmonic = b.closure.harmonic;
+    step("closure");
+    out.reject = b.phase.reject;
+    make_surface(b.phase, b.polarity, *rays_, 0, b.inverse_depth, out);
+    diag.rigid = fit_rigid_motion(b.phase, b.polarity, b.closure, *rays_, b.inverse_depth, black, config_.rigid,
+                                  b.rigid, b.field);
+    if (diag.rigid.moved) {
+      std::swap(b.raw_phase, b.phase.phase_rad);
+      subtract_motion(b.field, b.polarity, black, b.phase);
+      fit_closure(b.phase, b.polarity, config_.left_over, b.closure);
+      correct_phase(b.polarity, &b.field, black, b.closure, b.phase);
+    }
+    step("motion");
+  }
+  if (config_.correct_fourth) diag.fourth_rad = estimate_fourth_harmonic(b.spans, b.phase).a1_rad;
 }
 
 BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const {
@@ -157,14 +188,7 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   if (signs_.informative && !follows) return BurstVerdict::kPatternMismatch;
   apply_polarity(b.spans, signs_, diag.noise, config_.polarity, b.phase, b.polarity);
   step("polarity");
-  if (config_.correct_closure) {
-    fit_closure(b.phase, b.polarity, config_.closure, b.closure);
-    correct_phase(b.polarity, b.closure, b.phase);
-    diag.motion_rad = b.closure.motion_rad;
-    diag.harmonic = b.closure.harmonic;
-  }
-  if (config_.correct_fourth) diag.fourth_rad = estimate_fourth_harmonic(b.spans, b.phase).a1_rad;
-  step("closure");
+  undo_errors(b, out, step);
   out.reject = b.phase.reject;
   make_surface(b.phase, b.polarity, *rays_, diag.fourth_rad, b.inverse_depth, out);
   step("triangulate");

@@ -7,6 +7,7 @@
 
 #include "calib/model/rig.hpp"
 #include "pipeline/algo/decode/decoded_burst.hpp"
+#include "pipeline/algo/decode/rigid_motion.hpp"
 #include "pipeline/algo/phase/burst_view.hpp"
 #include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/phase/phase.hpp"
@@ -23,6 +24,9 @@ struct DecodeConfig {
   OrderConfig order;
   PolarityConfig polarity;
   ClosureConfig closure;
+  RigidMotionConfig rigid;
+  /// After the rigid motion: blocks may differ from it by what bends or slides, and by little.
+  ClosureConfig left_over{.block_px = 32, .max_residual = 0.6F, .motion_prior_rad = 0.004F, .harmonic_prior = 0.003F};
   NormalConfig normals;
   bool correct_closure = true;  ///< undo in-burst motion and the projector's second harmonic, both seen in the closure
   bool correct_fourth = true;   ///< undo the sin 4phi error of a third harmonic, self-calibrated per burst
@@ -71,6 +75,8 @@ class BurstDecoder {
  private:
   BurstDecoder() = default;
   BurstVerdict run(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
+  template <class Step>
+  void undo_errors(DecodeWorkspace::Buffers& buffers, DecodedBurst& out, const Step& step) const;
 
   std::shared_ptr<const RayDepth> rays_;
   CellSigns signs_;

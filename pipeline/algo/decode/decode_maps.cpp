@@ -108,12 +108,14 @@ std::string decode_json(const DecodedBurst& burst, const DecodeReport& report) {
       " \"rejected_px\": {{{}}},\n \"sigma_um_median\": {:.3f},\n"
       " \"diagnostics\": {{\"linked_share\": {:.5f}, \"closure_share\": {:.5f}, \"code_agreement\": {:.5f}, "
       "\"torn_share\": {:.5f}, "
-      "\"motion_rad\": {:.6f}, \"harmonic\": {:.6f}, \"fourth_rad\": {:.6f}, \"noise_from\": \"{}\"}},\n"
+      "\"motion_rad\": {:.6f}, \"harmonic\": {:.6f}, \"fourth_rad\": {:.6f}, \"noise_from\": \"{}\",\n"
+      "  \"shift_mm_per_frame\": [{:.6f}, {:.6f}, {:.6f}], \"turn_rad_per_frame\": [{:.7f}, {:.7f}, {:.7f}]}},\n"
       " \"stage_ms\": {{{}}}}}\n",
       report.burst, name_of_mode(report.mode), name_of(burst.verdict), burst.patch.valid_px,
       burst.counts[static_cast<std::size_t>(PixelReject::kRelative)], rejected, median_sigma_um(burst.patch),
       d.linked_share, d.closure_share, d.code_agreement, d.torn_share, d.motion_rad, d.harmonic, d.fourth_rad,
-      d.noise.source == NoiseSource::kRig ? "rig" : "closure", stages);
+      d.noise.source == NoiseSource::kRig ? "rig" : "closure", d.rigid.shift_mm[0], d.rigid.shift_mm[1],
+      d.rigid.shift_mm[2], d.rigid.turn_rad[0], d.rigid.turn_rad[1], d.rigid.turn_rad[2], stages);
 }
 
 Result<void> write_decode_maps(const DecodedBurst& burst, const DecodeReport& report, const std::string& folder) {

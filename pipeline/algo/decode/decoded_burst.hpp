@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "pipeline/algo/decode/rigid_motion.hpp"
 #include "pipeline/algo/phase/noise_model.hpp"
 #include "pipeline/algo/phase/pixel_reject.hpp"
 #include "pipeline/types/map.hpp"
@@ -38,6 +39,7 @@ struct DecodeDiagnostics {
   double torn_share = 0;      ///< of smooth borders between cells: labelling jumps there
   float motion_rad = 0;       ///< mean phase change per frame interval
   float harmonic = 0;         ///< projector's B2/B1
+  RigidMotion rigid;          ///< of the surface in the camera's frame, per frame interval
   float fourth_rad = 0;       ///< a1 of the sin 4phi correction that was subtracted
   NoiseModel noise;
 };

@@ -48,11 +48,17 @@ Pair solve(const double* s, double p1, double p2, Pair prior) {
   return {(d * y1 - b * y2) / det, (a * y2 - b * y1) / det};
 }
 
-/// phase[u] -= error, with eps and rho interpolated between block columns; em/rm hold the row's values at block
-/// centres.
-void correct_row(const PhaseMaps& m, const float* w, const float* em, const float* rm, std::size_t at,
-                 std::size_t width, float* phase) {
+/// What shifts the phase of one row's pixels.
+struct RowErrors {
+  const float *weight, *rate, *harmonic, *light;
+};
+
+/// phase[u] -= error (equations of the header).
+void correct_row(const PhaseMaps& m, const RowErrors& e, float black_dn, std::size_t at, std::size_t width,
+                 float* phase) {
   const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict b = &m.modulation_dn[at];
+  const float* __restrict mean = &m.mean_dn[at], * __restrict w = e.weight, * __restrict em = e.rate;
+  const float* __restrict rm = e.harmonic, * __restrict lm = e.light;
   float* __restrict out = phase;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
@@ -60,8 +66,11 @@ void correct_row(const PhaseMaps& m, const float* w, const float* em, const floa
     const float cs = c[u] * inv, sn = s[u] * inv;
     const float cos2 = (cs - sn) * (cs + sn), sin2 = 2 * cs * sn;
     const float half = 0.5F * em[u], ripple = 2 * rm[u] * cos2 * cs;
-    const float three = ripple + half * (sin2 - 1);
-    const float with_code = select(w[u] > 0, half * cos2, ripple + half * (sin2 + cos2));
+    const float a = lm[u], ak = a * b[u] / larger(mean[u] - black_dn, 1);
+    const float three = ripple + half * (sin2 - 1) + a * sn - ak * cs * cs;
+    const float plus = half * cos2 + a * (cs + sn) + 0.5F * ak * sin2;
+    const float minus = ripple + half * (sin2 + cos2) + a * (sn - cs) + ak * (0.5F * sin2 - cs * cs);
+    const float with_code = select(w[u] > 0, plus, minus);
     out[u] -= three + std::abs(w[u]) * (with_code - three);
   }
 }
@@ -77,6 +86,11 @@ Interpolation between_blocks(int pixel, int block_px, int blocks) {
   const int high = std::min(low + 1, blocks - 1);
   return {static_cast<std::size_t>(low), static_cast<std::size_t>(high),
           std::clamp(x - static_cast<float>(low), 0.0F, 1.0F)};
+}
+
+void interpolate_grid_into(const std::vector<float>& blocks, const ClosureFit& fit, int w, int h, Map<float>& out) {
+  if (out.width() != w || out.height() != h) out = Map<float>(w, h);
+  interpolate_grid(blocks.data(), fit.columns, fit.rows, fit.block_px, out);
 }
 
 }  // namespace
@@ -120,26 +134,59 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
   }
 }
 
-void correct_phase(const PolarityMaps& polarity, ClosureFit& fit, PhaseMaps& maps) {
-  const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
-  const auto width = static_cast<std::size_t>(w), columns = static_cast<std::size_t>(fit.columns);
-  auto& buffer = fit.work.column_sums;
-  buffer.resize(std::max(buffer.size(), 2 * width));
-  std::vector<Interpolation> across(width);
-  for (int u = 0; u < w; ++u) across[static_cast<std::size_t>(u)] = between_blocks(u, fit.block_px, fit.columns);
+void MotionField::resize(int width, int height) {
+  if (rate_rad.width() == width && rate_rad.height() == height) return;
+  rate_rad = light = Map<float>(width, height);
+}
+
+void interpolate_grid(const float* nodes, int columns, int rows, int cell_px, Map<float>& out) {
+  const int w = out.width(), h = out.height();
+  const auto n = static_cast<std::size_t>(columns);
+  std::vector<Interpolation> across(static_cast<std::size_t>(w));
+  for (int u = 0; u < w; ++u) across[static_cast<std::size_t>(u)] = between_blocks(u, cell_px, columns);
+  std::vector<float> line(n);
   for (int v = 0; v < h; ++v) {
-    const Interpolation down = between_blocks(v, fit.block_px, fit.rows);
-    const auto value = [&](const std::vector<float>& f, std::size_t column) {
-      return f[down.low * columns + column] * (1 - down.share) + f[down.high * columns + column] * down.share;
-    };
-    for (std::size_t u = 0; u < width; ++u) {
+    const Interpolation down = between_blocks(v, cell_px, rows);
+    for (std::size_t k = 0; k < n; ++k)
+      line[k] = nodes[down.low * n + k] * (1 - down.share) + nodes[down.high * n + k] * down.share;
+    float* row = &out(0, v);
+    for (std::size_t u = 0; u < static_cast<std::size_t>(w); ++u) {
       const Interpolation& a = across[u];
-      buffer[u] = value(fit.block_motion_rad, a.low) * (1 - a.share) + value(fit.block_motion_rad, a.high) * a.share;
-      buffer[width + u] =
-          value(fit.block_harmonic, a.low) * (1 - a.share) + value(fit.block_harmonic, a.high) * a.share;
+      row[u] = line[a.low] * (1 - a.share) + line[a.high] * a.share;
     }
+  }
+}
+
+void subtract_motion(const MotionField& field, const PolarityMaps& polarity, float black_dn, PhaseMaps& maps) {
+  const float* __restrict c = maps.cosine_dn.pixels().data(), * __restrict s = maps.sine_dn.pixels().data();
+  const float* __restrict b = maps.modulation_dn.pixels().data(), * __restrict mean = maps.mean_dn.pixels().data();
+  const float* __restrict w = polarity.weight.pixels().data(), * __restrict rate = field.rate_rad.pixels().data();
+  const float* __restrict light = field.light.pixels().data();
+  float* __restrict r = maps.code_dn.pixels().data();
+  ENAMEL_INDEPENDENT
+  for (std::size_t i = 0; i < maps.code_dn.size(); ++i) {
+    const float a = b[i] * light[i], k = b[i] / larger(mean[i] - black_dn, 1);
+    const float plus = 2 * rate[i] * (s[i] - c[i]) - 2 * a - 2 * k * light[i] * (c[i] + s[i]);
+    const float minus = -2 * rate[i] * c[i] + 2 * a - 2 * k * light[i] * s[i];
+    r[i] -= select(w[i] > 0, plus, minus);
+  }
+}
+
+void correct_phase(const PolarityMaps& polarity, const MotionField* field, float black_dn, ClosureFit& fit,
+                   PhaseMaps& maps) {
+  const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
+  const auto width = static_cast<std::size_t>(w);
+  interpolate_grid_into(fit.block_motion_rad, fit, w, h, fit.work.rate);
+  interpolate_grid_into(fit.block_harmonic, fit, w, h, fit.work.harmonic);
+  std::vector<float>& still = fit.work.column_sums;
+  still.assign(std::max(still.size(), width), 0.0F);
+  for (int v = 0; v < h; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width;
-    correct_row(maps, &polarity.weight[at], buffer.data(), &buffer[width], at, width, &maps.phase_rad[at]);
+    if (field != nullptr)
+      for (std::size_t u = at; u < at + width; ++u) fit.work.rate[u] += field->rate_rad[u];
+    const float* light = field != nullptr ? &field->light[at] : still.data();
+    correct_row(maps, {&polarity.weight[at], &fit.work.rate[at], &fit.work.harmonic[at], light}, black_dn, at, width,
+                &maps.phase_rad[at]);
   }
 }
 

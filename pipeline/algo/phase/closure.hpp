@@ -6,6 +6,11 @@
 //   four frames (b = +1)    eps/2 cos 2phi
 //   b = -1                  2 rho cos 2phi cos phi + eps/2 (sin 2phi + cos 2phi)
 //   three frames            2 rho cos 2phi cos phi + eps/2 (sin 2phi - 1)
+// Where texture passes by, A and B change too: with a = dA/B and k = dB/dA per frame interval, the residual gains
+//   -2 B a (b + k (cos phi + sin phi)) for b = +1,  -2 B a (b + k sin phi) for b = -1,      and the phase errs by
+//   four frames (b = +1)    a (cos phi + sin phi) + a k/2 sin 2phi
+//   b = -1                  a (sin phi - cos phi) + a k (1/2 sin 2phi - cos^2 phi)
+//   three frames            a sin phi - a k cos^2 phi
 #pragma once
 
 #include <vector>
@@ -27,18 +32,40 @@ struct ClosureFit {
   float motion_rad = 0, harmonic = 0;
   std::vector<float> block_motion_rad, block_harmonic;
 
+  /// Index of the block that holds pixel (u, v).
+  [[nodiscard]] std::size_t block_at(int u, int v) const noexcept {
+    return static_cast<std::size_t>((v / block_px) * columns + u / block_px);
+  }
+
   struct Work {
     std::vector<float> column_sums;
     std::vector<double> block_sums;
+    Map<float> rate, harmonic;
   } work;
 };
+
+/// Motion known at every pixel, from elsewhere (rigid_motion.hpp), per frame interval.
+struct MotionField {
+  Map<float> rate_rad;  ///< eps
+  Map<float> light;     ///< a = dA/B
+
+  void resize(int width, int height);
+};
+
+/// Bilinear between the nodes of a grid, node (i, j) in the middle of the cell of cell_px that begins at (i, j) cell_px;
+/// held beyond the outermost.
+void interpolate_grid(const float* nodes, int columns, int rows, int cell_px, Map<float>& out);
+
+/// Takes what the field explains out of the residual (code_dn) of pixels of full weight.
+void subtract_motion(const MotionField& field, const PolarityMaps& polarity, float black_dn, PhaseMaps& maps);
 
 /// Regularised least squares per block; uses pixels of full weight only.
 void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureConfig& config, ClosureFit& out);
 
-/// Subtracts the errors above from phase_rad, block estimates interpolated bilinearly. Phases may leave [-pi, pi) a
-/// little.
-void correct_phase(const PolarityMaps& polarity, ClosureFit& fit, PhaseMaps& maps);
+/// Subtracts the errors above from phase_rad, block estimates interpolated bilinearly, those of the field added where one
+/// is given. Phases may leave [-pi, pi) a little.
+void correct_phase(const PolarityMaps& polarity, const MotionField* field, float black_dn, ClosureFit& fit,
+                   PhaseMaps& maps);
 
 /// a1 of the phase error a1 sin 4phi that a third harmonic makes, from the fact that true phase is spread evenly over
 /// whole half fringes: a1 = -<cos 4phi>/2 over `whole` spans (§3). Standard error 1/(2 sqrt(2 N)).
