@@ -134,14 +134,13 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodedBurst& out, c
     diag.motion_rad = b.closure.motion_rad;
     diag.harmonic = b.closure.harmonic;
     step("closure");
-    out.reject = b.phase.reject;
-    make_surface(b.phase, b.polarity, *rays_, 0, b.inverse_depth, out);
-    diag.rigid = fit_rigid_motion(b.phase, b.polarity, b.closure, *rays_, b.inverse_depth, black, config_.rigid,
-                                  b.rigid, b.field);
-    if (diag.rigid.moved) {
-      std::swap(b.raw_phase, b.phase.phase_rad);
-      subtract_motion(b.field, b.polarity, black, b.phase);
-      fit_closure(b.phase, b.polarity, config_.left_over, b.closure);
+    for (int pass = 0; pass < config_.motion_passes; ++pass) {
+      out.reject = b.phase.reject;
+      make_surface(b.phase, b.polarity, *rays_, 0, b.inverse_depth, out);
+      diag.rigid = fit_rigid_motion(b.phase, b.polarity, b.closure, *rays_, b.inverse_depth, black, config_.rigid,
+                                    b.rigid, b.field);
+      if (!diag.rigid.moved) break;
+      b.phase.phase_rad = b.raw_phase;
       correct_phase(b.polarity, &b.field, black, b.closure, b.phase);
     }
     step("motion");

@@ -25,8 +25,7 @@ struct DecodeConfig {
   PolarityConfig polarity;
   ClosureConfig closure;
   RigidMotionConfig rigid;
-  /// After the rigid motion: blocks may differ from it by what bends or slides, and by little.
-  ClosureConfig left_over{.block_px = 32, .max_residual = 0.6F, .motion_prior_rad = 0.004F, .harmonic_prior = 0.003F};
+  int motion_passes = 2;  ///< the second sees slopes without the ripple that the first took off
   NormalConfig normals;
   bool correct_closure = true;  ///< undo in-burst motion and the projector's second harmonic, both seen in the closure
   bool correct_fourth = true;   ///< undo the sin 4phi error of a third harmonic, self-calibrated per burst

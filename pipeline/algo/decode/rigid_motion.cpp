@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
 
@@ -10,11 +12,15 @@ namespace enamel::algo {
 namespace {
 
 constexpr int kNode_px = 4;
-constexpr int kReach_px = 6;      ///< of the window in which slopes are measured: half a fringe averages ripple away
-constexpr int kStep_px = 2;       ///< pixels of the window that are used
-constexpr float kMinDet = 4000;   ///< of the 2x2 normal equations: about a quarter of a full window's
-constexpr float kMaxSlope = 3.7F; ///< dz/dx of 75 degrees, the steepest that counts as one surface
-constexpr int kUnknowns = 7;      ///< V, W, rho
+constexpr int kReach_px = 6;       ///< of the window in which slopes are measured: half a fringe averages ripple away
+constexpr int kStep_px = 2;        ///< pixels of the window that are used
+constexpr float kMinDet = 4000;    ///< of the 2x2 normal equations: about a quarter of a full window's
+constexpr float kMaxSlope = 3.7F;  ///< dz/dx of 75 degrees, the steepest that counts as one surface
+constexpr float kMinCosine =
+    0.6F;                   ///< of the incidence; slopes of steeper surface are known too badly to judge the motion by
+constexpr int kPasses = 2;  ///< the second sees the image of light without the ripple of the motion found first
+constexpr int kRounds = 3;  ///< each leaves out what the round before could not explain
+constexpr int kUnknowns = 7;  ///< V, W, rho
 using Vector7 = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix7 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Node = RigidMotionWork::Node;
@@ -30,10 +36,14 @@ struct Inputs {
   int columns, rows;
 };
 
-/// A at a pixel without the ripple that motion and the second harmonic put on (I0+I2)/2.
-float clean_mean(const Inputs& in, std::size_t i, float rate, float harmonic) {
-  const float c = in.maps.cosine_dn[i], s = in.maps.sine_dn[i];
-  return in.maps.mean_dn[i] - rate * s - harmonic * (c - s) * (c + s) / (in.maps.modulation_dn[i] + 1e-6F);
+/// A - black without the ripple that motion and the second harmonic put on (I0+I2)/2.
+void clean_light(const Inputs& in, const Map<float>& rate, const Map<float>& harmonic, Map<float>& out) {
+  if (out.width() != rate.width() || out.height() != rate.height()) out = Map<float>(rate.width(), rate.height());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const float c = in.maps.cosine_dn[i], s = in.maps.sine_dn[i];
+    const float ripple = rate[i] * s + harmonic[i] * (c - s) * (c + s) / (in.maps.modulation_dn[i] + 1e-6F);
+    out[i] = in.maps.mean_dn[i] - in.black_dn - ripple;
+  }
 }
 
 struct Slopes {
@@ -42,12 +52,13 @@ struct Slopes {
 };
 
 /// Slopes of 1/z and of A about pixel (u, v), from pairs of pixels opposite to each other: holes and edges drop out.
-Slopes measure_slopes(const Inputs& in, int u, int v, float rate, float harmonic) {
+Slopes measure_slopes(const Inputs& in, const Map<float>& light, int u, int v) {
   const auto at = static_cast<std::ptrdiff_t>(v) * static_cast<std::ptrdiff_t>(in.width) + u;
   const float q = in.inverse_depth[static_cast<std::size_t>(at)];
   if (!(q > 0)) return {};
-  const float per_px = kMaxSlope * q * std::abs(in.rays.rays.x[static_cast<std::size_t>(at) + 1] -
-                                                in.rays.rays.x[static_cast<std::size_t>(at)]);
+  const float per_px =
+      kMaxSlope * q *
+      std::abs(in.rays.rays.x[static_cast<std::size_t>(at) + 1] - in.rays.rays.x[static_cast<std::size_t>(at)]);
   float uu = 0, uv = 0, vv = 0, qu = 0, qv = 0, au = 0, av = 0;
   for (int dv = 0; dv <= kReach_px; dv += kStep_px) {
     for (int du = dv == 0 ? kStep_px : -kReach_px; du <= kReach_px; du += kStep_px) {
@@ -56,7 +67,7 @@ Slopes measure_slopes(const Inputs& in, int u, int v, float rate, float harmonic
       const float d = in.inverse_depth[plus] - in.inverse_depth[minus];
       const float x = static_cast<float>(2 * du), y = static_cast<float>(2 * dv);
       if (!(std::abs(d) < per_px * (std::abs(x) + std::abs(y)))) continue;
-      const float a = clean_mean(in, plus, rate, harmonic) - clean_mean(in, minus, rate, harmonic);
+      const float a = light[plus] - light[minus];
       uu += x * x, uv += x * y, vv += y * y;
       qu += x * d, qv += y * d, au += x * a, av += y * a;
     }
@@ -68,9 +79,9 @@ Slopes measure_slopes(const Inputs& in, int u, int v, float rate, float harmonic
 }
 
 /// Columns of eps and of dA/B for the six unknowns at a node (equations of the header).
-Node make_node(const Inputs& in, int u, int v, float rate, float harmonic) {
+Node make_node(const Inputs& in, const Map<float>& light, int u, int v) {
   Node node;
-  const Slopes s = measure_slopes(in, u, v, rate, harmonic);
+  const Slopes s = measure_slopes(in, light, u, v);
   if (!s.ok) return node;
   const std::size_t i = static_cast<std::size_t>(v) * in.width + static_cast<std::size_t>(u);
   const float x = in.rays.rays.x[i], y = in.rays.rays.y[i], q = in.inverse_depth[i];
@@ -82,13 +93,13 @@ Node make_node(const Inputs& in, int u, int v, float rate, float harmonic) {
   const Eigen::Vector3f r(x, y, 1);
   Eigen::Vector3f m(s.q_u / per_x, s.q_v / per_y, 0);
   m.z() = q - m.x() * x - m.y() * y;
-  const float light = clean_mean(in, i, rate, harmonic) - in.black_dn;
+  node.fits = q > kMinCosine * m.norm() * r.norm();
   for (int k = 0; k < 6; ++k) {
     const Eigen::Vector3f axis = Eigen::Vector3f::Unit(k % 3);
     const Eigen::Vector3f moved = k < 3 ? Eigen::Vector3f(q * axis) : axis.cross(r - q * in.pivot_mm);  // U q
     const float du = (moved.x() - x * moved.z()) / per_x, dv = (moved.y() - y * moved.z()) / per_y;
     node.rate[static_cast<std::size_t>(k)] = -m.dot(moved) / slope;
-    node.light[static_cast<std::size_t>(k)] = (-s.a_u * du - s.a_v * dv - 2 * light * moved.z()) / b;
+    node.light[static_cast<std::size_t>(k)] = (-s.a_u * du - s.a_v * dv - 2 * light[i] * moved.z()) / b;
   }
   node.ok = true;
   return node;
@@ -99,35 +110,33 @@ std::size_t centre_of(const Inputs& in, int column, int row) {
          static_cast<std::size_t>(column * kNode_px + kNode_px / 2);
 }
 
-void make_nodes(const Inputs& in, const ClosureFit& coarse, std::vector<Node>& nodes) {
+void make_nodes(const Inputs& in, const Map<float>& light, std::vector<Node>& nodes) {
   nodes.assign(static_cast<std::size_t>(in.columns) * static_cast<std::size_t>(in.rows), {});
   const int margin = (kReach_px + kNode_px) / kNode_px;
   for (int row = margin; row < in.rows - margin; ++row) {
     for (int column = margin; column < in.columns - margin; ++column) {
-      const std::size_t i = centre_of(in, column, row);
-      if (in.maps.reject[i] != PixelReject::kNone) continue;
-      const std::size_t block = coarse.block_at(column * kNode_px, row * kNode_px);
+      if (in.maps.reject[centre_of(in, column, row)] != PixelReject::kNone) continue;
       nodes[static_cast<std::size_t>(row) * static_cast<std::size_t>(in.columns) + static_cast<std::size_t>(column)] =
-          make_node(in, column * kNode_px + kNode_px / 2, row * kNode_px + kNode_px / 2,
-                    coarse.block_motion_rad[block], coarse.block_harmonic[block]);
+          make_node(in, light, column * kNode_px + kNode_px / 2, row * kNode_px + kNode_px / 2);
     }
   }
 }
 
-/// Columns of one pixel's residual: for eps, for dA/B, for rho (derivation in closure.hpp).
+/// Columns of one pixel's residual: for eps, for dA/B, for rho (closure.hpp). `rate`, eps as known so far, makes the
+/// first exact to second order.
 struct Columns {
   float rate, light, harmonic, residual, limit;
   bool used;
 };
 
-Columns columns_at(const Inputs& in, std::size_t i, float max_residual) {
+Columns columns_at(const Inputs& in, std::size_t i, float rate, float max_residual) {
   const float c = in.maps.cosine_dn[i], s = in.maps.sine_dn[i], b = in.maps.modulation_dn[i];
   const float r = in.maps.code_dn[i], w = in.polarity.weight[i];
   const float share = b / larger(in.maps.mean_dn[i] - in.black_dn, 1);
   const bool plus = w > 0;
   Columns out{};
   out.used = in.maps.reject[i] == PixelReject::kNone && std::abs(w) > 0.999F && std::abs(r) < max_residual * b;
-  out.rate = plus ? 2 * (s - c) : -2 * c;
+  out.rate = plus ? 2 * (s - c) * (1 + rate) : -2 * (c - rate * s);
   out.light = plus ? -2 * b - 2 * share * (c + s) : 2 * b - 2 * share * s;
   out.harmonic = plus ? 4 * (c - s) * (c + s) / (b + 1e-6F) : 0;
   out.residual = r;
@@ -153,13 +162,15 @@ void add_node(const Inputs& in, const Node& node, int column, int row, const Vec
   double rr = 0, rl = 0, ll = 0, rh = 0, lh = 0, hh = 0, ry = 0, ly = 0, hy = 0;
   for (int v = row * kNode_px; v < (row + 1) * kNode_px; ++v) {
     for (int u = column * kNode_px; u < (column + 1) * kNode_px; ++u) {
-      const Columns c = columns_at(in, static_cast<std::size_t>(v) * in.width + static_cast<std::size_t>(u), max_residual);
+      const Columns c = columns_at(in, static_cast<std::size_t>(v) * in.width + static_cast<std::size_t>(u),
+                                   static_cast<float>(eps), max_residual);
       if (!c.used) continue;
       const auto x = static_cast<double>(c.rate), l = static_cast<double>(c.light), h = static_cast<double>(c.harmonic);
       const auto y = static_cast<double>(c.residual);
       const double left_over = y - x * eps - l * change - h * rho;
       if (std::abs(left_over) > limit) continue;
-      rr += x * x, rl += x * l, ll += l * l, rh += x * h, lh += l * h, hh += h * h, ry += x * y, ly += l * y, hy += h * y;
+      rr += x * x, rl += x * l, ll += l * l, rh += x * h, lh += l * h, hh += h * h, ry += x * y, ly += l * y,
+          hy += h * y;
       out.squares += left_over * left_over;
       ++out.pixels;
     }
@@ -179,9 +190,9 @@ Equations gather(const Inputs& in, const std::vector<Node>& nodes, const Vector7
   Equations out;
   for (int row = 0; row < in.rows; ++row) {
     for (int column = 0; column < in.columns; ++column) {
-      const Node& node =
-          nodes[static_cast<std::size_t>(row) * static_cast<std::size_t>(in.columns) + static_cast<std::size_t>(column)];
-      if (node.ok) add_node(in, node, column, row, theta, limit, max_residual, out);
+      const Node& node = nodes[static_cast<std::size_t>(row) * static_cast<std::size_t>(in.columns) +
+                               static_cast<std::size_t>(column)];
+      if (node.ok && node.fits) add_node(in, node, column, row, theta, limit, max_residual, out);
     }
   }
   return out;
@@ -194,6 +205,18 @@ Vector7 solve(Equations e, const RigidMotionConfig& config) {
       config.harmonic_prior;
   e.left.diagonal() += variance * spread.cwiseInverse().cwiseAbs2();
   return e.left.ldlt().solve(e.right);
+}
+
+std::optional<Vector7> solve_robustly(const Inputs& in, const std::vector<Node>& nodes, Vector7 theta,
+                                      const RigidMotionConfig& config) {
+  double limit = std::numeric_limits<double>::max();
+  for (int round = 0; round < kRounds; ++round) {
+    const Equations e = gather(in, nodes, theta, limit, config.max_residual);
+    if (e.pixels < config.min_pixels) return std::nullopt;
+    theta = solve(e, config);
+    limit = static_cast<double>(config.outlier_sigmas) * std::sqrt(e.squares / static_cast<double>(e.pixels));
+  }
+  return theta;
 }
 
 /// Motion at every pixel: bilinear between nodes; a node without slope takes the coarse rate of its block.
@@ -213,7 +236,6 @@ void spread_field(const Inputs& in, const ClosureFit& coarse, const Vector7& the
     work.node_rate[n] = node.ok ? rate : coarse.block_motion_rad[coarse.block_at(column * kNode_px, row * kNode_px)];
     work.node_light[n] = light;
   }
-  field.resize(in.maps.phase_rad.width(), in.maps.phase_rad.height());
   interpolate_grid(work.node_rate.data(), in.columns, in.rows, kNode_px, field.rate_rad);
   interpolate_grid(work.node_light.data(), in.columns, in.rows, kNode_px, field.light);
 }
@@ -233,14 +255,19 @@ RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity
                   maps.phase_rad.width() / kNode_px,
                   maps.phase_rad.height() / kNode_px};
   RigidMotion out;
-  make_nodes(in, coarse, work.nodes);
+  field.resize(maps.phase_rad.width(), maps.phase_rad.height());
+  if (work.harmonic.size() != field.rate_rad.size())
+    work.harmonic = Map<float>(field.rate_rad.width(), field.rate_rad.height());
+  interpolate_grid(coarse.block_motion_rad.data(), coarse.columns, coarse.rows, coarse.block_px, field.rate_rad);
+  interpolate_grid(coarse.block_harmonic.data(), coarse.columns, coarse.rows, coarse.block_px, work.harmonic);
   Vector7 theta = Vector7::Zero();
-  double limit = 1e9;
-  for (int round = 0; round < 3; ++round) {
-    const Equations e = gather(in, work.nodes, theta, limit, config.max_residual);
-    if (e.pixels < config.min_pixels) return out;
-    theta = solve(e, config);
-    limit = static_cast<double>(config.outlier_sigmas) * std::sqrt(e.squares / static_cast<double>(e.pixels));
+  for (int pass = 0; pass < kPasses; ++pass) {
+    clean_light(in, field.rate_rad, work.harmonic, work.light);
+    make_nodes(in, work.light, work.nodes);
+    const auto found = solve_robustly(in, work.nodes, theta, config);
+    if (!found) return out;
+    theta = *found;
+    spread_field(in, coarse, theta, work, field);
   }
   double squares = 0, nodes = 0;
   for (const Node& node : work.nodes) {
@@ -255,7 +282,6 @@ RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity
   }
   out.rms_rate_rad = nodes > 0 ? std::sqrt(squares / nodes) : 0;
   out.moved = out.rms_rate_rad > static_cast<double>(config.negligible_rad);
-  if (out.moved) spread_field(in, coarse, theta, work, field);
   return out;
 }
 

@@ -37,18 +37,21 @@ struct RigidMotion {
 
 struct RigidMotionWork {
   struct Node {
-    bool ok = false;
+    bool ok = false;    ///< slope known
+    bool fits = false;  ///< and well enough to estimate the motion from
     std::array<float, 6> rate{}, light{};
   };
   std::vector<Node> nodes;
   std::vector<float> node_rate, node_light;
+  Map<float> harmonic, light;
 };
 
 /// Inputs after apply_polarity: c, s, B, residual, weights; `coarse`, the block-wise estimate, cleans the image of A
 /// from the ripple of motion. inverse_depth: of the burst decoded with `coarse`. On moved, `field` holds the motion at
 /// every pixel; where the surface's slope is unknown, the blocks' own rate.
-[[nodiscard]] RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureFit& coarse,
-                                           const RayDepth& rays, const Map<float>& inverse_depth, float black_dn,
+[[nodiscard]] RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity,
+                                           const ClosureFit& coarse, const RayDepth& rays,
+                                           const Map<float>& inverse_depth, float black_dn,
                                            const RigidMotionConfig& config, RigidMotionWork& work, MotionField& field);
 
 }  // namespace enamel::algo

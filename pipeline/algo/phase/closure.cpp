@@ -65,11 +65,13 @@ void correct_row(const PhaseMaps& m, const RowErrors& e, float black_dn, std::si
     const float inv = 1.0F / (b[u] + 1e-6F);
     const float cs = c[u] * inv, sn = s[u] * inv;
     const float cos2 = (cs - sn) * (cs + sn), sin2 = 2 * cs * sn;
-    const float half = 0.5F * em[u], ripple = 2 * rm[u] * cos2 * cs;
+    const float h = 0.5F * em[u], ripple = 2 * rm[u] * cos2 * cs;
     const float a = lm[u], ak = a * b[u] / larger(mean[u] - black_dn, 1);
-    const float three = ripple + half * (sin2 - 1) + a * sn - ak * cs * cs;
-    const float plus = half * cos2 + a * (cs + sn) + 0.5F * ak * sin2;
-    const float minus = ripple + half * (sin2 + cos2) + a * (sn - cs) + ak * (0.5F * sin2 - cs * cs);
+    const float three =
+        ripple - (h * (1 - sin2) + h * h * (1 + cos2 - sin2)) * (1 - h * (1 + cos2)) + a * sn - ak * cs * cs;
+    const float plus = h * cos2 * (1 + h * sin2) + a * (cs + sn) + 0.5F * ak * sin2;
+    const float minus = ripple + (h * (sin2 + cos2) - h * h * (1 + cos2)) * (1 - h * (1 + cos2 - sin2)) +
+                        a * (sn - cs) + ak * (0.5F * sin2 - cs * cs);
     const float with_code = select(w[u] > 0, plus, minus);
     out[u] -= three + std::abs(w[u]) * (with_code - three);
   }
@@ -88,7 +90,7 @@ Interpolation between_blocks(int pixel, int block_px, int blocks) {
           std::clamp(x - static_cast<float>(low), 0.0F, 1.0F)};
 }
 
-void interpolate_grid_into(const std::vector<float>& blocks, const ClosureFit& fit, int w, int h, Map<float>& out) {
+void interpolate_blocks(const std::vector<float>& blocks, const ClosureFit& fit, int w, int h, Map<float>& out) {
   if (out.width() != w || out.height() != h) out = Map<float>(w, h);
   interpolate_grid(blocks.data(), fit.columns, fit.rows, fit.block_px, out);
 }
@@ -157,35 +159,18 @@ void interpolate_grid(const float* nodes, int columns, int rows, int cell_px, Ma
   }
 }
 
-void subtract_motion(const MotionField& field, const PolarityMaps& polarity, float black_dn, PhaseMaps& maps) {
-  const float* __restrict c = maps.cosine_dn.pixels().data(), * __restrict s = maps.sine_dn.pixels().data();
-  const float* __restrict b = maps.modulation_dn.pixels().data(), * __restrict mean = maps.mean_dn.pixels().data();
-  const float* __restrict w = polarity.weight.pixels().data(), * __restrict rate = field.rate_rad.pixels().data();
-  const float* __restrict light = field.light.pixels().data();
-  float* __restrict r = maps.code_dn.pixels().data();
-  ENAMEL_INDEPENDENT
-  for (std::size_t i = 0; i < maps.code_dn.size(); ++i) {
-    const float a = b[i] * light[i], k = b[i] / larger(mean[i] - black_dn, 1);
-    const float plus = 2 * rate[i] * (s[i] - c[i]) - 2 * a - 2 * k * light[i] * (c[i] + s[i]);
-    const float minus = -2 * rate[i] * c[i] + 2 * a - 2 * k * light[i] * s[i];
-    r[i] -= select(w[i] > 0, plus, minus);
-  }
-}
-
 void correct_phase(const PolarityMaps& polarity, const MotionField* field, float black_dn, ClosureFit& fit,
                    PhaseMaps& maps) {
   const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
   const auto width = static_cast<std::size_t>(w);
-  interpolate_grid_into(fit.block_motion_rad, fit, w, h, fit.work.rate);
-  interpolate_grid_into(fit.block_harmonic, fit, w, h, fit.work.harmonic);
-  std::vector<float>& still = fit.work.column_sums;
-  still.assign(std::max(still.size(), width), 0.0F);
+  if (field == nullptr) interpolate_blocks(fit.block_motion_rad, fit, w, h, fit.work.rate);
+  interpolate_blocks(fit.block_harmonic, fit, w, h, fit.work.harmonic);
+  const Map<float>& rate = field != nullptr ? field->rate_rad : fit.work.rate;
+  const std::vector<float> none(width, 0.0F);
   for (int v = 0; v < h; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width;
-    if (field != nullptr)
-      for (std::size_t u = at; u < at + width; ++u) fit.work.rate[u] += field->rate_rad[u];
-    const float* light = field != nullptr ? &field->light[at] : still.data();
-    correct_row(maps, {&polarity.weight[at], &fit.work.rate[at], &fit.work.harmonic[at], light}, black_dn, at, width,
+    const float* light = field != nullptr ? &field->light[at] : none.data();
+    correct_row(maps, {&polarity.weight[at], &rate[at], &fit.work.harmonic[at], light}, black_dn, at, width,
                 &maps.phase_rad[at]);
   }
 }

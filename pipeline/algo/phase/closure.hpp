@@ -6,6 +6,11 @@
 //   four frames (b = +1)    eps/2 cos 2phi
 //   b = -1                  2 rho cos 2phi cos phi + eps/2 (sin 2phi + cos 2phi)
 //   three frames            2 rho cos 2phi cos phi + eps/2 (sin 2phi - 1)
+// That is first order; the correction goes to second, with h = eps/2 and the phase as it was measured:
+//   four frames (b = +1)    h cos 2phi (1 + h sin 2phi)
+//   b = -1                  (h (sin 2phi + cos 2phi) - h^2 (1 + cos 2phi)) (1 - h (1 + cos 2phi - sin 2phi))
+//   three frames            -(h (1 - sin 2phi) + h^2 (1 + cos 2phi - sin 2phi)) (1 - h (1 + cos 2phi))
+// and the residual, in the measured C and S: 2 eps (1 + eps) (S - C) where b = +1, -2 eps (C - eps S) where b = -1.
 // Where texture passes by, A and B change too: with a = dA/B and k = dB/dA per frame interval, the residual gains
 //   -2 B a (b + k (cos phi + sin phi)) for b = +1,  -2 B a (b + k sin phi) for b = -1,      and the phase errs by
 //   four frames (b = +1)    a (cos phi + sin phi) + a k/2 sin 2phi
@@ -52,18 +57,15 @@ struct MotionField {
   void resize(int width, int height);
 };
 
-/// Bilinear between the nodes of a grid, node (i, j) in the middle of the cell of cell_px that begins at (i, j) cell_px;
-/// held beyond the outermost.
+/// Bilinear between the nodes of a grid, node (i, j) in the middle of the cell of cell_px that begins at (i, j)
+/// cell_px; held beyond the outermost.
 void interpolate_grid(const float* nodes, int columns, int rows, int cell_px, Map<float>& out);
-
-/// Takes what the field explains out of the residual (code_dn) of pixels of full weight.
-void subtract_motion(const MotionField& field, const PolarityMaps& polarity, float black_dn, PhaseMaps& maps);
 
 /// Regularised least squares per block; uses pixels of full weight only.
 void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureConfig& config, ClosureFit& out);
 
-/// Subtracts the errors above from phase_rad, block estimates interpolated bilinearly, those of the field added where one
-/// is given. Phases may leave [-pi, pi) a little.
+/// Subtracts the errors above from phase_rad, block estimates interpolated bilinearly, those of the field added where
+/// one is given. Phases may leave [-pi, pi) a little.
 void correct_phase(const PolarityMaps& polarity, const MotionField* field, float black_dn, ClosureFit& fit,
                    PhaseMaps& maps);
 

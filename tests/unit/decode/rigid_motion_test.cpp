@@ -1,0 +1,111 @@
+// Motion during the burst, on a textured ball that moves between the frames.
+#include "pipeline/algo/decode/rigid_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "tests/unit/decode/synthetic.hpp"
+
+namespace enamel::algo {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kRadius_mm = 9;
+const Vector3d kCentre_mm(1.0, -0.5, 55.5);
+
+/// The ball seen `tau` frame intervals after mid-burst: depth, and a texture that sits on it.
+struct MovingBall {
+  calib::Rig rig;
+  Vector3d shift_mm, turn_rad;
+
+  [[nodiscard]] Eigen::AngleAxisd turn(double tau) const {
+    const double angle = turn_rad.norm() * tau;
+    return {angle, angle != 0 ? Vector3d(turn_rad.normalized()) : Vector3d(Vector3d::UnitX())};
+  }
+  [[nodiscard]] Vector3d ray(int u, int v) const {
+    const auto p = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
+    return {p.x, p.y, 1};
+  }
+  /// Turns are about the ball's centre.
+  [[nodiscard]] double depth(int u, int v, double tau) const {
+    const Vector3d r = ray(u, v), c = kCentre_mm + tau * shift_mm;
+    const double rc = r.dot(c), rr = r.squaredNorm();
+    return (rc - std::sqrt(rc * rc - rr * (c.squaredNorm() - kRadius_mm * kRadius_mm))) / rr;
+  }
+  [[nodiscard]] double light(int u, int v, double tau) const {
+    const Vector3d p = ray(u, v) * depth(u, v, tau) - kCentre_mm - tau * shift_mm;
+    const Vector3d on_ball = turn(tau).inverse() * p;
+    return 0.8 + 0.12 * std::sin(3 * on_ball.x()) * std::cos(2.3 * on_ball.y() + 0.4);
+  }
+  /// Frame k as it is at its own time.
+  [[nodiscard]] test::SyntheticBurst render(bool noise) const {
+    test::SyntheticBurst out;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double tau = static_cast<double>(k) - 1.5;
+      test::SceneOptions o;
+      o.noise = noise;
+      o.light = [&](int u, int v) { return light(u, v, tau); };
+      auto at = test::render(
+          rig, [&](int u, int v) { return depth(u, v, tau); }, o);
+      if (k == 0) out = at;
+      out.frames.frames[k] = at.frames.frames[k];
+    }
+    return out;
+  }
+  /// 1.48 times the median deviation of depth at mid-burst, um: what ripple and noise do, not a few pixels at edges.
+  [[nodiscard]] double sigma_um(const DecodedBurst& burst) const {
+    std::vector<double> errors;
+    for (int v = 0; v < rig.camera.height; ++v)
+      for (int u = 0; u < rig.camera.width; ++u) {
+        const auto z = static_cast<double>(burst.patch.depth_mm(u, v));
+        if (z == z) errors.push_back(1e3 * std::abs(z - depth(u, v, 0)));
+      }
+    std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2), errors.end());
+    return 1.4826 * errors[errors.size() / 2];
+  }
+};
+
+DecodedBurst decode(const calib::Rig& rig, const test::SyntheticBurst& burst, int passes) {
+  DecodeConfig config;
+  config.motion_passes = passes;
+  return BurstDecoder::make(rig, config).value().decode(burst.frames.view());
+}
+
+TEST(RigidMotion, finds_shift_and_turn_and_takes_their_ripple_off_the_surface) {
+  const MovingBall ball{test::cropped_rig(480, 360), {0.030, -0.015, 0.024}, {0.0006, -0.0004, 0.0010}};
+  const auto burst = ball.render(false);
+  const DecodedBurst found = decode(ball.rig, burst, 2), blocks = decode(ball.rig, burst, 0);
+  ASSERT_TRUE(found.accepted());
+  const RigidMotion& m = found.diagnostics.rigid;
+  ASSERT_TRUE(m.moved);
+  const Vector3d pivot(0, 0, 2 / (1.0 / 40 + 1.0 / 56));
+  const Vector3d shift = Eigen::Map<const Vector3d>(m.shift_mm.data()),
+                 turn = Eigen::Map<const Vector3d>(m.turn_rad.data());
+  const Vector3d of_centre = shift + turn.cross(kCentre_mm - pivot);
+  EXPECT_LT((of_centre - ball.shift_mm).norm(), 0.02 * ball.shift_mm.norm()) << of_centre.transpose();
+  EXPECT_LT((turn - ball.turn_rad).norm(), 3e-4) << "a ball's turn shows in its texture alone: " << turn.transpose();
+
+  const MovingBall still{ball.rig, Vector3d::Zero(), Vector3d::Zero()};
+  const double floor = still.sigma_um(decode(ball.rig, still.render(false), 2));  // rounding to 8 bit
+  const auto ripple = [&](const DecodedBurst& b) { return std::sqrt(std::pow(ball.sigma_um(b), 2) - floor * floor); };
+  EXPECT_LT(ripple(found), 2.0);
+  EXPECT_GT(ripple(blocks), 2 * ripple(found)) << "negative control: each block's motion by itself";
+}
+
+TEST(RigidMotion, leaves_a_still_burst_alone) {
+  const MovingBall ball{test::cropped_rig(480, 360), Vector3d::Zero(), Vector3d::Zero()};
+  const auto burst = ball.render(true);
+  const DecodedBurst found = decode(ball.rig, burst, 2), blocks = decode(ball.rig, burst, 0);
+  EXPECT_FALSE(found.diagnostics.rigid.moved);
+  EXPECT_EQ(found.phase_rad.pixels().size(), blocks.phase_rad.pixels().size());
+  EXPECT_DOUBLE_EQ(ball.sigma_um(found), ball.sigma_um(blocks));
+}
+
+}  // namespace
+}  // namespace enamel::algo
