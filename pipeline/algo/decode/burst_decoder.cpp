@@ -134,11 +134,11 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodedBurst& out, c
     diag.motion_rad = b.closure.motion_rad;
     diag.harmonic = b.closure.harmonic;
     step("closure");
-    for (int pass = 0; pass < config_.motion_passes; ++pass) {
-      out.reject = b.phase.reject;
-      make_surface(b.phase, b.polarity, *rays_, 0, b.inverse_depth, out);
-      diag.rigid = fit_rigid_motion(b.phase, b.polarity, b.closure, *rays_, b.inverse_depth, black, config_.rigid,
-                                    b.rigid, b.field);
+    const int passes = stands_still(b.closure, config_.rigid) ? 0 : config_.motion_passes;
+    for (int pass = 0; pass < passes; ++pass) {
+      make_inverse_depth(b.phase, b.polarity, *rays_, b.inverse_depth);
+      diag.rigid = fit_rigid_motion(b.phase, b.polarity, b.closure, *rays_, b.inverse_depth, black, pass > 0,
+                                    config_.rigid, b.rigid, b.field);
       if (!diag.rigid.moved) break;
       b.phase.phase_rad = b.raw_phase;
       correct_phase(b.polarity, &b.field, black, b.closure, b.phase);

@@ -11,14 +11,14 @@
 namespace enamel::algo {
 namespace {
 
-constexpr int kNode_px = 4;
+constexpr int kNode_px = 8;
+constexpr int kPixelStep = 2;      ///< of the pixels that are asked: a quarter of VGA says enough about six unknowns
 constexpr int kReach_px = 6;       ///< of the window in which slopes are measured: half a fringe averages ripple away
 constexpr int kStep_px = 2;        ///< pixels of the window that are used
 constexpr float kMinDet = 4000;    ///< of the 2x2 normal equations: about a quarter of a full window's
 constexpr float kMaxSlope = 3.7F;  ///< dz/dx of 75 degrees, the steepest that counts as one surface
 constexpr float kMinCosine =
     0.6F;                   ///< of the incidence; slopes of steeper surface are known too badly to judge the motion by
-constexpr int kPasses = 2;  ///< the second sees the image of light without the ripple of the motion found first
 constexpr int kRounds = 3;  ///< each leaves out what the round before could not explain
 constexpr int kUnknowns = 7;  ///< V, W, rho
 using Vector7 = Eigen::Matrix<double, kUnknowns, 1>;
@@ -160,8 +160,8 @@ void add_node(const Inputs& in, const Node& node, int column, int row, const Vec
   }
   const double eps = rate.dot(theta), change = light.dot(theta), rho = theta[6];
   double rr = 0, rl = 0, ll = 0, rh = 0, lh = 0, hh = 0, ry = 0, ly = 0, hy = 0;
-  for (int v = row * kNode_px; v < (row + 1) * kNode_px; ++v) {
-    for (int u = column * kNode_px; u < (column + 1) * kNode_px; ++u) {
+  for (int v = row * kNode_px; v < (row + 1) * kNode_px; v += kPixelStep) {
+    for (int u = column * kNode_px + v / kPixelStep % kPixelStep; u < (column + 1) * kNode_px; u += kPixelStep) {
       const Columns c = columns_at(in, static_cast<std::size_t>(v) * in.width + static_cast<std::size_t>(u),
                                    static_cast<float>(eps), max_residual);
       if (!c.used) continue;
@@ -189,7 +189,7 @@ Equations gather(const Inputs& in, const std::vector<Node>& nodes, const Vector7
                  float max_residual) {
   Equations out;
   for (int row = 0; row < in.rows; ++row) {
-    for (int column = 0; column < in.columns; ++column) {
+    for (int column = row % 2; column < in.columns; column += 2) {  // every second node says enough
       const Node& node = nodes[static_cast<std::size_t>(row) * static_cast<std::size_t>(in.columns) +
                                static_cast<std::size_t>(column)];
       if (node.ok && node.fits) add_node(in, node, column, row, theta, limit, max_residual, out);
@@ -207,8 +207,9 @@ Vector7 solve(Equations e, const RigidMotionConfig& config) {
   return e.left.ldlt().solve(e.right);
 }
 
-std::optional<Vector7> solve_robustly(const Inputs& in, const std::vector<Node>& nodes, Vector7 theta,
+std::optional<Vector7> solve_robustly(const Inputs& in, const std::vector<Node>& nodes,
                                       const RigidMotionConfig& config) {
+  Vector7 theta = Vector7::Zero();
   double limit = std::numeric_limits<double>::max();
   for (int round = 0; round < kRounds; ++round) {
     const Equations e = gather(in, nodes, theta, limit, config.max_residual);
@@ -240,10 +241,28 @@ void spread_field(const Inputs& in, const ClosureFit& coarse, const Vector7& the
   interpolate_grid(work.node_light.data(), in.columns, in.rows, kNode_px, field.light);
 }
 
+/// What is known at first: the motion and the harmonic of each block.
+void begin_field(const ClosureFit& coarse, int width, int height, RigidMotionWork& work, MotionField& field) {
+  field.resize(width, height);
+  if (work.harmonic.width() != width || work.harmonic.height() != height) work.harmonic = Map<float>(width, height);
+  interpolate_grid(coarse.block_motion_rad.data(), coarse.columns, coarse.rows, coarse.block_px, field.rate_rad);
+  interpolate_grid(coarse.block_harmonic.data(), coarse.columns, coarse.rows, coarse.block_px, work.harmonic);
+}
+
 }  // namespace
 
+bool stands_still(const ClosureFit& coarse, const RigidMotionConfig& config) {
+  std::size_t seen = 0, moving = 0;
+  for (std::size_t k = 0; k < coarse.block_motion_rad.size(); ++k) {
+    if (coarse.block_pixels[k] < config.min_block_pixels) continue;
+    ++seen;
+    moving += std::abs(coarse.block_motion_rad[k]) > config.negligible_rad ? 1U : 0U;
+  }
+  return 4 * moving < seen;
+}
+
 RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureFit& coarse,
-                             const RayDepth& rays, const Map<float>& inverse_depth, float black_dn,
+                             const RayDepth& rays, const Map<float>& inverse_depth, float black_dn, bool refine,
                              const RigidMotionConfig& config, RigidMotionWork& work, MotionField& field) {
   const Inputs in{maps,
                   polarity,
@@ -255,20 +274,13 @@ RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity
                   maps.phase_rad.width() / kNode_px,
                   maps.phase_rad.height() / kNode_px};
   RigidMotion out;
-  field.resize(maps.phase_rad.width(), maps.phase_rad.height());
-  if (work.harmonic.size() != field.rate_rad.size())
-    work.harmonic = Map<float>(field.rate_rad.width(), field.rate_rad.height());
-  interpolate_grid(coarse.block_motion_rad.data(), coarse.columns, coarse.rows, coarse.block_px, field.rate_rad);
-  interpolate_grid(coarse.block_harmonic.data(), coarse.columns, coarse.rows, coarse.block_px, work.harmonic);
-  Vector7 theta = Vector7::Zero();
-  for (int pass = 0; pass < kPasses; ++pass) {
-    clean_light(in, field.rate_rad, work.harmonic, work.light);
-    make_nodes(in, work.light, work.nodes);
-    const auto found = solve_robustly(in, work.nodes, theta, config);
-    if (!found) return out;
-    theta = *found;
-    spread_field(in, coarse, theta, work, field);
-  }
+  if (!refine) begin_field(coarse, maps.phase_rad.width(), maps.phase_rad.height(), work, field);
+  clean_light(in, field.rate_rad, work.harmonic, work.light);
+  make_nodes(in, work.light, work.nodes);
+  const auto found = solve_robustly(in, work.nodes, config);
+  if (!found) return out;
+  const Vector7 theta = *found;
+  spread_field(in, coarse, theta, work, field);
   double squares = 0, nodes = 0;
   for (const Node& node : work.nodes) {
     if (!node.ok) continue;
@@ -281,7 +293,7 @@ RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity
     out.turn_rad[k] = theta[static_cast<Eigen::Index>(k + 3)];
   }
   out.rms_rate_rad = nodes > 0 ? std::sqrt(squares / nodes) : 0;
-  out.moved = out.rms_rate_rad > static_cast<double>(config.negligible_rad);
+  out.moved = true;
   return out;
 }
 

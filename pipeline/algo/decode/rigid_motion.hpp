@@ -19,20 +19,21 @@
 namespace enamel::algo {
 
 struct RigidMotionConfig {
-  float max_residual = 0.6F;       ///< of B; beyond it the pixel sees an edge or a glint, not motion
-  float outlier_sigmas = 4;        ///< second round: residuals beyond this many rms are left out
-  double shift_prior_mm = 0.12;    ///< spread of a hand's shift per frame: 30 mm/s at 4 ms
-  double turn_prior_rad = 0.004;   ///< and of its turn: 1 rad/s
-  double harmonic_prior = 0.05;    ///< spread of the projector's B2/B
-  std::size_t min_pixels = 5000;   ///< fewer say nothing about six unknowns
-  float negligible_rad = 0.0015F;  ///< root mean square rate below which the burst counts as still
+  float max_residual = 0.6F;      ///< of B; beyond it the pixel sees an edge or a glint, not motion
+  float outlier_sigmas = 4;       ///< second round: residuals beyond this many rms are left out
+  double shift_prior_mm = 0.12;   ///< spread of a hand's shift per frame: 30 mm/s at 4 ms
+  double turn_prior_rad = 0.004;  ///< and of its turn: 1 rad/s
+  double harmonic_prior = 0.05;   ///< spread of the projector's B2/B
+  std::size_t min_pixels = 600;   ///< of those asked, one in eight; fewer say nothing about six unknowns
+  float min_block_pixels = 100;   ///< blocks with fewer are not asked whether anything moved
+  float negligible_rad = 0.002F;  ///< a burst in which under a quarter of the blocks change faster counts as still
 };
 
 struct RigidMotion {
   std::array<double, 3> shift_mm{};  ///< V, per frame interval
   std::array<double, 3> turn_rad{};  ///< W, per frame interval, about the optical axis' point at mid-range
   double rms_rate_rad = 0;           ///< of eps over the image
-  bool moved = false;                ///< determined, and not negligible
+  bool moved = false;                ///< determined
 };
 
 struct RigidMotionWork {
@@ -46,12 +47,16 @@ struct RigidMotionWork {
   Map<float> harmonic, light;
 };
 
-/// Inputs after apply_polarity: c, s, B, residual, weights; `coarse`, the block-wise estimate, cleans the image of A
-/// from the ripple of motion. inverse_depth: of the burst decoded with `coarse`. On moved, `field` holds the motion at
-/// every pixel; where the surface's slope is unknown, the blocks' own rate.
+/// Nothing worth an estimate happened during the burst. Texture that slides by on a surface without slope goes unseen.
+[[nodiscard]] bool stands_still(const ClosureFit& coarse, const RigidMotionConfig& config);
+
+/// Inputs after apply_polarity: c, s, B, residual, weights; `coarse`, the block-wise estimate. inverse_depth: of the
+/// burst as corrected so far. The image of A is cleaned from the ripple of the motion known so far: that of `coarse`,
+/// or, with `refine`, that of `field` and `work` from the call before. On moved, `field` holds the motion at every
+/// pixel; where the surface's slope is unknown, the blocks' own rate.
 [[nodiscard]] RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity,
                                            const ClosureFit& coarse, const RayDepth& rays,
-                                           const Map<float>& inverse_depth, float black_dn,
+                                           const Map<float>& inverse_depth, float black_dn, bool refine,
                                            const RigidMotionConfig& config, RigidMotionWork& work, MotionField& field);
 
 }  // namespace enamel::algo

@@ -77,4 +77,22 @@ void make_surface(const PhaseMaps& maps, const PolarityMaps& polarity, const Ray
   }
 }
 
+void make_inverse_depth(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays,
+                        Map<float>& inverse_depth) {
+  const float q_near = 1.0F / rays.near_mm, q_far = 1.0F / rays.far_mm;
+  const float* __restrict phase = maps.phase_rad.pixels().data();
+  const std::int16_t* __restrict turn = polarity.turn.pixels().data();
+  const PixelReject* __restrict reject = maps.reject.pixels().data();
+  const float* __restrict mid = rays.phase_mid_rad.data(), * __restrict c0 = rays.c0.data();
+  const float* __restrict c1 = rays.c1.data(), * __restrict c2 = rays.c2.data(), * __restrict c3 = rays.c3.data();
+  float* __restrict out = inverse_depth.pixels().data();
+  ENAMEL_INDEPENDENT
+  for (std::size_t i = 0; i < inverse_depth.size(); ++i) {
+    const float t = phase[i] + kTwoPiF * static_cast<float>(turn[i]) - mid[i];
+    const float q = c0[i] + t * (c1[i] + t * (c2[i] + t * c3[i]));
+    const bool ok = (reject[i] == PixelReject::kNone) & (q <= q_near) & (q >= q_far);
+    out[i] = select(ok, q, kNan);
+  }
+}
+
 }  // namespace enamel::algo

@@ -11,4 +11,8 @@ namespace enamel::algo {
 void make_surface(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays, float fourth_rad,
                   Map<float>& inverse_depth, DecodedBurst& out);
 
+/// 1/z alone, for whoever needs slopes before the phase is final; NaN where a pixel is rejected or out of range.
+void make_inverse_depth(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays,
+                        Map<float>& inverse_depth);
+
 }  // namespace enamel::algo

@@ -90,6 +90,21 @@ Interpolation between_blocks(int pixel, int block_px, int blocks) {
           std::clamp(x - static_cast<float>(low), 0.0F, 1.0F)};
 }
 
+/// One row of interpolate_grid: ramps from each cell's middle to the next.
+void interpolate_line(const std::vector<float>& line, std::size_t cell, std::size_t width, float* out) {
+  const std::size_t half = cell / 2, last = line.size() - 1;
+  std::fill(out, out + std::min(half, width), line.front());
+  const float step = 1.0F / static_cast<float>(cell);
+  for (std::size_t k = 0; k < last; ++k) {
+    const std::size_t begin = k * cell + half;
+    const std::size_t count = begin < width ? std::min(cell, width - begin) : 0;
+    const float from = line[k], slope = (line[k + 1] - from) * step;
+    float* __restrict o = out + begin;
+    for (std::size_t j = 0; j < count; ++j) o[j] = from + slope * (static_cast<float>(static_cast<int>(j)) + 0.5F);
+  }
+  if (last * cell + half < width) std::fill(out + last * cell + half, out + width, line.back());
+}
+
 void interpolate_blocks(const std::vector<float>& blocks, const ClosureFit& fit, int w, int h, Map<float>& out) {
   if (out.width() != w || out.height() != h) out = Map<float>(w, h);
   interpolate_grid(blocks.data(), fit.columns, fit.rows, fit.block_px, out);
@@ -129,10 +144,12 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
   const double p2 = 4.0 / std::pow(static_cast<double>(config.harmonic_prior), 2);
   out.block_motion_rad.resize(blocks);
   out.block_harmonic.resize(blocks);
+  out.block_pixels.resize(blocks);
   for (std::size_t k = 0; k < blocks; ++k) {
     const Pair fit = solve(&out.work.block_sums[k * kSums], p1, p2, burst);
     out.block_motion_rad[k] = static_cast<float>(fit.motion);
     out.block_harmonic[k] = static_cast<float>(fit.harmonic);
+    out.block_pixels[k] = static_cast<float>(out.work.block_sums[k * kSums + 5]);
   }
 }
 
@@ -143,19 +160,13 @@ void MotionField::resize(int width, int height) {
 
 void interpolate_grid(const float* nodes, int columns, int rows, int cell_px, Map<float>& out) {
   const int w = out.width(), h = out.height();
-  const auto n = static_cast<std::size_t>(columns);
-  std::vector<Interpolation> across(static_cast<std::size_t>(w));
-  for (int u = 0; u < w; ++u) across[static_cast<std::size_t>(u)] = between_blocks(u, cell_px, columns);
+  const auto n = static_cast<std::size_t>(columns), cell = static_cast<std::size_t>(cell_px);
   std::vector<float> line(n);
   for (int v = 0; v < h; ++v) {
     const Interpolation down = between_blocks(v, cell_px, rows);
     for (std::size_t k = 0; k < n; ++k)
       line[k] = nodes[down.low * n + k] * (1 - down.share) + nodes[down.high * n + k] * down.share;
-    float* row = &out(0, v);
-    for (std::size_t u = 0; u < static_cast<std::size_t>(w); ++u) {
-      const Interpolation& a = across[u];
-      row[u] = line[a.low] * (1 - a.share) + line[a.high] * a.share;
-    }
+    interpolate_line(line, cell, static_cast<std::size_t>(w), &out(0, v));
   }
 }
 

@@ -35,7 +35,7 @@ struct ClosureConfig {
 struct ClosureFit {
   int columns = 0, rows = 0, block_px = 32;
   float motion_rad = 0, harmonic = 0;
-  std::vector<float> block_motion_rad, block_harmonic;
+  std::vector<float> block_motion_rad, block_harmonic, block_pixels;
 
   /// Index of the block that holds pixel (u, v).
   [[nodiscard]] std::size_t block_at(int u, int v) const noexcept {
