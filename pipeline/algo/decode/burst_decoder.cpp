@@ -80,18 +80,6 @@ double span_fringes(const RayDepth& rays) {
   return static_cast<double>(most / kTwoPiF);
 }
 
-/// Mean angle of the code against the decided orders.
-float mean_turn(const MicroEvidence& evidence, const std::vector<Piece>& pieces, const OrderResult& orders) {
-  double along = 0, across = 0;
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
-    if (!orders.pieces[k].decided) continue;
-    const MicroEvidence::Turned z = evidence.turned(k, pieces[k].cell + 2 * orders.pieces[k].shift);
-    along += static_cast<double>(z.along * static_cast<float>(pieces[k].end - pieces[k].begin));
-    across += static_cast<double>(z.across * static_cast<float>(pieces[k].end - pieces[k].begin));
-  }
-  return atan2_poly(static_cast<float>(across), static_cast<float>(along));
-}
-
 /// Where no cell was decided the three-frame phase stands; unlit and noisy pixels have none.
 void finish_phase(const PhaseMaps& maps, bool with_cells, DecodedBurst& out) {
   for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
@@ -179,10 +167,12 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodeDiagnostics& 
   if (micro_) {
     b.micro_evidence.measure(b.phase, diag.noise, pieces, *micro_, config_.order.outlier_cost);
     find_orders(pieces, b.flood.components, b.micro_evidence, config_.order, b.orders);
-    diag.code_turn_rad = mean_turn(b.micro_evidence, pieces, b.orders);
+    diag.code_turn_rad = b.micro_evidence.settle(pieces, b.orders);
+    judge_orders(pieces, b.micro_evidence, b.orders);
   } else {
     b.polarity_evidence.measure(b.phase, diag.noise, pieces, signs_, config_.order.outlier_cost);
     find_orders(pieces, b.flood.components, b.polarity_evidence, config_.order, b.orders);
+    judge_orders(pieces, b.polarity_evidence, b.orders);
   }
   make_spans(pieces, b.orders, b.phase.reject, b.spans);
   const double judged = b.orders.agreeing_px + b.orders.contradicting_px;

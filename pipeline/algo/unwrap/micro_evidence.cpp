@@ -73,9 +73,15 @@ CodePhasor phasor_of(const CodeSums& sums, float outlier_cost) {
   return out;
 }
 
+float cost_of_order(const CodePhasor& z, const MicroCode& code, std::size_t order) {
+  const float p = z.p - kGain * code.cosine[order], q = z.q - kGain * code.sine[order];
+  return smaller(0.5F * (p * p * z.wpp + 2 * p * q * z.wpq + q * q * z.wqq), z.most);
+}
+
 void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces,
                             const MicroCode& code, float outlier_cost) {
   code_ = &code;
+  mean_turn_rad_ = 0;
   said_.assign(pieces.size(), {});
   std::int32_t row = -1;
   for (std::size_t k = 0; k < pieces.size(); ++k) {
@@ -100,25 +106,35 @@ void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, con
 void MicroEvidence::costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const {
   const CodePhasor& z = said_[piece];
   const auto first = static_cast<std::size_t>(turn_of_cell(first_cell));
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    const float p = z.p - kGain * code_->cosine[first + k], q = z.q - kGain * code_->sine[first + k];
-    out[k] = smaller(0.5F * (p * p * z.wpp + 2 * p * q * z.wpq + q * q * z.wqq), z.most);
-  }
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = cost_of_order(z, *code_, first + k);
 }
 
 MicroEvidence::Turned MicroEvidence::turned(std::size_t piece, std::int32_t cell) const {
   const CodePhasor& z = said_[piece];
-  if (!z.sharp) return {};
   const auto order = static_cast<std::size_t>(turn_of_cell(cell));
   const float c = code_->cosine[order], s = code_->sine[order];
   return {z.p * c + z.q * s, z.q * c - z.p * s};
+}
+
+float MicroEvidence::settle(const std::vector<Piece>& pieces, const OrderResult& orders) {
+  double along = 0, across = 0;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    if (!orders.pieces[k].decided || !said_[k].sharp) continue;
+    const Turned z = turned(k, pieces[k].cell + 2 * orders.pieces[k].shift);
+    const auto pixels = static_cast<float>(pieces[k].end - pieces[k].begin);
+    along += static_cast<double>(z.along * pixels);
+    across += static_cast<double>(z.across * pixels);
+  }
+  mean_turn_rad_ = atan2_poly(static_cast<float>(across), static_cast<float>(along));
+  return mean_turn_rad_;
 }
 
 Stance MicroEvidence::stance(std::size_t piece, std::int32_t cell) const {
   if (!said_[piece].sharp) return Stance::kSilent;
   const Turned z = turned(piece, cell);
   const float length = root(z.along * z.along + z.across * z.across);
-  const bool near = std::abs(atan2_poly(z.across, z.along)) < kStepShare * kTwoPiF * code_->inverse_ratio;
+  const float off = wrap_once(atan2_poly(z.across, z.along) - mean_turn_rad_);
+  const bool near = std::abs(off) < kStepShare * kTwoPiF * code_->inverse_ratio;
   return near && length > kShortest && length < kLongest ? Stance::kAgrees : Stance::kContradicts;
 }
 

@@ -11,6 +11,7 @@
 #include "pipeline/algo/phase/micro_code.hpp"
 #include "pipeline/algo/unwrap/cells.hpp"
 #include "pipeline/algo/unwrap/code_evidence.hpp"
+#include "pipeline/algo/unwrap/order.hpp"
 
 namespace enamel::algo {
 
@@ -35,6 +36,9 @@ void code_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const Mic
 /// The covariance is that of noise and of what blur, motion and harmonics do to z, about independent of the order.
 [[nodiscard]] CodePhasor phasor_of(const CodeSums& sums, float outlier_cost);
 
+/// Negative log probability of the phasor if the piece had this absolute order.
+[[nodiscard]] float cost_of_order(const CodePhasor& z, const MicroCode& code, std::size_t order);
+
 class MicroEvidence final : public CodeEvidence {
  public:
   /// `code` must outlive the questions. outlier_cost: of a piece whose code may be anything.
@@ -44,18 +48,23 @@ class MicroEvidence final : public CodeEvidence {
   [[nodiscard]] int cells() const override { return code_->cells; }
   void costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const override;
 
-  /// A sharp z agrees when it lies within a third of a step of the order's angle, and neither at 0 nor twice as long.
+  /// Mean angle of the code against the decided orders, rad; stances are taken about it from then on. It is what motion
+  /// between code frame and phase frames, or a cyclic permutation of the phase frames, does to all pieces alike.
+  float settle(const std::vector<Piece>& pieces, const OrderResult& orders);
+
+  /// A sharp z agrees when it lies within a third of a step of the order's angle, and is neither near 0 nor far too
+  /// long.
   [[nodiscard]] Stance stance(std::size_t piece, std::int32_t cell) const override;
 
-  /// z turned back by the order of the cell: its angle is what motion between code and phase frames, or a cyclic
-  /// permutation of the phase frames, adds to all pieces alike. Zero when not sharp.
+ private:
+  /// z turned back by the order of the cell.
   struct Turned {
     float along = 0, across = 0;
   };
   [[nodiscard]] Turned turned(std::size_t piece, std::int32_t cell) const;
 
- private:
   const MicroCode* code_ = nullptr;
+  float mean_turn_rad_ = 0;
   std::vector<CodePhasor> said_;
   std::vector<CodeSums> row_;
 };

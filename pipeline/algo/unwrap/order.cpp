@@ -44,7 +44,7 @@ class Solver {
     between_rows();
     choose();
     inherit();
-    judge();
+    count_seams();
     find_specks();
   }
 
@@ -184,19 +184,12 @@ class Solver {
     for (PieceOrder& o : out_.pieces) o.decided = o.decided || o.inherited;
   }
 
-  void judge() {
-    out_.agreeing_px = out_.contradicting_px = 0;
+  void count_seams() {
     out_.seams = out_.torn_seams = 0;
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      const Piece& p = pieces_[i];
-      const PieceOrder& o = out_.pieces[i];
-      if (p.joined && !p.kink) {
-        ++out_.seams;
-        out_.torn_seams += o.shift != out_.pieces[i - 1].shift ? 1U : 0U;
-      }
-      const Stance stance = o.decided ? evidence_.stance(i, p.cell + 2 * o.shift) : Stance::kSilent;
-      if (stance == Stance::kAgrees) out_.agreeing_px += p.end - p.begin;
-      if (stance == Stance::kContradicts) out_.contradicting_px += p.end - p.begin;
+      if (!pieces_[i].joined || pieces_[i].kink) continue;
+      ++out_.seams;
+      out_.torn_seams += out_.pieces[i].shift != out_.pieces[i - 1].shift ? 1U : 0U;
     }
   }
 
@@ -243,6 +236,17 @@ class Solver {
 void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
                  const OrderConfig& config, OrderResult& out) {
   Solver(pieces, evidence, config, out).run(components);
+}
+
+void judge_orders(const std::vector<Piece>& pieces, const CodeEvidence& evidence, OrderResult& out) {
+  out.agreeing_px = out.contradicting_px = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const Piece& p = pieces[i];
+    const PieceOrder& o = out.pieces[i];
+    const Stance stance = o.decided ? evidence.stance(i, p.cell + 2 * o.shift) : Stance::kSilent;
+    if (stance == Stance::kAgrees) out.agreeing_px += p.end - p.begin;
+    if (stance == Stance::kContradicts) out.contradicting_px += p.end - p.begin;
+  }
 }
 
 }  // namespace enamel::algo

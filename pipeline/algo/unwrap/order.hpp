@@ -44,8 +44,12 @@ struct OrderResult {
   } work;
 };
 
-/// Min-sum messages along rows (exact), running means between rows, then continuity. Fixed order, deterministic.
+/// Min-sum messages along rows (exact), running means between rows, then continuity. Fixed order, deterministic. Fills
+/// `pieces` and the counts of seams.
 void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
                  const OrderConfig& config, OrderResult& out);
+
+/// Fills the counts of pixels whose code agrees with the labelling and of those whose contradicts it.
+void judge_orders(const std::vector<Piece>& pieces, const CodeEvidence& evidence, OrderResult& out);
 
 }  // namespace enamel::algo
