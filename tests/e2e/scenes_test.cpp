@@ -38,16 +38,27 @@ DepthError compare(const cv::Mat& measured, const cv::Mat& truth, const cv::Mat&
           static_cast<double>(far) / static_cast<double>(errors.size())};
 }
 
-class Scenes : public ::testing::TestWithParam<const char*> {};
+struct Shipped {
+  const char* scene;
+  const char* rig;   ///< of config/rigs
+  const char* mode;  ///< its pattern mode
+
+  [[nodiscard]] std::string name() const { return std::string(scene) + "_" + mode; }
+};
+
+class Scenes : public ::testing::TestWithParam<Shipped> {};
 
 TEST_P(Scenes, RendersAndDecodesToItsTruth) {
   const TempFolder tmp;
-  const std::string scene = std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + GetParam() + ".toml";
-  const Ran rendered = run({program("enamel-twin"), "render", scene, "--out", tmp / "folder", "--truth-maps"},
-                           std::chrono::seconds(300));
+  const std::string scene = std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + GetParam().scene + ".toml";
+  const std::string rig = std::string("rig=../rigs/") + GetParam().rig + ".json";
+  const Ran rendered =
+      run({program("enamel-twin"), "render", scene, "--set", rig, "--out", tmp / "folder", "--truth-maps"},
+          std::chrono::seconds(300));
   ASSERT_EQ(rendered.code, 0) << rendered.err;
   const Ran decoded = run({program("enamel"), "decode", tmp / "folder", "--burst", "0", "--out", tmp / "maps"});
   ASSERT_EQ(decoded.code, 0) << decoded.err;
+  EXPECT_NE(decoded.out.find(std::string("\"mode\": \"") + GetParam().mode + "\""), std::string::npos) << decoded.out;
 
   const cv::Mat measured = depth_map(tmp / "maps/depth.pfm");
   const cv::Mat truth = depth_map(tmp / "folder/truth/depth_000000.pfm");
@@ -64,8 +75,11 @@ TEST_P(Scenes, RendersAndDecodesToItsTruth) {
   EXPECT_GT(compare(flipped, truth, lit).median_mm, 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shipped, Scenes, ::testing::Values("plane", "spheres", "steps"),
-                         [](const auto& scene) { return std::string(scene.param); });
+INSTANTIATE_TEST_SUITE_P(Shipped, Scenes,
+                         ::testing::Values(Shipped{"plane", "probe", "T"}, Shipped{"spheres", "probe", "T"},
+                                           Shipped{"steps", "probe", "T"}, Shipped{"plane", "probe_m", "M"},
+                                           Shipped{"spheres", "probe_m", "M"}, Shipped{"steps", "probe_m", "M"}),
+                         [](const auto& shipped) { return shipped.param.name(); });
 
 }  // namespace
 }  // namespace enamel::test
