@@ -10,6 +10,7 @@
 #include "pipeline/algo/phase/micro_phase.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "pipeline/algo/unwrap/cells.hpp"
+#include "pipeline/algo/unwrap/code_steps.hpp"
 #include "pipeline/algo/unwrap/flood.hpp"
 #include "pipeline/algo/unwrap/micro_evidence.hpp"
 #include "pipeline/algo/unwrap/polarity_evidence.hpp"
@@ -97,6 +98,7 @@ struct DecodeWorkspace::Buffers {
   PhaseMaps phase;
   LinkMaps links;
   FloodMaps flood;
+  CodeSteps steps;  ///< of mode M
   PieceList pieces;
   PolarityEvidence polarity_evidence;
   MicroEvidence micro_evidence;
@@ -163,7 +165,10 @@ bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnost
 BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const {
   auto& b = *workspace.buffers_;
   const auto& pieces = b.pieces.pieces;
-  find_pieces(b.phase, b.links, b.flood, {rays_->phase_near_rad.data(), rays_->phase_far_rad.data()}, b.pieces);
+  static const Map<std::uint8_t> kNoCuts;
+  if (micro_) find_code_steps(b.phase, diag.noise, *micro_, b.flood, config_.order.unseen_jump_cost, b.steps);
+  find_pieces(b.phase, b.links, b.flood, {rays_->phase_near_rad.data(), rays_->phase_far_rad.data()},
+              micro_ ? b.steps.cut : kNoCuts, b.pieces);
   if (micro_) {
     b.micro_evidence.measure(b.phase, diag.noise, pieces, *micro_, config_.order.outlier_cost);
     find_orders(pieces, b.flood.components, b.micro_evidence, config_.order, b.orders);

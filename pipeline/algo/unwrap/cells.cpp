@@ -9,7 +9,6 @@
 namespace enamel::algo {
 namespace {
 
-constexpr int kEndTrim_px = 3;  ///< at a run's ends blur and motion mix frames of two surfaces or of light and shadow
 constexpr float kRangeSlack = 0.25F;  ///< fringes: the bounds are taken at a piece's middle, its ends reach that far
 
 void measure_bounds(const PhaseMaps& phase, const FloodMaps& flood, const PhaseBounds& bounds, std::size_t at,
@@ -118,8 +117,8 @@ void unwrap_map(const PhaseMaps& phase, const FloodMaps& flood, Map<float>& phi)
   }
 }
 
-void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const Map<float>& phi, int v,
-               std::vector<Piece>& pieces) {
+void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const Map<float>& phi,
+               const Map<std::uint8_t>& cuts, int v, std::vector<Piece>& pieces) {
   constexpr std::size_t kContext_px = 6;
   const auto width = static_cast<std::size_t>(phi.width());
   const std::size_t at = static_cast<std::size_t>(v) * width;
@@ -134,7 +133,8 @@ void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& f
     // A difference beyond pi: two paths of the flood disagree here.
     const bool joined = open && links.east[i - 1] != 0 && flood.component[i - 1] == flood.component[i] &&
                         std::abs(phi[i] - phi[i - 1]) < kPiF;
-    const bool kink = joined && u >= kContext_px && u + kContext_px < width && is_kink(phase, phi, i);
+    const bool cut = !cuts.empty() && cuts[i] != 0;
+    const bool kink = joined && (cut || (u >= kContext_px && u + kContext_px < width && is_kink(phase, phi, i)));
     if (!joined || kink || pieces.back().cell != cell) {
       const auto x = static_cast<std::int32_t>(u);
       pieces.push_back({v, x, x, flood.component[i], cell, -1, -1, 0, -1, joined, kink});
@@ -146,14 +146,14 @@ void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& f
 
 }  // namespace
 
-PieceCore core_of(const std::vector<Piece>& pieces, std::size_t k) noexcept {
+PieceCore core_of(const std::vector<Piece>& pieces, std::size_t k, std::int32_t trim_px) noexcept {
   const Piece& p = pieces[k];
   const bool last_of_run = k + 1 == pieces.size() || !pieces[k + 1].joined || pieces[k + 1].kink;
-  return {p.begin + (p.joined && !p.kink ? 0 : kEndTrim_px), p.end - (last_of_run ? kEndTrim_px : 0)};
+  return {p.begin + (p.joined && !p.kink ? 0 : trim_px), p.end - (last_of_run ? trim_px : 0)};
 }
 
 void find_pieces(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const PhaseBounds& bounds,
-                 PieceList& out) {
+                 const Map<std::uint8_t>& cuts, PieceList& out) {
   constexpr int kContext_px = 5;
   auto& pieces = out.pieces;
   pieces.clear();
@@ -163,7 +163,7 @@ void find_pieces(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps&
   std::size_t above = 0;
   for (int v = 0; v < height; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width, first = pieces.size();
-    split_row(phase, links, flood, out.work.unwrapped, v, pieces);
+    split_row(phase, links, flood, out.work.unwrapped, cuts, v, pieces);
     for (std::size_t k = first; k < pieces.size(); ++k) measure_bounds(phase, flood, bounds, at, pieces[k]);
     const bool room = v >= kContext_px && v + kContext_px <= height;
     if (v > 0)

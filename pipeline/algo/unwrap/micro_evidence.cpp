@@ -19,6 +19,7 @@ constexpr double kRidge = 1e-2;                 ///< z is unknown to within 10 b
 constexpr double kOutlierArea_per_tau = 1.125;  ///< a lying z is anywhere within 1.5 of 0: pi 1.5^2/(2 pi)
 constexpr float kShortest = 0.4F, kLongest = 1.6F;
 constexpr float kStepShare = 1.0F / 3;
+constexpr std::int32_t kEndTrim_px = 2;  ///< a few pixels already tell: one that blur mixes, one to spare
 
 }  // namespace
 
@@ -89,7 +90,7 @@ void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, con
       row = pieces[k].row;
       code_sums_of_row(phase, noise, code, static_cast<std::size_t>(row), row_);
     }
-    const PieceCore core = core_of(pieces, k);
+    const PieceCore core = core_of(pieces, k, kEndTrim_px);
     CodeSums s;
     for (std::int32_t u = core.begin; u < core.end; ++u) {
       const CodeSums& pixel = row_[static_cast<std::size_t>(u)];

@@ -10,6 +10,7 @@ namespace {
 constexpr float kBlurError = 0.2F;
 constexpr float kNoiseOfCode = 3;  ///< var(D -+ S3) is 4 sigma^2 for b = +1, 2 sigma^2 for b = -1
 constexpr float kFaintVariance = 0.25F;
+constexpr std::int32_t kEndTrim_px = 3;
 
 struct Sums {
   float dot = 0, energy = 0, noise = 0, blur = 0;
@@ -21,7 +22,7 @@ void PolarityEvidence::measure_code(const PhaseMaps& phase, const NoiseModel& no
                                     std::size_t k, Said& said) {
   Sums s;
   const std::size_t at = static_cast<std::size_t>(pieces[k].row) * static_cast<std::size_t>(phase.phase_rad.width());
-  const PieceCore core = core_of(pieces, k);
+  const PieceCore core = core_of(pieces, k, kEndTrim_px);
   for (std::int32_t u = core.begin; u < core.end; ++u) {
     const std::size_t i = at + static_cast<std::size_t>(u);
     const float d = phase.code_dn[i], s3 = phase.sine_dn[i];
