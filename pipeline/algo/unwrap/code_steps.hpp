@@ -18,14 +18,13 @@ struct CodeSteps {
 
   struct Work {
     std::vector<CodeSums> sums;
-    std::vector<float> gain;
+    std::vector<float> misfit;
   } work;
 };
 
 /// Fits z (micro_evidence.hpp) to four pixels left and four right of each border, the two pixels beside it left out
-/// (blur), once with the same order on both sides and once with d orders between, |d| <= 3. A cut is where the jump
-/// fits better by `cost` (negative log likelihood), at the best border of its surroundings. cost: of an unseen
-/// jump, 6.9.
+/// (blur), once with the same order on both sides and once with d orders between, |d| <= 3. A cut is where the jump is
+/// the better explanation by `cost` (negative log likelihood) and fits best among the borders around.
 void find_code_steps(const PhaseMaps& phase, const NoiseModel& noise, const MicroCode& code, const FloodMaps& flood,
                      float cost, CodeSteps& out);
 

@@ -48,6 +48,7 @@ void code_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const Mic
     o[u].yy = weight * y * y;
     o[u].xd = weight * x * seen;
     o[u].yd = weight * y * seen;
+    o[u].dd = weight * seen * seen;
   }
 }
 

@@ -18,7 +18,7 @@ namespace enamel::algo {
 /// Normal equations of z = p + i q over some pixels, each weighted by 1/variance of D: [xx xy; xy yy] (p, q) = (xd, yd)
 /// with x = Re w, y = -Im w. Add those of several pixels for their union.
 struct CodeSums {
-  float xx = 0, xy = 0, yy = 0, xd = 0, yd = 0;
+  float xx = 0, xy = 0, yy = 0, xd = 0, yd = 0, dd = 0;
 };
 
 /// What a piece's code says: z, and the inverse of its covariance.
