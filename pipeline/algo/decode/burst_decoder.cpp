@@ -7,9 +7,13 @@
 
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/surface.hpp"
+#include "pipeline/algo/phase/micro_phase.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "pipeline/algo/unwrap/cells.hpp"
+#include "pipeline/algo/unwrap/code_steps.hpp"
 #include "pipeline/algo/unwrap/flood.hpp"
+#include "pipeline/algo/unwrap/micro_evidence.hpp"
+#include "pipeline/algo/unwrap/polarity_evidence.hpp"
 
 namespace enamel::algo {
 namespace {
@@ -69,6 +73,14 @@ void copy_images(const PhaseMaps& maps, const NoiseModel& noise, DecodedBurst& o
   }
 }
 
+/// Largest number of fringes that the depth range spans at a pixel.
+double span_fringes(const RayDepth& rays) {
+  float most = 0;
+  for (std::size_t i = 0; i < rays.phase_near_rad.size(); ++i)
+    most = larger(most, std::abs(rays.phase_far_rad[i] - rays.phase_near_rad[i]));
+  return static_cast<double>(most / kTwoPiF);
+}
+
 /// Where no cell was decided the three-frame phase stands; unlit and noisy pixels have none.
 void finish_phase(const PhaseMaps& maps, bool with_cells, DecodedBurst& out) {
   for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
@@ -86,7 +98,10 @@ struct DecodeWorkspace::Buffers {
   PhaseMaps phase;
   LinkMaps links;
   FloodMaps flood;
+  CodeSteps steps;  ///< of mode M
   PieceList pieces;
+  PolarityEvidence polarity_evidence;
+  MicroEvidence micro_evidence;
   OrderResult orders;
   std::vector<CellSpan> spans;
   PolarityMaps polarity;
@@ -105,10 +120,18 @@ DecodeWorkspace& DecodeWorkspace::operator=(DecodeWorkspace&&) noexcept = defaul
 
 Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfig& config) {
   BurstDecoder d;
-  ENAMEL_TRY_ASSIGN(d.signs_, make_cell_signs(rig.patterns, rig.projector));
+  const bool micro = rig.patterns.mode == calib::PatternMode::kMicro;
+  if (micro) {
+    ENAMEL_TRY_ASSIGN(d.micro_, make_micro_code(rig.patterns, rig.projector));
+    if (!rig.noise)
+      return fail(ErrorCode::kRigInvalid, "key 'noise' is missing, and mode M cannot tell it from a burst");
+  } else {
+    ENAMEL_TRY_ASSIGN(d.signs_, make_cell_signs(rig.patterns, rig.projector));
+  }
   const auto range = rig.depth_range ? rig.depth_range : config.depth_range_mm;
   if (!range) return fail(ErrorCode::kRigInvalid, "key 'depth_range_mm' is missing and none was given");
   ENAMEL_TRY_ASSIGN(RayDepth rays, RayDepth::bake(rig, *range));
+  if (micro) ENAMEL_TRY(check_orders_differ(rig.patterns.code_ratio, span_fringes(rays)));
   d.rays_ = std::make_shared<const RayDepth>(std::move(rays));
   const RayDepth& r = *d.rays_;
   const auto width = static_cast<std::size_t>(r.width);
@@ -124,8 +147,7 @@ Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfi
 // Motion and harmonics, first per block of the image, then, where the probe moved, as one rigid motion of the surface
 // that the first correction shows.
 template <class Step>
-void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodedBurst& out, const Step& step) const {
-  auto& diag = out.diagnostics;
+void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag, const Step& step) const {
   const float black = diag.noise.black_dn;
   if (config_.correct_closure) {
     b.raw_phase = b.phase.phase_rad;
@@ -136,7 +158,7 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodedBurst& out, c
     step("closure");
     const int passes = stands_still(b.closure, config_.rigid) ? 0 : config_.motion_passes;
     for (int pass = 0; pass < passes; ++pass) {
-      make_inverse_depth(b.phase, b.polarity, *rays_, b.inverse_depth);
+      make_inverse_depth(b.phase, b.polarity.turn, *rays_, b.inverse_depth);
       diag.rigid = fit_rigid_motion(b.phase, b.polarity, b.closure, *rays_, b.inverse_depth, black, pass > 0,
                                     config_.rigid, b.rigid, b.field);
       if (!diag.rigid.moved) break;
@@ -148,6 +170,77 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodedBurst& out, c
   if (config_.correct_fourth) diag.fourth_rad = estimate_fourth_harmonic(b.spans, b.phase).a1_rad;
 }
 
+void BurstDecoder::solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const {
+  PhaseMaps& maps = workspace.buffers_->phase;
+  NoiseModel& noise = out.diagnostics.noise;
+  noise = noise_ ? noise_from_rig(*noise_, view.bit_depth) : noise_from_closure(view);
+  (micro_ ? compute_micro_phase : compute_phase)(view, noise, config_.phase, maps);
+  copy_images(maps, noise, out);
+}
+
+bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const {
+  auto& b = *workspace.buffers_;
+  (micro_ ? diag.direction_share : diag.closure_share) =
+      micro_ ? direction_share(b.phase, carrier_) : closure_share(b.phase, diag.noise);
+  reject_half_lit(b.phase.modulation_dn, b.phase.reject);
+  compute_links(b.phase, carrier_, config_.links, b.links);
+  diag.linked_share = b.links.pairs > 0 ? static_cast<double>(b.links.linked) / static_cast<double>(b.links.pairs) : 0;
+  reject_edges(b.links, b.phase.reject);
+  if (diag.linked_share < config_.min_linked_share) return false;
+  return micro_ ? diag.direction_share >= config_.min_direction_share : diag.closure_share >= config_.min_closure_share;
+}
+
+/// Absolute orders of all pieces, and whether the code that they rest on is the rig's.
+BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const {
+  auto& b = *workspace.buffers_;
+  const auto& pieces = b.pieces.pieces;
+  static const Map<std::uint8_t> kNoCuts;
+  if (micro_) find_code_steps(b.phase, diag.noise, *micro_, b.flood, config_.order.unseen_jump_cost, b.steps);
+  find_pieces(b.phase, b.links, b.flood, {rays_->phase_near_rad.data(), rays_->phase_far_rad.data()},
+              micro_ ? b.steps.cut : kNoCuts, b.pieces);
+  if (micro_) {
+    b.micro_evidence.measure(b.phase, diag.noise, pieces, *micro_, config_.order.outlier_cost);
+    find_orders(pieces, b.flood.components, b.micro_evidence, config_.order, b.orders);
+    diag.code_turn_rad = b.micro_evidence.settle(pieces, b.orders);
+    judge_orders(pieces, b.micro_evidence, b.orders);
+  } else {
+    b.polarity_evidence.measure(b.phase, diag.noise, pieces, signs_, config_.order.outlier_cost);
+    find_orders(pieces, b.flood.components, b.polarity_evidence, config_.order, b.orders);
+    judge_orders(pieces, b.polarity_evidence, b.orders);
+  }
+  make_spans(pieces, b.orders, b.phase.reject, b.spans);
+  const double judged = b.orders.agreeing_px + b.orders.contradicting_px;
+  diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;
+  diag.torn_share =
+      b.orders.seams > 0 ? static_cast<double>(b.orders.torn_seams) / static_cast<double>(b.orders.seams) : 0;
+  if (b.spans.empty()) return BurstVerdict::kNoCode;
+  const bool informative = micro_ || signs_.informative;
+  const bool follows = diag.code_agreement >= config_.min_code_agreement && diag.torn_share <= config_.max_torn_share;
+  const bool turned = micro_ && std::abs(diag.code_turn_rad) > max_code_turn_rad(micro_->ratio());
+  return informative && (!follows || turned) ? BurstVerdict::kPatternMismatch : BurstVerdict::kAccepted;
+}
+
+/// Best phase now that orders are known, in place; returns its turns. Mode M's phase is final but for its ripple.
+const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const {
+  auto& b = *workspace.buffers_;
+  const auto step = [&](const char* name) {
+    if (workspace.on_step) workspace.on_step(name);
+  };
+  if (micro_) {
+    place_spans(b.spans, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
+    if (config_.correct_fourth) {
+      diag.third_rad = estimate_third_harmonic(b.spans, b.phase).a1_rad;
+      correct_third_harmonic(b.spans, diag.third_rad, b.phase);
+    }
+    step("harmonic");
+    return b.polarity.turn;
+  }
+  apply_polarity(b.spans, signs_, diag.noise, config_.polarity, b.phase, b.polarity);
+  step("polarity");
+  undo_errors(b, diag, step);
+  return b.polarity.turn;
+}
+
 BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const {
   auto& b = *workspace.buffers_;
   const auto step = [&](const char* name) {
@@ -155,41 +248,23 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   };
   auto& diag = out.diagnostics;
   diag = {};
-  diag.noise = noise_ ? noise_from_rig(*noise_, view.bit_depth) : noise_from_closure(view);
-  compute_phase(view, diag.noise, config_.phase, b.phase);
-  copy_images(b.phase, diag.noise, out);
+  solve_phase(view, workspace, out);
   step("phase");
   if (count_of(b.phase, PixelReject::kNone) < config_.min_points) {
     const bool bright = count_of(b.phase, PixelReject::kSaturated) >= config_.min_points;
     return bright ? BurstVerdict::kSaturated : BurstVerdict::kTooDark;
   }
-  diag.closure_share = closure_share(b.phase, diag.noise);
-  reject_half_lit(b.phase.modulation_dn, b.phase.reject);
-  compute_links(b.phase, carrier_, config_.links, b.links);
-  diag.linked_share = b.links.pairs > 0 ? static_cast<double>(b.links.linked) / static_cast<double>(b.links.pairs) : 0;
-  reject_edges(b.links, b.phase.reject);
+  const bool fringes = looks_like_fringes(workspace, diag);
   step("links");
-  if (diag.linked_share < config_.min_linked_share || diag.closure_share < config_.min_closure_share)
-    return BurstVerdict::kPatternMismatch;
+  if (!fringes) return BurstVerdict::kPatternMismatch;
   flood(b.phase.phase_rad, b.links, b.flood);
   step("unwrap");
-  find_pieces(b.phase, diag.noise, b.links, b.flood, {rays_->phase_near_rad.data(), rays_->phase_far_rad.data()},
-              b.pieces);
-  find_orders(b.pieces.pieces, b.flood.components, signs_, config_.order, b.orders);
-  make_spans(b.pieces.pieces, b.orders, b.phase.reject, b.spans);
-  const double judged = b.orders.agreeing_px + b.orders.contradicting_px;
-  diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;
-  diag.torn_share =
-      b.orders.seams > 0 ? static_cast<double>(b.orders.torn_seams) / static_cast<double>(b.orders.seams) : 0;
+  const BurstVerdict placed = place(workspace, diag);
   step("order");
-  if (b.spans.empty()) return BurstVerdict::kNoCode;
-  const bool follows = diag.code_agreement >= config_.min_code_agreement && diag.torn_share <= config_.max_torn_share;
-  if (signs_.informative && !follows) return BurstVerdict::kPatternMismatch;
-  apply_polarity(b.spans, signs_, diag.noise, config_.polarity, b.phase, b.polarity);
-  step("polarity");
-  undo_errors(b, out, step);
+  if (placed != BurstVerdict::kAccepted) return placed;
+  const Map<std::int16_t>& turn = refine(workspace, diag);
   out.reject = b.phase.reject;
-  make_surface(b.phase, b.polarity, *rays_, diag.fourth_rad, b.inverse_depth, out);
+  make_surface(b.phase, turn, *rays_, diag.fourth_rad, b.inverse_depth, out);
   step("triangulate");
   compute_normals(*rays_, b.inverse_depth, out.patch.sigma_mm, config_.normals, b.scratch, out.patch.normals);
   step("normals");

@@ -10,6 +10,7 @@
 #include "pipeline/algo/decode/rigid_motion.hpp"
 #include "pipeline/algo/phase/burst_view.hpp"
 #include "pipeline/algo/phase/closure.hpp"
+#include "pipeline/algo/phase/micro_code.hpp"
 #include "pipeline/algo/phase/phase.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 #include "pipeline/algo/triangulate/normals.hpp"
@@ -27,13 +28,16 @@ struct DecodeConfig {
   RigidMotionConfig rigid;
   int motion_passes = 2;  ///< the second sees slopes without the ripple that the first took off
   NormalConfig normals;
-  bool correct_closure = true;  ///< undo in-burst motion and the projector's second harmonic, both seen in the closure
-  bool correct_fourth = true;   ///< undo the sin 4phi error of a third harmonic, self-calibrated per burst
+  /// Undo in-burst motion and the projector's second harmonic, both seen in the closure, which mode M does not have.
+  bool correct_closure = true;
+  /// Undo the ripple that the projector's harmonics leave, self-calibrated per burst: sin 4phi, in mode M sin 3phi.
+  bool correct_fourth = true;
   /// Used when the rig states none. A depth range is never assumed.
   std::optional<calib::DepthRange> depth_range_mm;
   std::size_t min_points = 1000;   ///< fewer cannot be registered
   double min_linked_share = 0.65;  ///< see burst_gates.hpp
   double min_closure_share = 0.65;
+  double min_direction_share = 0.65;
   double min_code_agreement = 0.95;  ///< five times the share of lying cells that order.hpp expects
   double max_torn_share = 0.1;  ///< a foreign code can only be followed by jumping every few cells; surfaces do not
 };
@@ -58,8 +62,10 @@ class DecodeWorkspace {
 /// Immutable: decode() is const and thread-safe, each thread with its own workspace and output.
 class BurstDecoder {
  public:
-  /// Bakes the rig's per-pixel geometry (about half a second for VGA). Errors: kPatternSet (modes M and multi, fringes
-  /// along v), kRigInvalid (no depth range given anywhere; geometry that does not determine depth).
+  /// Bakes the rig's per-pixel geometry (about half a second for VGA). Errors: kPatternSet (mode multi, fringes along
+  /// v, a code ratio of mode M that leaves orders of the depth range alike), kRigInvalid (no depth range given
+  /// anywhere; geometry that does not determine depth; mode M without `noise`, which no closure residual can stand in
+  /// for).
   [[nodiscard]] static Result<BurstDecoder> make(const calib::Rig& rig, const DecodeConfig& config = {});
 
   /// `out` keeps its memory. On rejection the maps that were reached are filled, the patch is empty (all NaN).
@@ -75,10 +81,15 @@ class BurstDecoder {
   BurstDecoder() = default;
   BurstVerdict run(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
   template <class Step>
-  void undo_errors(DecodeWorkspace::Buffers& buffers, DecodedBurst& out, const Step& step) const;
+  void undo_errors(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics, const Step& step) const;
+  void solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
+  bool looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
+  BurstVerdict place(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
+  const Map<std::int16_t>& refine(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
 
   std::shared_ptr<const RayDepth> rays_;
-  CellSigns signs_;
+  CellSigns signs_;                 ///< of four-step modes; unused in mode M
+  std::optional<MicroCode> micro_;  ///< mode M
   Carrier carrier_;
   std::optional<calib::NoiseValues> noise_;
   DecodeConfig config_;

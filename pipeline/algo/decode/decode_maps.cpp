@@ -1,6 +1,7 @@
 #include "pipeline/algo/decode/decode_maps.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
@@ -67,6 +68,23 @@ Map<std::uint8_t> reject_picture(const Map<PixelReject>& reject) {
   return out;
 }
 
+/// Figures that the verdict rests on, those of the other modes' steps left out.
+std::string diagnostics_json(const DecodeDiagnostics& d, calib::PatternMode mode) {
+  const char* noise_from = d.noise.source == NoiseSource::kRig ? "rig" : "closure";
+  if (mode == calib::PatternMode::kMicro)
+    return fmt::format(
+        "\"linked_share\": {:.5f}, \"direction_share\": {:.5f}, \"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, "
+        "\"code_turn_rad\": {:.6f}, \"third_rad\": {:.6f}, \"noise_from\": \"{}\"",
+        d.linked_share, d.direction_share, d.code_agreement, d.torn_share, d.code_turn_rad, d.third_rad, noise_from);
+  return fmt::format(
+      "\"linked_share\": {:.5f}, \"closure_share\": {:.5f}, \"code_agreement\": {:.5f}, "
+      "\"torn_share\": {:.5f}, "
+      "\"motion_rad\": {:.6f}, \"harmonic\": {:.6f}, \"fourth_rad\": {:.6f}, \"noise_from\": \"{}\",\n"
+      "  \"shift_mm_per_frame\": [{:.6f}], \"turn_rad_per_frame\": [{:.7f}]",
+      d.linked_share, d.closure_share, d.code_agreement, d.torn_share, d.motion_rad, d.harmonic, d.fourth_rad,
+      noise_from, fmt::join(d.rigid.shift_mm, ", "), fmt::join(d.rigid.turn_rad, ", "));
+}
+
 }  // namespace
 
 std::string pfm_bytes(const Map<float>& map) {
@@ -102,20 +120,13 @@ std::string decode_json(const DecodedBurst& burst, const DecodeReport& report) {
     rejected += fmt::format("{}\"{}\": {}", rejected.empty() ? "" : ", ", kPixelRejectNames[r], burst.counts[r]);
   for (const auto& [name, ms] : report.stage_ms)
     stages += fmt::format("{}\"{}\": {:.3f}", stages.empty() ? "" : ", ", name, ms);
-  const auto& d = burst.diagnostics;
   return fmt::format(
       "{{\"burst\": {}, \"mode\": \"{}\", \"verdict\": \"{}\", \"valid_px\": {}, \"undecided_px\": {},\n"
-      " \"rejected_px\": {{{}}},\n \"sigma_um_median\": {:.3f},\n"
-      " \"diagnostics\": {{\"linked_share\": {:.5f}, \"closure_share\": {:.5f}, \"code_agreement\": {:.5f}, "
-      "\"torn_share\": {:.5f}, "
-      "\"motion_rad\": {:.6f}, \"harmonic\": {:.6f}, \"fourth_rad\": {:.6f}, \"noise_from\": \"{}\",\n"
-      "  \"shift_mm_per_frame\": [{:.6f}, {:.6f}, {:.6f}], \"turn_rad_per_frame\": [{:.7f}, {:.7f}, {:.7f}]}},\n"
+      " \"rejected_px\": {{{}}},\n \"sigma_um_median\": {:.3f},\n \"diagnostics\": {{{}}},\n"
       " \"stage_ms\": {{{}}}}}\n",
       report.burst, name_of_mode(report.mode), name_of(burst.verdict), burst.patch.valid_px,
       burst.counts[static_cast<std::size_t>(PixelReject::kRelative)], rejected, median_sigma_um(burst.patch),
-      d.linked_share, d.closure_share, d.code_agreement, d.torn_share, d.motion_rad, d.harmonic, d.fourth_rad,
-      d.noise.source == NoiseSource::kRig ? "rig" : "closure", d.rigid.shift_mm[0], d.rigid.shift_mm[1],
-      d.rigid.shift_mm[2], d.rigid.turn_rad[0], d.rigid.turn_rad[1], d.rigid.turn_rad[2], stages);
+      diagnostics_json(burst.diagnostics, report.mode), stages);
 }
 
 Result<void> write_decode_maps(const DecodedBurst& burst, const DecodeReport& report, const std::string& folder) {

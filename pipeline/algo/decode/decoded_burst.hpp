@@ -33,20 +33,23 @@ enum class BurstVerdict : std::uint8_t {
 
 /// Figures that the verdict and reports rest on.
 struct DecodeDiagnostics {
-  double linked_share = 0;    ///< neighbouring pixel pairs that follow the rig's fringe carrier
-  double closure_share = 0;   ///< lit pixels whose fourth frame is A + S or A - S
-  double code_agreement = 0;  ///< of pixels in decided cells: code as labelled
-  double torn_share = 0;      ///< of smooth borders between cells: labelling jumps there
-  float motion_rad = 0;       ///< mean phase change per frame interval
-  float harmonic = 0;         ///< projector's B2/B1
-  RigidMotion rigid;          ///< of the surface in the camera's frame, per frame interval
-  float fourth_rad = 0;       ///< a1 of the sin 4phi correction that was subtracted
+  double linked_share = 0;     ///< neighbouring pixel pairs that follow the rig's fringe carrier
+  double closure_share = 0;    ///< lit pixels whose fourth frame is A + S or A - S; not in mode M
+  double direction_share = 0;  ///< mode M: neighbours whose phase changes in the carrier's direction
+  double code_agreement = 0;   ///< of pixels in decided cells: code as labelled
+  double torn_share = 0;       ///< of smooth borders between cells: labelling jumps there
+  float motion_rad = 0;        ///< mean phase change per frame interval; mode M does not see it
+  float harmonic = 0;          ///< projector's B2/B1, from the closure; not in mode M
+  RigidMotion rigid;           ///< of the surface in the camera's frame, per frame interval; not in mode M
+  float fourth_rad = 0;        ///< a1 of the sin 4phi correction that was subtracted
+  float third_rad = 0;         ///< mode M: a1 of the sin 3phi correction that was subtracted
+  float code_turn_rad = 0;     ///< mode M: mean angle of the code against its orders
   NoiseModel noise;
 };
 
 struct DecodedBurst {
   BurstVerdict verdict = BurstVerdict::kFrameMismatch;
-  Map<float> phase_rad;     ///< [-pi, pi), atan2(I3-I1, I0-I2) with polarity undone; NaN where masked as unlit or noisy
+  Map<float> phase_rad;     ///< [-pi, pi), phase of the fringes' cosine; NaN where masked as unlit or noisy
   Map<std::uint8_t> order;  ///< floor(u_p / period_px), kNoOrder where no depth
   Map<PixelReject> reject;  ///< kNone exactly where the patch has depth
   std::array<std::size_t, kPixelRejects> counts{};  ///< pixels per PixelReject; sums to the image

@@ -21,13 +21,13 @@ inline float sin_four(float c, float s) noexcept {
   return 4 * c * s * inv2 * ((c - s) * (c + s) * inv2);
 }
 
-void solve_row(const PhaseMaps& m, const PolarityMaps& p, const RayDepth& rays, float fourth, std::size_t at,
-               std::size_t width, const RowOut& o) {
+void solve_row(const PhaseMaps& m, const Map<std::int16_t>& turns_of, const RayDepth& rays, float fourth,
+               std::size_t at, std::size_t width, const RowOut& o) {
   const float q_near = 1.0F / rays.near_mm, q_far = 1.0F / rays.far_mm;
   const float phase_low = rays.min_phase_rad, phase_high = rays.max_phase_rad;
   const float* __restrict phase = &m.phase_rad[at], * __restrict cosine = &m.cosine_dn[at];
   const float* __restrict sine = &m.sine_dn[at], * __restrict sigma = &m.sigma_rad[at];
-  const std::int16_t* __restrict turn = &p.turn[at];
+  const std::int16_t* __restrict turn = &turns_of[at];
   const float* __restrict mid = &rays.phase_mid_rad[at], * __restrict c0 = &rays.c0[at], * __restrict c1 = &rays.c1[at];
   const float* __restrict c2 = &rays.c2[at], * __restrict c3 = &rays.c3[at];
   float* __restrict inverse = o.inverse, * __restrict depth = o.depth, * __restrict sigma_mm = o.sigma;
@@ -62,12 +62,12 @@ void solve_row(const PhaseMaps& m, const PolarityMaps& p, const RayDepth& rays, 
 
 }  // namespace
 
-void make_surface(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays, float fourth_rad,
+void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, float fourth_rad,
                   Map<float>& inverse_depth, DecodedBurst& out) {
   const auto width = static_cast<std::size_t>(rays.width);
   for (std::size_t v = 0; v < static_cast<std::size_t>(rays.height); ++v) {
     const std::size_t at = v * width;
-    solve_row(maps, polarity, rays, fourth_rad, at, width,
+    solve_row(maps, turn, rays, fourth_rad, at, width,
               {&inverse_depth[at], &out.patch.depth_mm[at], &out.patch.sigma_mm[at], &out.phase_rad[at], &out.order[at],
                &out.reject[at]});
     for (std::size_t i = at; i < at + width; ++i) {
@@ -77,11 +77,11 @@ void make_surface(const PhaseMaps& maps, const PolarityMaps& polarity, const Ray
   }
 }
 
-void make_inverse_depth(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays,
+void make_inverse_depth(const PhaseMaps& maps, const Map<std::int16_t>& turns, const RayDepth& rays,
                         Map<float>& inverse_depth) {
   const float q_near = 1.0F / rays.near_mm, q_far = 1.0F / rays.far_mm;
   const float* __restrict phase = maps.phase_rad.pixels().data();
-  const std::int16_t* __restrict turn = polarity.turn.pixels().data();
+  const std::int16_t* __restrict turn = turns.pixels().data();
   const PixelReject* __restrict reject = maps.reject.pixels().data();
   const float* __restrict mid = rays.phase_mid_rad.data(), * __restrict c0 = rays.c0.data();
   const float* __restrict c1 = rays.c1.data(), * __restrict c2 = rays.c2.data(), * __restrict c3 = rays.c3.data();

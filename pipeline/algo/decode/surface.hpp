@@ -2,17 +2,18 @@
 #pragma once
 
 #include "pipeline/algo/decode/decoded_burst.hpp"
-#include "pipeline/algo/phase/polarity.hpp"
+#include "pipeline/algo/phase/phase.hpp"
 #include "pipeline/algo/triangulate/ray_depth.hpp"
 
 namespace enamel::algo {
 
-/// Pixels that are still kNone get depth or kOutOfRange; all others NaN. inverse_depth as 1/z, NaN = none.
-void make_surface(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays, float fourth_rad,
+/// turn: Phi = phase_rad + 2 pi turn. Pixels that are still kNone get depth or kOutOfRange; all others NaN.
+/// inverse_depth as 1/z, NaN = none.
+void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, float fourth_rad,
                   Map<float>& inverse_depth, DecodedBurst& out);
 
 /// 1/z alone, for whoever needs slopes before the phase is final; NaN where a pixel is rejected or out of range.
-void make_inverse_depth(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays,
+void make_inverse_depth(const PhaseMaps& maps, const Map<std::int16_t>& turns, const RayDepth& rays,
                         Map<float>& inverse_depth);
 
 }  // namespace enamel::algo

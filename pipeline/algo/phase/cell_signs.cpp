@@ -8,7 +8,7 @@ namespace enamel::algo {
 Result<CellSigns> make_cell_signs(const calib::PatternValues& patterns, const calib::LensValues& projector) {
   using calib::PatternMode;
   if (patterns.mode == PatternMode::kMicro)
-    return fail(ErrorCode::kPatternSet, "mode M is not decoded by this version");
+    return fail(ErrorCode::kPatternSet, "mode M has no polarity code: its fourth frame is a fringe of its own");
   if (patterns.mode == PatternMode::kMulti)
     return fail(ErrorCode::kPatternSet, "mode multi is a calibration set, not a burst");
   if (patterns.axis_v) return fail(ErrorCode::kPatternSet, "fringes along v are not decoded by this version");

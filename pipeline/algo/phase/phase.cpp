@@ -1,34 +1,12 @@
 #include "pipeline/algo/phase/phase.hpp"
 
-#include <array>
-#include <cstring>
 #include <limits>
-#include <vector>
 
+#include "pipeline/algo/phase/frame_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 
 namespace enamel::algo {
 namespace {
-
-using Rows = std::array<std::vector<float>, 4>;
-
-void load_row(const BurstView& view, std::size_t row, Rows& rows) {
-  const auto width = static_cast<std::size_t>(view.width);
-  for (std::size_t k = 0; k < 4; ++k) {
-    float* out = rows[k].data();
-    if (view.bit_depth == 8) {
-      const std::uint8_t* in = view.frames[k].data() + row * width;
-      for (std::size_t u = 0; u < width; ++u) out[u] = in[u];
-    } else {
-      const std::uint8_t* in = view.frames[k].data() + 2 * row * width;
-      for (std::size_t u = 0; u < width; ++u) {
-        std::uint16_t value = 0;
-        std::memcpy(&value, in + 2 * u, 2);
-        out[u] = value;
-      }
-    }
-  }
-}
 
 struct RowOut {
   float* mean;
@@ -40,7 +18,7 @@ struct RowOut {
   float* sigma;
 };
 
-void solve_row(const Rows& rows, std::size_t width, const NoiseModel noise, float saturated_dn, const RowOut& o) {
+void solve_row(const FrameRows& rows, std::size_t width, const NoiseModel noise, float saturated_dn, const RowOut& o) {
   const float* __restrict i0 = rows[0].data();
   const float* __restrict i1 = rows[1].data();
   const float* __restrict i2 = rows[2].data();
@@ -66,26 +44,6 @@ void solve_row(const Rows& rows, std::size_t width, const NoiseModel noise, floa
   }
 }
 
-void mask_row(const Rows& rows, std::size_t width, const NoiseModel& noise, const PhaseConfig& config,
-              const float* sigma, PixelReject* reject) {
-  const float* __restrict i0 = rows[0].data();
-  const float* __restrict i1 = rows[1].data();
-  const float* __restrict i2 = rows[2].data();
-  const float saturated_dn = config.saturation * noise.full_scale_dn;
-  const float clip_dn = noise.black_dn > 0 ? 0.5F : -1.0F;  // a pedestal exists so that dark pixels are not clipped
-  const float dark_dn = noise.black_dn + config.dark_sigmas * root(noise.floor_dn2);
-  for (std::size_t u = 0; u < width; ++u) {
-    const float high = i0[u] > i1[u] ? (i0[u] > i2[u] ? i0[u] : i2[u]) : (i1[u] > i2[u] ? i1[u] : i2[u]);
-    const float low = i0[u] < i1[u] ? (i0[u] < i2[u] ? i0[u] : i2[u]) : (i1[u] < i2[u] ? i1[u] : i2[u]);
-    int why =
-        sigma[u] < config.max_sigma_rad ? static_cast<int>(PixelReject::kNone) : static_cast<int>(PixelReject::kNoisy);
-    why = high >= saturated_dn ? static_cast<int>(PixelReject::kSaturated) : why;
-    why = high <= dark_dn ? static_cast<int>(PixelReject::kDark) : why;
-    why = low < clip_dn ? static_cast<int>(PixelReject::kDark) : why;
-    reject[u] = static_cast<PixelReject>(why);
-  }
-}
-
 }  // namespace
 
 void PhaseMaps::resize(int width, int height) {
@@ -98,7 +56,7 @@ void PhaseMaps::resize(int width, int height) {
 void compute_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {
   maps.resize(view.width, view.height);
   const auto width = static_cast<std::size_t>(view.width);
-  Rows rows;
+  FrameRows rows;
   for (auto& row : rows) row.resize(width);
   for (std::size_t v = 0; v < static_cast<std::size_t>(view.height); ++v) {
     load_row(view, v, rows);
@@ -106,7 +64,8 @@ void compute_phase(const BurstView& view, const NoiseModel& noise, const PhaseCo
     solve_row(rows, width, noise, config.saturation * noise.full_scale_dn,
               {&maps.mean_dn[at], &maps.cosine_dn[at], &maps.sine_dn[at], &maps.code_dn[at], &maps.modulation_dn[at],
                &maps.phase_rad[at], &maps.sigma_rad[at]});
-    mask_row(rows, width, noise, config, &maps.sigma_rad[at], &maps.reject[at]);
+    mask_row({rows[0].data(), rows[1].data(), rows[2].data()}, width, noise, config, &maps.sigma_rad[at],
+             &maps.reject[at]);
   }
 }
 

@@ -7,16 +7,10 @@
 #include <span>
 
 #include "pipeline/algo/phase/cell_signs.hpp"
+#include "pipeline/algo/phase/cell_span.hpp"
 #include "pipeline/algo/phase/phase.hpp"
 
 namespace enamel::algo {
-
-/// Pixels begin … end-1 of one row that lie in absolute cell `cell`.
-struct CellSpan {
-  std::int32_t row = 0, begin = 0, end = 0;
-  std::int32_t cell = 0;
-  bool whole = false;  ///< covers its half fringe from end to end
-};
 
 struct PolarityConfig {
   float flip_drop_rad = 0.7854F;  ///< frame 3 is not used nearer to a flip: two sigma of a blur of 1.5 px in 24

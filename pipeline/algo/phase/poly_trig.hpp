@@ -1,4 +1,5 @@
-// Arctangent in plain float arithmetic: the same bits from every compiler, and loops over it vectorise.
+// Arctangent, sine and cosine in plain float arithmetic: the same bits from every compiler, and loops over it
+// vectorise.
 #pragma once
 
 #include <bit>
@@ -44,6 +45,27 @@ inline constexpr float kTwoPiF = 6.28318530717959F;
   a = select(ay > ax, 0.5F * kPiF - a, a);
   a = select(x < 0, kPiF - a, a);
   return std::copysign(a, y);
+}
+
+/// sin x for |x| <= pi/2, error <= 2e-7 (tested). Minimax odd polynomial of degree 9.
+[[nodiscard]] inline float sin_poly(float x) noexcept {
+  const float s = x * x;
+  float p = 2.5904881885696618e-06F;
+  p = p * s - 0.00019800897608653056F;
+  p = p * s + 0.00833289982085245F;
+  p = p * s - 0.16666647634492743F;
+  p = p * s + 0.9999999765896554F;
+  return p * x;
+}
+
+/// cos x for |x| <= pi/2, error <= 2e-7 (tested). Minimax even polynomial of degree 8.
+[[nodiscard]] inline float cos_poly(float x) noexcept {
+  const float s = x * x;
+  float p = 2.3153928219221687e-05F;
+  p = p * s - 0.0013853704159568214F;
+  p = p * s + 0.041663584673433396F;
+  p = p * s - 0.49999905346266366F;
+  return p * s + 0.9999999534661713F;
 }
 
 /// Square root, correctly rounded by IEEE 754. (std::sqrt vectorises where errno is switched off: see CMakeLists.txt.)

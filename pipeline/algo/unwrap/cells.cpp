@@ -9,35 +9,7 @@
 namespace enamel::algo {
 namespace {
 
-/// Projector blur rounds the kink of frame 3 at a flip by up to this share of B (blur of 1.9 px in a period of 24).
-constexpr float kBlurError = 0.2F;
-constexpr float kNoiseOfCode = 3;  ///< var(D -+ S3) is 4 sigma^2 for b = +1, 2 sigma^2 for b = -1
-constexpr int kEndTrim_px = 3;  ///< at a run's ends blur and motion mix frames of two surfaces or of light and shadow
 constexpr float kRangeSlack = 0.25F;  ///< fringes: the bounds are taken at a piece's middle, its ends reach that far
-
-struct Sums {
-  float dot = 0, energy = 0, noise = 0, blur = 0;
-};
-
-void measure_code(const PhaseMaps& phase, const NoiseModel& noise, std::size_t at, bool last_of_run, Piece& p) {
-  Sums s;
-  const std::int32_t begin = p.begin + (p.joined && !p.kink ? 0 : kEndTrim_px),
-                     end = p.end - (last_of_run ? kEndTrim_px : 0);
-  for (std::int32_t u = begin; u < end; ++u) {
-    const std::size_t i = at + static_cast<std::size_t>(u);
-    const float d = phase.code_dn[i], s3 = phase.sine_dn[i];
-    if (!(d == d)) continue;
-    const float e = s3 * s3;
-    s.dot += d * s3;
-    s.energy += e;
-    s.noise += e * noise.variance(phase.mean_dn[i]);
-    s.blur += phase.modulation_dn[i] * (s3 < 0 ? -s3 : s3);
-  }
-  if (!(s.energy > 1e-3F)) return;
-  const float blur = kBlurError * s.blur / s.energy;
-  p.code = s.dot / s.energy;
-  p.code_variance = kNoiseOfCode * s.noise / (s.energy * s.energy) + blur * blur;
-}
 
 void measure_bounds(const PhaseMaps& phase, const FloodMaps& flood, const PhaseBounds& bounds, std::size_t at,
                     Piece& p) {
@@ -145,8 +117,8 @@ void unwrap_map(const PhaseMaps& phase, const FloodMaps& flood, Map<float>& phi)
   }
 }
 
-void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const Map<float>& phi, int v,
-               std::vector<Piece>& pieces) {
+void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const Map<float>& phi,
+               const Map<std::uint8_t>& cuts, int v, std::vector<Piece>& pieces) {
   constexpr std::size_t kContext_px = 6;
   const auto width = static_cast<std::size_t>(phi.width());
   const std::size_t at = static_cast<std::size_t>(v) * width;
@@ -161,7 +133,8 @@ void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& f
     // A difference beyond pi: two paths of the flood disagree here.
     const bool joined = open && links.east[i - 1] != 0 && flood.component[i - 1] == flood.component[i] &&
                         std::abs(phi[i] - phi[i - 1]) < kPiF;
-    const bool kink = joined && u >= kContext_px && u + kContext_px < width && is_kink(phase, phi, i);
+    const bool cut = !cuts.empty() && cuts[i] != 0;
+    const bool kink = joined && (cut || (u >= kContext_px && u + kContext_px < width && is_kink(phase, phi, i)));
     if (!joined || kink || pieces.back().cell != cell) {
       const auto x = static_cast<std::int32_t>(u);
       pieces.push_back({v, x, x, flood.component[i], cell, -1, -1, 0, -1, joined, kink});
@@ -173,8 +146,14 @@ void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& f
 
 }  // namespace
 
-void find_pieces(const PhaseMaps& phase, const NoiseModel& noise, const LinkMaps& links, const FloodMaps& flood,
-                 const PhaseBounds& bounds, PieceList& out) {
+PieceCore core_of(const std::vector<Piece>& pieces, std::size_t k, std::int32_t trim_px) noexcept {
+  const Piece& p = pieces[k];
+  const bool last_of_run = k + 1 == pieces.size() || !pieces[k + 1].joined || pieces[k + 1].kink;
+  return {p.begin + (p.joined && !p.kink ? 0 : trim_px), p.end - (last_of_run ? trim_px : 0)};
+}
+
+void find_pieces(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const PhaseBounds& bounds,
+                 const Map<std::uint8_t>& cuts, PieceList& out) {
   constexpr int kContext_px = 5;
   auto& pieces = out.pieces;
   pieces.clear();
@@ -184,12 +163,8 @@ void find_pieces(const PhaseMaps& phase, const NoiseModel& noise, const LinkMaps
   std::size_t above = 0;
   for (int v = 0; v < height; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width, first = pieces.size();
-    split_row(phase, links, flood, out.work.unwrapped, v, pieces);
-    for (std::size_t k = first; k < pieces.size(); ++k) {
-      const bool last = k + 1 == pieces.size() || !pieces[k + 1].joined || pieces[k + 1].kink;
-      measure_code(phase, noise, at, last, pieces[k]);
-      measure_bounds(phase, flood, bounds, at, pieces[k]);
-    }
+    split_row(phase, links, flood, out.work.unwrapped, cuts, v, pieces);
+    for (std::size_t k = first; k < pieces.size(); ++k) measure_bounds(phase, flood, bounds, at, pieces[k]);
     const bool room = v >= kContext_px && v + kContext_px <= height;
     if (v > 0)
       Linker{phase, out.work.unwrapped, pieces, &links.south[at - width], at, room}.link(above, first, pieces.size());

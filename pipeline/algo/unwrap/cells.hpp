@@ -1,5 +1,5 @@
-// Pieces: runs of linked pixels of one row within one half fringe. The code gives each piece one sign; the absolute
-// order is looked for piece by piece, not pixel by pixel.
+// Pieces: runs of linked pixels of one row within one half fringe. The absolute order is looked for piece by piece, not
+// pixel by pixel; what the code says about a piece is measured by its mode's evidence (code_evidence.hpp).
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,15 @@ struct Piece {
   std::int32_t up = -1, down = -1;  ///< the same surface and cell in the rows above and below, no step between
   std::int32_t low = 0, high = -1;  ///< shifts that the depth range allows
   bool joined = false;              ///< continues the run of the piece before it in the list ...
-  bool kink = false;                ///< ... but across a step: that step plus a jump of 2 pi would look the same
-  float code = 0;                   ///< T = sum(D S3)/sum(S3^2): about +1 or -1 (algorithms.md §2.2)
-  float code_variance = 1e9F;       ///< of T, noise and projector blur together
+  bool kink = false;  ///< ... but across a step: that step plus a jump of 2 pi would look the same; or a cut
 };
+
+/// The part of a piece whose code is trusted, less trim_px at a run's ends, where blur and motion mix frames of two
+/// surfaces or of light and shadow. Empty when end <= begin.
+struct PieceCore {
+  std::int32_t begin = 0, end = 0;
+};
+[[nodiscard]] PieceCore core_of(const std::vector<Piece>& pieces, std::size_t k, std::int32_t trim_px) noexcept;
 
 /// Phase at the two ends of the depth range, per pixel, rad, absolute.
 struct PhaseBounds {
@@ -35,7 +40,8 @@ struct PieceList {
   } work;
 };
 
-void find_pieces(const PhaseMaps& phase, const NoiseModel& noise, const LinkMaps& links, const FloodMaps& flood,
-                 const PhaseBounds& bounds, PieceList& out);
+/// cuts: where the code shows a jump that the phase does not (code_steps.hpp), of the image's size; empty: unknown.
+void find_pieces(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const PhaseBounds& bounds,
+                 const Map<std::uint8_t>& cuts, PieceList& out);
 
 }  // namespace enamel::algo

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -34,25 +33,10 @@ void pass(const float* in, const float* unary, float jump, float* out) {
   for (std::size_t k = 0; k < kStates; ++k) out[k] -= base;
 }
 
-/// Cost of a piece's T under each sign: Gaussian about the sign, or with small probability anything in a width of 3. A
-/// sharp T can contradict more strongly than a blurred one; one that says nothing costs nothing.
-struct SignCosts {
-  float plus = 0, minus = 0;
-};
-
-SignCosts sign_costs(const Piece& p, const OrderConfig& c) {
-  constexpr double kWidthOverRootTwoPi = 1.1968;
-  const double cap = static_cast<double>(c.outlier_cost) +
-                     std::log(kWidthOverRootTwoPi / std::sqrt(static_cast<double>(p.code_variance)));
-  const auto most = static_cast<float>(std::max(cap, 0.0));
-  const float dp = p.code - 1, dm = p.code + 1, scale = 0.5F / p.code_variance;
-  return {std::min(scale * dp * dp, most), std::min(scale * dm * dm, most)};
-}
-
 class Solver {
  public:
-  Solver(const std::vector<Piece>& pieces, const CellSigns& signs, const OrderConfig& config, OrderResult& out)
-      : pieces_(pieces), signs_(signs), config_(config), out_(out), work_(out.work) {}
+  Solver(const std::vector<Piece>& pieces, const CodeEvidence& evidence, const OrderConfig& config, OrderResult& out)
+      : pieces_(pieces), evidence_(evidence), config_(config), out_(out), work_(out.work) {}
 
   void run(std::int32_t components) {
     prepare(components);
@@ -60,7 +44,7 @@ class Solver {
     between_rows();
     choose();
     inherit();
-    judge();
+    count_seams();
     find_specks();
   }
 
@@ -73,20 +57,26 @@ class Solver {
     }
     for (auto* v : {&work_.unary, &work_.left, &work_.right, &work_.row, &work_.up, &work_.down, &work_.mean})
       v->resize(pieces_.size() * kStates);
+    const std::int32_t cells = evidence_.cells();
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const Piece& p = pieces_[i];
-      const SignCosts cost = signs_.informative ? sign_costs(p, config_) : SignCosts{};
       float* unary = at(work_.unary, i);
       std::fill_n(unary, kStates, kImpossible);
-      const std::int32_t base = base_of(p), last = base + static_cast<std::int32_t>(kStates) - 1;
-      for (std::int32_t shift = std::max(base, p.low - kBeyond); shift <= std::min(last, p.high + kBeyond); ++shift) {
-        const std::int32_t beyond = std::max({p.low - shift, shift - p.high, 0}), cell = p.cell + 2 * shift;
-        if (cell < 0 || cell >= signs_.cells()) continue;
-        unary[shift - base] =
-            (signs_.at(cell) > 0 ? cost.plus : cost.minus) + config_.beyond_range_cost * static_cast<float>(beyond);
-      }
+      // Shifts that the range allows, a little beyond it, as far as the states reach and within the projector's frame.
+      const std::int32_t base = base_of(p), last_state = base + static_cast<std::int32_t>(kStates) - 1;
+      const std::int32_t first = std::max({base, p.low - kBeyond, first_in_frame(p.cell)});
+      const std::int32_t last = std::min({last_state, p.high + kBeyond, (cells - 1 - p.cell) >> 1});
+      if (first > last) continue;
+      float* out = unary + (first - base);
+      evidence_.costs(i, p.cell + 2 * first, {out, static_cast<std::size_t>(last - first + 1)});
+      for (std::int32_t shift = first; shift <= last; ++shift)
+        out[shift - first] +=
+            config_.beyond_range_cost * static_cast<float>(std::max({p.low - shift, shift - p.high, 0}));
     }
   }
+
+  /// Least shift that brings the cell to 0 or more.
+  static std::int32_t first_in_frame(std::int32_t cell) { return -(cell >> 1); }
 
   std::int32_t base_of(const Piece& p) const {
     const std::int32_t b = work_.base[static_cast<std::size_t>(p.component)];
@@ -194,19 +184,12 @@ class Solver {
     for (PieceOrder& o : out_.pieces) o.decided = o.decided || o.inherited;
   }
 
-  void judge() {
-    out_.agreeing_px = out_.contradicting_px = 0;
+  void count_seams() {
     out_.seams = out_.torn_seams = 0;
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      const Piece& p = pieces_[i];
-      const PieceOrder& o = out_.pieces[i];
-      if (p.joined && !p.kink) {
-        ++out_.seams;
-        out_.torn_seams += o.shift != out_.pieces[i - 1].shift ? 1U : 0U;
-      }
-      if (!o.decided || p.code_variance > 0.25F) continue;
-      const bool agrees = p.code * signs_.at(p.cell + 2 * o.shift) > 0;
-      (agrees ? out_.agreeing_px : out_.contradicting_px) += p.end - p.begin;
+      if (!pieces_[i].joined || pieces_[i].kink) continue;
+      ++out_.seams;
+      out_.torn_seams += out_.pieces[i].shift != out_.pieces[i - 1].shift ? 1U : 0U;
     }
   }
 
@@ -242,7 +225,7 @@ class Solver {
   }
 
   const std::vector<Piece>& pieces_;
-  const CellSigns& signs_;
+  const CodeEvidence& evidence_;
   const OrderConfig& config_;
   OrderResult& out_;
   OrderResult::Work& work_;
@@ -250,9 +233,20 @@ class Solver {
 
 }  // namespace
 
-void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CellSigns& signs,
+void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
                  const OrderConfig& config, OrderResult& out) {
-  Solver(pieces, signs, config, out).run(components);
+  Solver(pieces, evidence, config, out).run(components);
+}
+
+void judge_orders(const std::vector<Piece>& pieces, const CodeEvidence& evidence, OrderResult& out) {
+  out.agreeing_px = out.contradicting_px = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const Piece& p = pieces[i];
+    const PieceOrder& o = out.pieces[i];
+    const Stance stance = o.decided ? evidence.stance(i, p.cell + 2 * o.shift) : Stance::kSilent;
+    if (stance == Stance::kAgrees) out.agreeing_px += p.end - p.begin;
+    if (stance == Stance::kContradicts) out.contradicting_px += p.end - p.begin;
+  }
 }
 
 }  // namespace enamel::algo

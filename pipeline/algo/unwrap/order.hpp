@@ -7,14 +7,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "pipeline/algo/phase/cell_signs.hpp"
 #include "pipeline/algo/unwrap/cells.hpp"
+#include "pipeline/algo/unwrap/code_evidence.hpp"
 
 namespace enamel::algo {
 
 /// All costs are negative log probabilities.
 struct OrderConfig {
-  float outlier_cost = 4.6F;      ///< 1 % of the pieces lie (edges, glints): their T may be anything
+  float outlier_cost = 4.6F;      ///< 1 % of the pieces lie (edges, glints): their code may be anything
   float unseen_jump_cost = 6.9F;  ///< a 2 pi jump inside a linked surface: one in a thousand neighbours
   float kink_jump_cost = 2.3F;    ///< at a step in the phase: it may be that step, or that and 2 pi; one in ten
   float decided_margin = 4.6F;    ///< second-best must be this much dearer: 1 % risk
@@ -33,8 +33,8 @@ struct PieceOrder {
 
 struct OrderResult {
   std::vector<PieceOrder> pieces;  ///< parallel to the list of pieces
-  double agreeing_px = 0;          ///< pixels of decided pieces whose code has the sign of the labelling …
-  double contradicting_px = 0;     ///< … and those that have the other
+  double agreeing_px = 0;          ///< pixels of decided pieces whose code is that of the labelling …
+  double contradicting_px = 0;     ///< … and of those whose is not
   std::size_t seams = 0;           ///< smooth borders between neighbouring cells of a row …
   std::size_t torn_seams = 0;      ///< … where the labelling jumps by whole fringes
 
@@ -44,8 +44,12 @@ struct OrderResult {
   } work;
 };
 
-/// Min-sum messages along rows (exact), running means between rows, then continuity. Fixed order, deterministic.
-void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CellSigns& signs,
+/// Min-sum messages along rows (exact), running means between rows, then continuity. Fixed order, deterministic. Fills
+/// `pieces` and the counts of seams.
+void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
                  const OrderConfig& config, OrderResult& out);
+
+/// Fills the counts of pixels whose code agrees with the labelling and of those whose contradicts it.
+void judge_orders(const std::vector<Piece>& pieces, const CodeEvidence& evidence, OrderResult& out);
 
 }  // namespace enamel::algo

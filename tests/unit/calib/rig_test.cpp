@@ -100,6 +100,28 @@ INSTANTIATE_TEST_SUITE_P(
                     BadEdit{"\"gain_e_per_dn\": 39.84", "\"gain_e_per_dn\": 0", "noise.gain_e_per_dn"},
                     BadEdit{"\"black_dn\": 4}", "\"black_dn\": []}", "noise.black_dn"}));
 
+const std::string kModeT = "\"mode\": \"T\", \"axis\": \"u\", \"period_px\": 24.0, \"steps\": 4";
+
+TEST(Rig, mode_m_needs_three_steps_and_a_code_ratio) {
+  const auto with = [](const std::string& rest) {
+    return parse_rig(rig_text_with(kModeT, "\"mode\": \"M\", \"axis\": \"u\", \"period_px\": 24.0" + rest));
+  };
+  const auto rig = with(", \"steps\": 3, \"code_ratio\": 6");
+  ASSERT_TRUE(rig) << rig.error().detail;
+  EXPECT_EQ(rig->patterns.mode, PatternMode::kMicro);
+  EXPECT_EQ(rig->patterns.steps, 3);
+  EXPECT_EQ(rig->patterns.code_ratio, 6.0);
+  for (const auto& [rest, key] : {std::pair{", \"steps\": 4, \"code_ratio\": 6", "patterns.steps"},
+                                  std::pair{", \"steps\": 3", "patterns.code_ratio"},
+                                  std::pair{", \"steps\": 3, \"code_ratio\": 1", "patterns.code_ratio"},
+                                  std::pair{", \"steps\": 3, \"code_ratio\": \"6\"", "patterns.code_ratio"}}) {
+    const auto bad = with(rest);
+    ASSERT_FALSE(bad) << rest;
+    EXPECT_EQ(bad.error().code, ErrorCode::kRigInvalid);
+    EXPECT_THAT(bad.error().detail, testing::HasSubstr(key));
+  }
+}
+
 TEST(Rig, any_truncation_is_refused_and_never_crashes) {
   for (std::size_t n = 0; n < kRigText.size(); n += 7) {
     const auto rig = parse_rig(kRigText.substr(0, n));

@@ -62,13 +62,38 @@ struct SyntheticBurst {
 
 inline double wave(double phi, double harmonic) { return std::cos(phi) + harmonic * std::cos(2 * phi); }
 
-/// depth: camera z of the pixel's ray, mm. Needs mode T or plain4 and rig.noise.
+/// What frame k of the pattern set shows at absolute phase p: -1 … 1 but for the harmonic.
+inline double frame_wave(const calib::PatternValues& pattern, int k, double p, double harmonic) {
+  if (pattern.mode == calib::PatternMode::kMicro) {
+    if (k == 1) return wave(p + p / pattern.code_ratio, harmonic);
+    return wave(p + (k == 0 ? 0 : k - 1) * 2 * std::numbers::pi / 3, harmonic);
+  }
+  const auto& code = pattern.polarity_code;
+  int b = 1;
+  if (k == 3 && !code.empty()) {
+    const int cell = static_cast<int>(std::floor(p / std::numbers::pi)) + pattern.first_cell;
+    b = code[static_cast<std::size_t>(cell) % code.size()];
+  }
+  const double shift = k == 3 && b < 0 ? 1 : k;  // the flipped fourth frame is the second one again
+  return wave(p + shift * std::numbers::pi / 2, harmonic);
+}
+
+/// The same rig projecting mode M.
+inline calib::Rig micro_rig(int width, int height, double code_ratio = 6) {
+  calib::Rig rig = cropped_rig(width, height);
+  rig.patterns.mode = calib::PatternMode::kMicro;
+  rig.patterns.steps = 3;
+  rig.patterns.polarity_code.clear();
+  rig.patterns.code_ratio = code_ratio;
+  return rig;
+}
+
+/// depth: camera z of the pixel's ray, mm. Needs mode T, M or plain4 and rig.noise.
 inline SyntheticBurst render(const calib::Rig& rig, const std::function<double(int, int)>& depth,
                              const SceneOptions& o = {}) {
   const int w = rig.camera.width, h = rig.camera.height;
   SyntheticBurst out{{w, h, {}}, Map<double>(w, h), Map<double>(w, h)};
   Normals normal(o.seed);
-  const auto& code = rig.patterns.polarity_code;
   const auto& n = *rig.noise;
   for (int v = 0; v < h; ++v)
     for (int u = 0; u < w; ++u) {
@@ -79,14 +104,7 @@ inline SyntheticBurst render(const calib::Rig& rig, const std::function<double(i
       out.depth_mm(u, v) = z;
       for (int k = 0; k < 4; ++k) {
         const double p = phi + o.motion_rad * (k - 1.5);
-        int b = 1;
-        if (k == 3 && !code.empty()) {
-          const int cell = static_cast<int>(std::floor(p / std::numbers::pi)) + rig.patterns.first_cell;
-          b = code[static_cast<std::size_t>(cell) % code.size()];
-        }
-        const double shift = k == 3 && b < 0 ? 1 : k;  // the flipped fourth frame is the second one again
-        const double signal =
-            light * (o.mean_dn + o.modulation_dn * wave(p + shift * std::numbers::pi / 2, o.harmonic));
+        const double signal = light * (o.mean_dn + o.modulation_dn * frame_wave(rig.patterns, k, p, o.harmonic));
         double dn = n.black_dn + signal;
         if (o.noise) {
           const double electrons = std::max(0.0, signal) * n.gain_e_per_dn;

@@ -123,6 +123,23 @@ TEST(TwinProjector, PolarityTurnsOnlyTheFourthFrame) {
   }
 }
 
+/// Levels worked out by hand from exchange-format.md: period 24, ratio 6, so that the code's period is 144/7 px.
+TEST(TwinProjector, ModeMIsThreeStepsAroundACodeFrame) {
+  calib::PatternValues p;
+  p.mode = calib::PatternMode::kMicro;
+  p.period_px = 24;
+  p.code_ratio = 6;
+  p.mean = 127.5, p.amplitude = 120;
+  EXPECT_NEAR(pattern_level(p, 0, 0), 247.5, 1e-9);
+  EXPECT_NEAR(pattern_level(p, 1, 0), 247.5, 1e-9);
+  EXPECT_NEAR(pattern_level(p, 2, 0), 67.5, 1e-9);  // cos 120 degrees
+  EXPECT_NEAR(pattern_level(p, 3, 0), 67.5, 1e-9);
+  EXPECT_NEAR(pattern_level(p, 2, 16), 247.5, 1e-9);  // frame 2 peaks a third of a period before pixel 24
+  EXPECT_NEAR(pattern_level(p, 3, 8), 247.5, 1e-9);   // frame 3 two thirds
+  EXPECT_NEAR(pattern_level(p, 1, 72), 7.5, 1e-9);    // 3.5 periods of the code
+  EXPECT_NEAR(pattern_level(p, 1, 144), 247.5, 1e-9);
+}
+
 struct Moments {
   double mean, variance;
 };

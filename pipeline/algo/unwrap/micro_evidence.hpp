@@ -1,0 +1,72 @@
+// Evidence of mode M. Over a piece, with w = B exp(i(phi + phi/L)) and phi wrapped, the code frame is
+//   D = Re(w z),   z = g exp(i(2 pi k/L)),   g about 1,   k the absolute order (micro_code.hpp)
+// z, two unknowns, is fitted by least squares: the residual of that fit is the same for every order, so z and its
+// covariance hold all that the piece says about k. argmax over k of sum(D B c_k)/sqrt(sum((B c_k)^2)), the
+// amplitude-free matched score of algorithms.md §2.3, is the special case of an entirely unknown g >= 0 and equal
+// noise.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/algo/phase/micro_code.hpp"
+#include "pipeline/algo/unwrap/cells.hpp"
+#include "pipeline/algo/unwrap/code_evidence.hpp"
+#include "pipeline/algo/unwrap/order.hpp"
+
+namespace enamel::algo {
+
+/// Normal equations of z = p + i q over some pixels, each weighted by 1/variance of D: [xx xy; xy yy] (p, q) = (xd, yd)
+/// with x = Re w, y = -Im w. Add those of several pixels for their union.
+struct CodeSums {
+  float xx = 0, xy = 0, yy = 0, xd = 0, yd = 0, dd = 0;
+};
+
+/// What a piece's code says: z, and the inverse of its covariance.
+struct CodePhasor {
+  float p = 0, q = 0;
+  float wpp = 0, wpq = 0, wqq = 0;
+  float most = 0;      ///< cost of a piece whose code lies
+  bool sharp = false;  ///< noise alone leaves z to within the spread that blur and motion give it
+};
+
+/// Sums of each pixel of one row; `out` has the row's width. Pixels without code have zeros.
+void code_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const MicroCode& code, std::size_t row,
+                      std::vector<CodeSums>& out);
+
+/// The covariance is that of noise and of what blur, motion and harmonics do to z, about independent of the order.
+[[nodiscard]] CodePhasor phasor_of(const CodeSums& sums, float outlier_cost);
+
+/// Negative log probability of the phasor if the piece had this absolute order.
+[[nodiscard]] float cost_of_order(const CodePhasor& z, const MicroCode& code, std::size_t order);
+
+class MicroEvidence final : public CodeEvidence {
+ public:
+  /// `code` must outlive the questions. outlier_cost: of a piece whose code may be anything.
+  void measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces, const MicroCode& code,
+               float outlier_cost);
+
+  [[nodiscard]] int cells() const override { return code_->cells; }
+  void costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const override;
+
+  /// Mean angle of the code against the decided orders, rad; stances are taken about it from then on. It is what motion
+  /// between code frame and phase frames, or a cyclic permutation of the phase frames, does to all pieces alike.
+  float settle(const std::vector<Piece>& pieces, const OrderResult& orders);
+
+  /// A sharp z agrees when it lies within a third of a step of the order's angle, and is neither near 0 nor far too
+  /// long.
+  [[nodiscard]] Stance stance(std::size_t piece, std::int32_t cell) const override;
+
+ private:
+  /// z turned back by the order of the cell.
+  struct Turned {
+    float along = 0, across = 0;
+  };
+  [[nodiscard]] Turned turned(std::size_t piece, std::int32_t cell) const;
+
+  const MicroCode* code_ = nullptr;
+  float mean_turn_rad_ = 0;
+  std::vector<CodePhasor> said_;
+  std::vector<CodeSums> row_;
+};
+
+}  // namespace enamel::algo

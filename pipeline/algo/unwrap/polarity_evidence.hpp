@@ -1,0 +1,37 @@
+// Evidence of mode T (and of plain4, single): the polarity of frame 3 in a piece, T = sum(D S3)/sum(S3^2), about +1 or
+// -1 (algorithms.md §2.2), against the signs of the pattern's cells.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/algo/phase/cell_signs.hpp"
+#include "pipeline/algo/unwrap/cells.hpp"
+#include "pipeline/algo/unwrap/code_evidence.hpp"
+
+namespace enamel::algo {
+
+class PolarityEvidence final : public CodeEvidence {
+ public:
+  /// `signs` must outlive the questions. outlier_cost: of a piece whose T may be anything.
+  void measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces,
+               const CellSigns& signs, float outlier_cost);
+
+  [[nodiscard]] int cells() const override { return signs_->cells(); }
+  void costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const override;
+  [[nodiscard]] Stance stance(std::size_t piece, std::int32_t cell) const override;
+
+ private:
+  struct Said {
+    float code = 0;             ///< T
+    float variance = 1e9F;      ///< of T, noise and projector blur together
+    float plus = 0, minus = 0;  ///< cost under each sign
+  };
+  static void measure_code(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces,
+                           std::size_t k, Said& said);
+  static void price(float outlier_cost, Said& said);
+
+  const CellSigns* signs_ = nullptr;
+  std::vector<Said> said_;
+};
+
+}  // namespace enamel::algo

@@ -1,0 +1,82 @@
+// Jumps of whole fringes that leave the phase smooth.
+#include "pipeline/algo/unwrap/code_steps.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/algo/phase/micro_phase.hpp"
+#include "tests/unit/decode/synthetic.hpp"
+
+namespace enamel::algo {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 40, kJump_px = 83;
+constexpr double kPi = std::numbers::pi;
+
+struct Seen {
+  PhaseMaps phase;
+  FloodMaps flood;
+  NoiseModel noise;
+  MicroCode code;
+};
+
+/// 26 px a fringe, and `orders` more from column kJump_px on; the flood does not know of the jump.
+Seen see(int orders, double noise_share) {
+  const calib::Rig rig = test::micro_rig(8, 8);
+  test::Normals normal(5);
+  test::FrameSet f{kWidth, kHeight, {}};
+  Seen s;
+  s.flood.turn = Map<std::int16_t>(kWidth, kHeight);
+  s.flood.component = Map<std::int32_t>(kWidth, kHeight, 0);
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u) {
+      const double smooth = 2 * kPi * (u + 0.3) / 26, phi = smooth + 2 * kPi * (u < kJump_px ? 0 : orders) + 40 * kPi;
+      for (int k = 0; k < 4; ++k) {
+        const double dn = 110 + 80 * (test::frame_wave(rig.patterns, k, phi, 0) + noise_share * normal());
+        f.frames[static_cast<std::size_t>(k)].push_back(
+            static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L)));
+      }
+    }
+  s.noise.floor_dn2 = static_cast<float>(std::pow(80 * noise_share, 2) + 1.0 / 12);
+  s.code = make_micro_code(rig.patterns, rig.projector).value();
+  compute_micro_phase(f.view(), s.noise, {}, s.phase);
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u)
+      s.flood.turn(u, v) = static_cast<std::int16_t>(
+          std::lround((2 * kPi * (u + 0.3) / 26 - static_cast<double>(s.phase.phase_rad(u, v))) / (2 * kPi)));
+  return s;
+}
+
+TEST(CodeSteps, jumps_of_one_to_three_fringes_are_cut_where_they_are) {
+  for (const int orders : {-3, -2, -1, 1, 2}) {
+    const Seen s = see(orders, 0.05);
+    CodeSteps steps;
+    find_code_steps(s.phase, s.noise, s.code, s.flood, 6.9F, steps);
+    int exact = 0;
+    for (int v = 0; v < kHeight; ++v) {
+      int cuts = 0;
+      for (int u = 0; u < kWidth; ++u) {
+        if (steps.cut(u, v) == 0) continue;
+        ++cuts;
+        exact += std::abs(u - kJump_px) <= 1 ? 1 : 0;  // the windows leave one pixel out on either side
+        EXPECT_NEAR(u, kJump_px, 3) << orders << " row " << v;
+      }
+      EXPECT_EQ(cuts, 1) << orders << " row " << v;
+    }
+    EXPECT_GE(exact, kHeight * 8 / 10) << orders;
+  }
+}
+
+TEST(CodeSteps, a_surface_without_jumps_is_not_cut) {
+  for (const double noise : {0.02, 0.1, 0.15}) {
+    const Seen s = see(0, noise);
+    CodeSteps steps;
+    find_code_steps(s.phase, s.noise, s.code, s.flood, 6.9F, steps);
+    for (const std::uint8_t cut : steps.cut.pixels()) ASSERT_EQ(cut, 0) << noise;
+  }
+}
+
+}  // namespace
+}  // namespace enamel::algo
