@@ -4,7 +4,7 @@ import numpy as np
 from decode_peers import read_pfm
 
 FONT = cv2.FONT_HERSHEY_SIMPLEX
-REJECT_NOTE = "reject: black = measured"
+MOST_BYTES = 150_000
 
 
 def tint(values, low, high, colours=cv2.COLORMAP_VIRIDIS):
@@ -24,13 +24,16 @@ def panel(image, title, width=320):
 
 
 def write(path, panels):
-    """Two rows of two, in 128 colours or fewer where that is needed to stay below 150 kB."""
+    """Two rows; coarser colours, then fewer pixels, where that is needed to stay small."""
+    tallest = max(p.shape[0] for p in panels)
+    panels = [cv2.copyMakeBorder(p, 0, tallest - p.shape[0], 0, 0, cv2.BORDER_CONSTANT, value=(255, 255, 255)) for p in panels]
     half = (len(panels) + 1) // 2
     rows = [np.hstack(panels[:half]), np.hstack(panels[half:])] if len(panels) > 2 else [np.hstack(panels)]
     image = np.vstack(rows)
-    for step in (1, 4, 8, 16, 32):
-        data = cv2.imencode(".png", image // step * step, [cv2.IMWRITE_PNG_COMPRESSION, 9])[1]
-        if len(data) < 150_000:
+    for step, scale in ((1, 1), (8, 1), (16, 1), (16, 0.85), (32, 0.7)):
+        small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1 else image
+        data = cv2.imencode(".png", small // step * step, [cv2.IMWRITE_PNG_COMPRESSION, 9])[1]
+        if len(data) < MOST_BYTES:
             break
     with open(path, "wb") as f:
         f.write(data.tobytes())
@@ -73,19 +76,19 @@ def oracle_maps(shared, work, out, name, burst):
     order = np.where(order == 255, np.nan, order.astype(np.float32))
     modulation = read_pfm(f"{result}/modulation.pfm")
     error_um = 1e3 * (depth - truth)
-    reject = cv2.imread(f"{result}/reject.png", cv2.IMREAD_COLOR)
+    reject = cv2.imread(f"{result}/reject.png", cv2.IMREAD_GRAYSCALE).astype(np.float32)
     write(f"{out}/{name}.png", [
         panel(tint(modulation, 0, np.nanpercentile(modulation, 99.5)), "modulation"),
         panel(tint(order, np.nanmin(order), np.nanmax(order), cv2.COLORMAP_PARULA), "fringe order"),
         panel(tint(error_um, -50, 50, cv2.COLORMAP_TWILIGHT_SHIFTED), "depth error, +-50 um"),
-        panel(reject, REJECT_NOTE),
+        panel(tint(np.where(reject == 0, np.nan, reject), 0, 255, cv2.COLORMAP_TURBO), "why there is no depth; grey = measured"),
         histogram(error_um, 60, "um", "depth error"),
         panel(tint(depth, np.nanpercentile(depth, 1), np.nanpercentile(depth, 99)), "depth"),
     ])
 
 
 def plaster(work, out, rows):
-    box = np.s_[:, 200:1080]
+    box = np.s_[340:860, 420:950]  # the relief
     modulation, order = read_pfm(f"{work}/plaster_modulation.pfm")[box], read_pfm(f"{work}/plaster_order.pfm")[box]
     depth, error = read_pfm(f"{work}/plaster_depth.pfm")[box], read_pfm(f"{work}/plaster_error.pfm")[box]
     write(f"{out}/plaster-eye.png", [
