@@ -124,6 +124,7 @@ Json captured_study(const std::string& folder) {
                                     {"one_term", error_json(f.fourth)},
                                     {"four_terms", error_json(f.levelled)},
                                     {"ours", error_json(f.full)},
+                                    {"ours_against_raw", error_json(f.full_raw)},
                                     {"offset_cos", f.frames.offset_cos},
                                     {"offset_sin", f.frames.offset_sin},
                                     {"squeeze", f.frames.squeeze},

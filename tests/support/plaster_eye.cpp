@@ -203,6 +203,7 @@ Result<PlasterFigures> measure_plaster(const PlasterSet& set, std::size_t burst)
   out.ripple = algo::level(algo::phase_moments(b.spans, b.phase));
   correct_all(b, out.ripple, b.phase);
   out.full = compare(set, b, set.reference_rad, offset_rad, &out.full_curve);
+  out.full_raw = compare(set, b, set.twelve.phase_rad, offset_rad, nullptr);
   judge_surface(set, b, polarity, offset_rad, out);
   return out;
 }

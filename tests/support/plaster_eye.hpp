@@ -33,6 +33,7 @@ struct PlasterFigures {
   FoldedError fourth;    ///< one term a1 sin 4phi (what the decoder does today), against the same
   FoldedError levelled;  ///< four terms of cos and sin 4m phi, against the same
   FoldedError full;      ///< and frame errors, against the reference with its frame errors removed
+  FoldedError full_raw;  ///< the same against the raw twelve-step phase, which has frame errors of its own
   algo::FrameErrors frames;
   algo::PhaseRipple ripple;
   std::vector<double> raw_curve, full_curve;  ///< mean error in 64 bins of phase
