@@ -1,0 +1,43 @@
+// Errors that single frames make: one frame brighter than the others, one shifted a little against its nominal place.
+// With C = (I0-I2)/2 and S = (I3-I1)/2 of a four-frame solution, any such errors move the circle (C, S) = B (cos, sin)
+// to a displaced ellipse, to first order
+//   C = B (cos + k cos + l sin) + a A,     S = B (sin + l cos - k sin) + b A
+// (plus a rotation, a constant phase that nothing inside the burst shows). a, b come from brightness and make an error
+// of one period a fringe, k, l from brightness or shift and make one of two. Neither shows in the closure residual
+// alone: there brightness and motion look alike. But both print fringes on the modulation, and B/A is a property of the
+// surface's matter and of focus: it knows nothing of the fringes. So
+//   |(C, S)|/A = B/A (1 + k cos 2phi + l sin 2phi) + a cos phi + b sin phi
+// is solved for a, b, k, l by least squares, B/A free in every block of the image. The measured A itself is rippled by
+// the same frames. The closure residual R = I0+I2-I1-I3 = A r_a + C r_c + S r_s tells by how much, once brightness and
+// shift are told apart: where a frame's contrast follows its brightness (beta_k = rho alpha_k), 4 k = rho r_a, and the
+// mean of the four frames is A + (rho a - r_c/4) C + (rho b + r_s/4) S. rho = 1: all light flickers; 0: the background
+// alone.
+#pragma once
+
+#include <span>
+
+#include "pipeline/algo/phase/polarity.hpp"
+
+namespace enamel::algo {
+
+struct FrameErrors {
+  double offset_cos = 0, offset_sin = 0;  ///< a, b: of the mean intensity above black
+  double squeeze = 0, shear = 0;          ///< k, l
+  double follow = 1;                      ///< rho
+  double pixels = 0;                      ///< that the estimate rests on; 0: none was possible
+};
+
+struct FrameErrorConfig {
+  int block_px = 64;  ///< B/A may differ from block to block; at least a fringe wide
+  int rounds = 4;     ///< the model is first order; each round takes what the one before left
+  double min_pixels = 5000;
+  bool rippled_mean = true;  ///< false: A is the mean of many frames, of which single ones hardly ripple it
+};
+
+/// Four-frame solution (apply_polarity with all signs +1, or the b = +1 pixels of mode T with full weight), where
+/// code_dn is the closure residual. Estimates and removes: rewrites cosine_dn, sine_dn, modulation_dn, phase_rad of the
+/// spans' pixels. The phase's turn is kept: phases may leave [-pi, pi) a little.
+FrameErrors correct_frame_errors(std::span<const CellSpan> spans, const PolarityMaps& polarity, double black_dn,
+                                 const FrameErrorConfig& config, PhaseMaps& maps);
+
+}  // namespace enamel::algo

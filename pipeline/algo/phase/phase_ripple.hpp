@@ -1,0 +1,49 @@
+// Self-calibration of the phase error that harmonics of the projected waveform make ("linear-sinusoidal", algorithms.md
+// §3). True phase is spread evenly over whole fringes, so measured phase folded by 2 pi/N must be too: the map that
+// levels its distribution is the correction. With the distribution's moments C_m = <cos N m phi>, S_m = <sin N m phi>
+// over measured phase, its integral is, term by term,
+//   phi_true = phi - sum_m 2/(N m) (S_m cos N m phi - C_m sin N m phi).
+// The argument is the *measured* phase: no iteration, and only truncation of the sum is an approximation. S_m is zero
+// for symmetric waveforms; a projector whose bit planes are not symmetric in time has both.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "pipeline/algo/phase/polarity.hpp"
+
+namespace enamel::algo {
+
+inline constexpr std::size_t kRippleTerms = 4;  ///< waveform harmonics up to 4N + 1; a bulb of blur leaves fewer
+
+/// Sums over any number of bursts of one projector and pitch; add what belongs together, in a fixed order.
+struct PhaseMoments {
+  int steps = 4;  ///< N
+  double pixels = 0;
+  std::array<double, kRippleTerms> cosines{}, sines{};
+
+  void add(const PhaseMoments& other) noexcept;
+};
+
+/// Amplitudes in rad of cos N m phi and sin N m phi, m = 1 … kRippleTerms.
+struct PhaseRipple {
+  int steps = 4;
+  std::array<double, kRippleTerms> cosine{}, sine{};
+
+  [[nodiscard]] double error_rad(double phase_rad) const noexcept;
+};
+
+/// Spans that cover their half fringe from end to end only: part of a fringe is not evenly spread.
+[[nodiscard]] PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps, int steps = 4);
+
+/// The same for bare phases that cover whole fringes.
+[[nodiscard]] PhaseMoments phase_moments(std::span<const float> phase_rad, int steps = 4);
+
+/// terms <= kRippleTerms. No pixels: no ripple.
+[[nodiscard]] PhaseRipple level(const PhaseMoments& moments, std::size_t terms = kRippleTerms);
+
+/// Subtracts the error. Phases may leave [-pi, pi) a little.
+void correct_phase(const PhaseRipple& ripple, std::span<float> phase_rad);
+
+}  // namespace enamel::algo

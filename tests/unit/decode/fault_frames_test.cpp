@@ -1,0 +1,95 @@
+// Bursts whose frames are not what they should be: duplicated, left over from the burst before, blinded. None may be
+// decoded, and each must be counted under the right reason.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "tests/unit/decode/synthetic.hpp"
+
+namespace enamel::algo {
+namespace {
+
+/// Frames that do not belong together. Some pass the gates on links and closure by a hair and are then found to carry
+/// no code at all: rejected as well, and nothing of them is placed.
+testing::Matcher<BurstVerdict> frames_do_not_fit() {
+  return testing::AnyOf(BurstVerdict::kPatternMismatch, BurstVerdict::kNoCode);
+}
+
+class FaultFrames : public testing::Test {
+ protected:
+  static const calib::Rig& rig() {
+    static const calib::Rig kRig = test::cropped_rig(320, 120);
+    return kRig;
+  }
+  static const BurstDecoder& decoder() {
+    static const BurstDecoder kDecoder = BurstDecoder::make(rig()).value();
+    return kDecoder;
+  }
+  /// A tilted surface, `nearer_mm` nearer than the burst before.
+  static test::FrameSet burst(double nearer_mm, std::uint64_t seed) {
+    test::SceneOptions o;
+    o.noise = true;
+    o.seed = seed;
+    return test::render(
+               rig(), [=](int u, int v) { return 47 - nearer_mm + 0.008 * u + 0.004 * v; }, o)
+        .frames;
+  }
+};
+
+TEST_F(FaultFrames, whole_burst_is_accepted) {  // the control of all that follow
+  EXPECT_EQ(decoder().decode(burst(0, 1).view()).verdict, BurstVerdict::kAccepted);
+}
+
+TEST_F(FaultFrames, any_frame_sent_twice_in_place_of_another_is_detected) {
+  const test::FrameSet good = burst(0, 1);
+  for (std::size_t lost = 0; lost < 4; ++lost)
+    for (std::size_t twice = 0; twice < 4; ++twice) {
+      if (lost == twice) continue;
+      test::FrameSet bad = good;
+      bad.frames[lost] = good.frames[twice];
+      const DecodedBurst b = decoder().decode(bad.view());
+      EXPECT_THAT(b.verdict, frames_do_not_fit()) << "frame " << twice << " in place of " << lost;
+      EXPECT_EQ(b.patch.valid_px, 0U);
+    }
+}
+
+TEST_F(FaultFrames, frame_left_over_from_a_burst_a_third_of_a_fringe_away_is_detected) {
+  const double away_mm = test::fringe_jump_mm(rig(), 48) / 3;
+  const test::FrameSet now = burst(0, 1), before = burst(away_mm, 2);
+  for (std::size_t stale = 0; stale < 4; ++stale) {
+    test::FrameSet bad = now;
+    bad.frames[stale] = before.frames[stale];
+    const DecodedBurst b = decoder().decode(bad.view());
+    EXPECT_THAT(b.verdict, frames_do_not_fit())
+        << "frame " << stale << ": " << name_of(b.verdict) << " linked " << b.diagnostics.linked_share << " closure "
+        << b.diagnostics.closure_share << " code " << b.diagnostics.code_agreement << " torn "
+        << b.diagnostics.torn_share << " motion " << b.diagnostics.motion_rad;
+  }
+}
+
+TEST_F(FaultFrames, two_or_more_blinded_frames_are_called_saturated) {
+  const test::FrameSet good = burst(0, 1);
+  for (unsigned blinded = 0; blinded < 16; ++blinded) {
+    test::FrameSet bad = good;
+    int count = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      if ((blinded >> k & 1U) != 0) bad.frames[k].assign(bad.frames[k].size(), 255), ++count;
+    if (count < 2) continue;
+    EXPECT_EQ(decoder().decode(bad.view()).verdict, BurstVerdict::kSaturated) << blinded;
+  }
+}
+
+TEST_F(FaultFrames, light_that_clips_the_crests_of_the_fringes_leaves_no_wrong_depth) {
+  test::SceneOptions o;
+  o.mean_dn = 190;
+  o.modulation_dn = 150;  // crests at 340 of 255: two frames clipped at most pixels
+  const auto scene = test::render(rig(), test::flat(48), o);
+  const DecodedBurst b = decoder().decode(scene.frames.view());
+  EXPECT_NE(b.verdict, BurstVerdict::kAccepted) << b.patch.valid_px;
+  EXPECT_GT(b.counts[static_cast<std::size_t>(PixelReject::kSaturated)], 320U * 120U / 2);
+}
+
+}  // namespace
+}  // namespace enamel::algo

@@ -1,0 +1,148 @@
+// Self-calibration of ripple: from harmonics of the projector (phase_ripple) and from single frames that differ
+// (frame_errors).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/algo/phase/frame_errors.hpp"
+#include "pipeline/algo/phase/phase_ripple.hpp"
+#include "tests/support/fold_error.hpp"
+#include "tests/support/gamma_scene.hpp"
+#include "tests/unit/decode/synthetic.hpp"
+
+namespace enamel::algo {
+namespace {
+
+class Gamma : public testing::TestWithParam<double> {};
+
+TEST_P(Gamma, ten_bursts_bring_the_ripple_to_a_ninth_of_the_double_three_step) {
+  for (const double noise : {0.0, 0.02}) {
+    const auto r = test::measure_gamma({.gamma = GetParam(), .noise = noise, .width = 320, .height = 240}, 10);
+    EXPECT_LE(r.levelled, r.double_three_step / 9)
+        << "noise " << noise << ": three " << r.three_step << " double " << r.double_three_step << " four "
+        << r.four_step << " one term " << r.one_term << " levelled " << r.levelled;
+  }
+}
+
+TEST_P(Gamma, one_burst_reaches_a_ninth_of_the_uncorrected_or_a_thousandth) {
+  const auto r = test::measure_gamma({.gamma = GetParam(), .noise = 0.02}, 1);
+  EXPECT_LE(r.levelled, std::max(r.four_step / 9, 1e-3)) << r.four_step;
+}
+
+INSTANTIATE_TEST_SUITE_P(OneThreeToTwoEight, Gamma, testing::Values(1.3, 1.5, 1.8, 2.2, 2.5, 2.8));
+
+TEST(PhaseRipple, moments_of_half_a_fringe_are_no_calibration) {  // why only whole fringes count
+  std::vector<float> half;
+  for (int k = 0; k < 1000; ++k) half.push_back(0.3F + 0.0005F * static_cast<float>(k));
+  EXPECT_GT(std::abs(level(phase_moments(half)).sine[0]), 0.05);
+  std::vector<float> whole;
+  for (int k = 0; k < 1000; ++k) whole.push_back(-3.14159265F + 6.2831853F * (static_cast<float>(k) + 0.5F) / 1000);
+  EXPECT_LT(std::abs(level(phase_moments(whole)).sine[0]), 1e-5);
+  EXPECT_EQ(level(PhaseMoments{}).sine[0], 0);
+}
+
+TEST(PhaseRipple, an_unsymmetric_ripple_of_four_terms_is_taken_out) {
+  const auto error = [](double p) {
+    return 0.02 * std::sin(4 * p + 0.3) + 0.014 * std::cos(8 * p + 2) + 0.003 * std::sin(12 * p);
+  };
+  std::vector<float> measured;
+  std::vector<double> truth;
+  for (int k = 0; k < 20000; ++k) {
+    truth.push_back(-std::numbers::pi + 2 * std::numbers::pi * k / 20000);
+    measured.push_back(static_cast<float>(truth.back() + error(truth.back())));
+  }
+  const auto rms = [&] {
+    test::ErrorFolder folder;
+    for (std::size_t k = 0; k < truth.size(); ++k)
+      folder.add(test::wrap_pi(static_cast<double>(measured[k]) - truth[k]), truth[k]);
+    return folder.result().rms_rad;
+  };
+  const double before = rms();
+  const PhaseMoments moments = phase_moments(measured);
+  std::vector<float> one = measured;
+  correct_phase(level(moments, 1), one);
+  correct_phase(level(moments), measured);
+  EXPECT_GT(before, 0.015);
+  EXPECT_LT(rms(), before / 9);
+  measured = one;
+  EXPECT_GT(rms(), before / 3);  // the control: one term is not enough for such a waveform
+}
+
+struct FramesOf {
+  PhaseMaps maps;
+  PolarityMaps polarity;
+  std::vector<CellSpan> spans;
+  std::vector<double> truth;
+};
+
+/// What single frames do differently: all light, background alone (both as a share), place of the pattern (rad).
+struct Deviations {
+  std::array<double, 4> gain{}, background{}, shift{};
+};
+
+/// 8 bit, noisy, unequal reflectance and focus.
+FramesOf frames_with(const Deviations& d) {
+  constexpr int kWidth = 320, kHeight = 200;
+  test::FrameSet set{kWidth, kHeight, {}};
+  test::Normals normal(5);
+  FramesOf out;
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u) {
+      const double phi = 2 * std::numbers::pi * (u + 0.3 * v) / 29.7;
+      const double albedo = 0.7 + 0.3 * std::sin(0.05 * u) * std::cos(0.07 * v), focus = 0.6 + 0.1 * std::sin(0.01 * u);
+      out.truth.push_back(phi);
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double wave = std::cos(phi + static_cast<double>(k) * std::numbers::pi / 2 + d.shift[k]);
+        const double dn = albedo * 100 * (1 + d.gain[k]) * (1 + d.background[k] + focus * wave) + normal();
+        set.frames[k].push_back(static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L)));
+      }
+    }
+  NoiseModel noise;
+  noise.floor_dn2 = 1.1F;
+  compute_phase(set.view(), noise, {}, out.maps);
+  for (int v = 0; v < kHeight; ++v) out.spans.push_back({v, 0, kWidth, 0, false});
+  apply_polarity(out.spans, {std::vector<float>(8, 1.0F), false}, noise, {}, out.maps, out.polarity);
+  return out;
+}
+
+double ripple(const FramesOf& f) {
+  test::ErrorFolder folder;
+  for (std::size_t i = 0; i < f.truth.size(); ++i)
+    folder.add(test::wrap_pi(static_cast<double>(f.maps.phase_rad[i]) - f.truth[i]), f.truth[i]);
+  return folder.result().repeating_rad;
+}
+
+TEST(FrameErrors, one_frame_of_other_background_and_one_shifted_leave_no_ripple) {
+  FramesOf f = frames_with({.background = {0, -0.03, 0, 0}, .shift = {0, 0, 0, 0.04}});
+  const double before = ripple(f);
+  correct_frame_errors(f.spans, f.polarity, 0, {}, f.maps);
+  EXPECT_GT(before, 0.015);
+  EXPECT_LT(ripple(f), before / 8);
+}
+
+TEST(FrameErrors, flicker_of_all_light_leaves_no_ripple) {
+  FramesOf f = frames_with({.gain = {0.01, -0.03, 0, 0}});
+  const double before = ripple(f);
+  correct_frame_errors(f.spans, f.polarity, 0, {}, f.maps);
+  EXPECT_GT(before, 0.015);
+  EXPECT_LT(ripple(f), before / 8);
+}
+
+TEST(FrameErrors, good_frames_are_left_alone) {
+  FramesOf f = frames_with({});
+  const double before = ripple(f);
+  const FrameErrors e = correct_frame_errors(f.spans, f.polarity, 0, {}, f.maps);
+  for (const double value : {e.offset_cos, e.offset_sin, e.squeeze, e.shear}) EXPECT_LT(std::abs(value), 1e-3);
+  EXPECT_LT(ripple(f), before + 1e-3);
+}
+
+TEST(FrameErrors, few_pixels_give_no_estimate) {
+  FramesOf f = frames_with({.gain = {0.1, 0, 0, 0}});
+  const std::vector<CellSpan> few(f.spans.begin(), f.spans.begin() + 10);
+  EXPECT_EQ(correct_frame_errors(few, f.polarity, 0, {}, f.maps).pixels, 0);
+}
+
+}  // namespace
+}  // namespace enamel::algo
