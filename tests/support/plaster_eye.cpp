@@ -93,7 +93,7 @@ Unwrapped unwrap(const PlasterSet& set, const FrameSet& frames, double offset_ra
   algo::reject_edges(links, b.phase.reject);
   algo::flood(b.phase.phase_rad, links, b.flood);
   algo::PieceList pieces;
-  algo::find_pieces(b.phase, b.noise, links, b.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, pieces);
+  algo::find_pieces(b.phase, links, b.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, {}, pieces);
   const auto shifts = vote(set, b, offset_rad);
   for (std::size_t k = 0; k < pieces.pieces.size(); ++k) {
     const algo::Piece& p = pieces.pieces[k];
