@@ -71,11 +71,12 @@ Map<std::uint8_t> reject_picture(const Map<PixelReject>& reject) {
 /// Figures that the verdict rests on, those of the other modes' steps left out.
 std::string diagnostics_json(const DecodeDiagnostics& d, calib::PatternMode mode) {
   const char* noise_from = d.noise.source == NoiseSource::kRig ? "rig" : "closure";
-  if (mode == calib::PatternMode::kMicro)
+  if (mode == calib::PatternMode::kMicro) {
     return fmt::format(
         "\"linked_share\": {:.5f}, \"direction_share\": {:.5f}, \"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, "
         "\"code_turn_rad\": {:.6f}, \"third_rad\": {:.6f}, \"noise_from\": \"{}\"",
         d.linked_share, d.direction_share, d.code_agreement, d.torn_share, d.code_turn_rad, d.third_rad, noise_from);
+  }
   return fmt::format(
       "\"linked_share\": {:.5f}, \"closure_share\": {:.5f}, \"code_agreement\": {:.5f}, "
       "\"torn_share\": {:.5f}, "

@@ -279,7 +279,7 @@ RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity
   make_nodes(in, work.light, work.nodes);
   const auto found = solve_robustly(in, work.nodes, config);
   if (!found) return out;
-  const Vector7 theta = *found;
+  const Vector7& theta = *found;
   spread_field(in, coarse, theta, work, field);
   double squares = 0, nodes = 0;
   for (const Node& node : work.nodes) {

@@ -123,9 +123,10 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
   Sums all{};
   for (int br = 0; br < out.rows; ++br) {
     out.work.column_sums.assign(kSums * width, 0.0F);
-    for (int v = br * config.block_px; v < std::min(h, (br + 1) * config.block_px); ++v)
+    for (int v = br * config.block_px; v < std::min(h, (br + 1) * config.block_px); ++v) {
       add_row(maps, polarity, static_cast<std::size_t>(v) * width, width, config.max_residual,
               out.work.column_sums.data());
+    }
     for (std::size_t u = 0; u < width; ++u) {
       const std::size_t block =
           static_cast<std::size_t>(br * out.columns) + u / static_cast<std::size_t>(config.block_px);

@@ -45,12 +45,13 @@ class Estimator {
 
   template <class Visit>
   void pixels(const PhaseMaps& m, Visit visit) const {
-    for (const CellSpan& s : spans_)
+    for (const CellSpan& s : spans_) {
       for (int u = s.begin; u < s.end; ++u) {
         const std::size_t i = m.phase_rad.index(u, s.row);
         if (polarity_.weight[i] < 0.999F || m.reject[i] != PixelReject::kNone || std::isnan(m.code_dn[i])) continue;
         if (mean_of(m, i, black_dn_, ripple) > 1) visit(i, u, s.row);
       }
+    }
   }
 
   /// r_a, r_c, r_s.

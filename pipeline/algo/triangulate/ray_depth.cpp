@@ -17,9 +17,10 @@ using Nodes = std::array<double, kNodes>;
 Nodes inverse_depth_nodes(calib::DepthRange range) {
   const double low = 1 / range.far_mm, high = 1 / range.near_mm;
   Nodes q{};
-  for (int i = 0; i < kNodes; ++i)
+  for (int i = 0; i < kNodes; ++i) {
     q[static_cast<std::size_t>(i)] =
         0.5 * (low + high) - 0.5 * (high - low) * std::cos(std::numbers::pi * i / (kNodes - 1));
+  }
   return q;
 }
 
@@ -78,13 +79,14 @@ Result<RayDepth> RayDepth::bake(const calib::Rig& rig, calib::DepthRange range) 
   const std::size_t n = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height);
   for (auto* a : {&out.phase_mid_rad, &out.c0, &out.c1, &out.c2, &out.c3, &out.phase_near_rad, &out.phase_far_rad})
     a->reserve(n);
-  for (int v = 0; v < out.height; ++v)
+  for (int v = 0; v < out.height; ++v) {
     for (int u = 0; u < out.width; ++u) {
       const calib::PlanePoint ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
       const Cubic cubic = fit_pixel(rig, ray, q, rad_per_px);
-      if (!cubic.ok)
+      if (!cubic.ok) {
         return fail(ErrorCode::kRigInvalid, "pixel " + std::to_string(u) + "," + std::to_string(v) +
                                                 ": the projector's phase does not determine depth on this ray");
+      }
       out.phase_mid_rad.push_back(static_cast<float>(cubic.mid));
       // The stored middle is rounded: move the constant along so that the polynomial still meets the exact curve.
       const double shift = static_cast<double>(out.phase_mid_rad.back()) - cubic.mid;
@@ -95,6 +97,7 @@ Result<RayDepth> RayDepth::bake(const calib::Rig& rig, calib::DepthRange range) 
       out.phase_near_rad.push_back(static_cast<float>(cubic.near));
       out.phase_far_rad.push_back(static_cast<float>(cubic.far));
     }
+  }
   return out;
 }
 

@@ -57,9 +57,10 @@ float misfit_of_jump(const CodeSums* sums, std::size_t u, const MicroCode& code,
   const float same = explained(left + right);
   if (0.5F * (explained(left) + explained(right) - same) < cost) return kNoJump;
   float best = 0;
-  for (std::size_t d = 1; d <= kMostOrders; ++d)
+  for (std::size_t d = 1; d <= kMostOrders; ++d) {
     for (const float sign : {-1.0F, 1.0F})
       best = std::max(best, explained(left + turned(right, code.cosine[d], sign * code.sine[d])));
+  }
   return 0.5F * (best - same) > cost ? 0.5F * (left.dd + right.dd - best) : kNoJump;
 }
 
@@ -86,10 +87,11 @@ void find_code_steps(const PhaseMaps& phase, const NoiseModel& noise, const Micr
     const std::size_t at = v * width;
     code_sums_of_row(phase, noise, code, v, out.work.sums);
     unwrap_sums(flood, code, at, out.work.sums);
-    for (std::size_t u = kReach_px; u + kReach_px <= width; ++u)
+    for (std::size_t u = kReach_px; u + kReach_px <= width; ++u) {
       misfit[u] = one_component(flood, at + u - kReach_px, 2 * kReach_px)
                       ? misfit_of_jump(out.work.sums.data(), u, code, cost)
                       : kNoJump;
+    }
     for (std::size_t u = kReach_px; u + kReach_px <= width; ++u) {
       if (!(misfit[u] < kNoJump)) continue;
       const auto first = misfit.begin() + static_cast<std::ptrdiff_t>(u - kReach_px);

@@ -79,9 +79,10 @@ void flood(const Map<float>& phase_rad, const LinkMaps& links, FloodMaps& out) {
   sort_seeds(links.quality, out.work.seeds);
   Flooder flooder(phase_rad, links, out);
   out.components = 0;
-  for (const std::int32_t seed : out.work.seeds)
+  for (const std::int32_t seed : out.work.seeds) {
     if (out.component[static_cast<std::size_t>(seed)] == kNil)
       flooder.grow(static_cast<std::size_t>(seed), out.components++);
+  }
 }
 
 }  // namespace enamel::algo

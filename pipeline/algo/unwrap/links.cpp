@@ -106,9 +106,10 @@ void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkCon
 void reject_edges(LinkMaps& links, Map<PixelReject>& reject) {
   const std::size_t width = static_cast<std::size_t>(reject.width()), n = reject.size();
   const auto valid = [&](std::size_t i) { return reject[i] == PixelReject::kNone || reject[i] == PixelReject::kEdge; };
-  for (std::size_t v = 0; v < static_cast<std::size_t>(reject.height()); ++v)
+  for (std::size_t v = 0; v < static_cast<std::size_t>(reject.height()); ++v) {
     for (std::size_t i = v * width; i + 1 < (v + 1) * width; ++i)
       if (links.east[i] == 0 && valid(i) && valid(i + 1)) reject[i] = reject[i + 1] = PixelReject::kEdge;
+  }
   for (std::size_t i = 0; i + width < n; ++i)
     if (links.south[i] == 0 && valid(i) && valid(i + width)) reject[i] = reject[i + width] = PixelReject::kEdge;
   for (std::size_t i = 0; i < n; ++i) {

@@ -69,9 +69,10 @@ class Solver {
       if (first > last) continue;
       float* out = unary + (first - base);
       evidence_.costs(i, p.cell + 2 * first, {out, static_cast<std::size_t>(last - first + 1)});
-      for (std::int32_t shift = first; shift <= last; ++shift)
+      for (std::int32_t shift = first; shift <= last; ++shift) {
         out[shift - first] +=
             config_.beyond_range_cost * static_cast<float>(std::max({p.low - shift, shift - p.high, 0}));
+      }
     }
   }
 
@@ -89,15 +90,18 @@ class Solver {
   void along_rows() {
     const Costs none{};
     const std::size_t n = pieces_.size();
-    for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < n; ++i) {
       pass(pieces_[i].joined ? at(work_.left, i - 1) : none.data(), at(work_.unary, i), jump_cost(pieces_[i]),
            at(work_.left, i));
-    for (std::size_t i = n; i-- > 0;)
+    }
+    for (std::size_t i = n; i-- > 0;) {
       pass(i + 1 < n && pieces_[i + 1].joined ? at(work_.right, i + 1) : none.data(), at(work_.unary, i),
            i + 1 < n ? jump_cost(pieces_[i + 1]) : 0, at(work_.right, i));
-    for (std::size_t i = 0; i < n; ++i)
+    }
+    for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t k = 0; k < kStates; ++k)
         at(work_.row, i)[k] = at(work_.left, i)[k] + at(work_.right, i)[k] - at(work_.unary, i)[k];
+    }
   }
 
   /// Running means over the rows above and below. A mean, not a sum: what misleads the code (an edge, a moving shadow)
@@ -106,9 +110,10 @@ class Solver {
     const std::size_t n = pieces_.size();
     for (std::size_t i = 0; i < n; ++i) blend(work_.up, pieces_[i].up, i);
     for (std::size_t i = n; i-- > 0;) blend(work_.down, pieces_[i].down, i);
-    for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t k = 0; k < kStates; ++k)
         at(work_.mean, i)[k] = 0.5F * (at(work_.up, i)[k] + at(work_.down, i)[k]);
+    }
   }
 
   void blend(std::vector<float>& mean, std::int32_t neighbour, std::size_t i) {
@@ -156,10 +161,11 @@ class Solver {
   void inherit() {
     reset_sets();
     const auto undecided = [&](std::size_t i) { return !out_.pieces[i].decided; };
-    for (std::size_t i = 0; i < pieces_.size(); ++i)
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
       neighbours(i, [&](std::size_t o) {
         if (undecided(i) && undecided(o)) unite(i, o);
       });
+    }
     constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max(), kSeveral = kUnknown - 1;
     work_.size.assign(pieces_.size(), kUnknown);  // the shift around each zone, at its root
     const auto note = [&](std::size_t zone, std::size_t source) {
@@ -167,11 +173,12 @@ class Solver {
       const std::int32_t shift = out_.pieces[source].shift;
       known = known == kUnknown || known == shift ? shift : kSeveral;
     };
-    for (std::size_t i = 0; i < pieces_.size(); ++i)
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
       neighbours(i, [&](std::size_t o) {
         if (undecided(i) && !undecided(o)) note(i, o);
         if (!undecided(i) && undecided(o)) note(o, i);
       });
+    }
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       if (!undecided(i) || work_.size[root(i)] >= kSeveral) continue;
       const std::int32_t shift = work_.size[root(i)], state = shift - base_of(pieces_[i]);
@@ -213,11 +220,12 @@ class Solver {
 
   void find_specks() {
     reset_sets();
-    for (std::size_t i = 0; i < pieces_.size(); ++i)
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
       neighbours(i, [&](std::size_t o) {
         const PieceOrder &a = out_.pieces[i], &b = out_.pieces[o];
         if (a.decided && b.decided && a.shift == b.shift) unite(i, o);
       });
+    }
     work_.size.assign(pieces_.size(), 0);
     for (std::size_t i = 0; i < pieces_.size(); ++i) work_.size[root(i)] += pieces_[i].end - pieces_[i].begin;
     for (std::size_t i = 0; i < pieces_.size(); ++i)
