@@ -125,7 +125,7 @@ void make_nodes(const Inputs& in, const Map<float>& light, std::vector<Node>& no
 /// Columns of one pixel's residual: for eps, for dA/B, for rho (closure.hpp). `rate`, eps as known so far, makes the
 /// first exact to second order.
 struct Columns {
-  float rate, light, harmonic, residual, limit;
+  float rate, light, harmonic, residual;
   bool used;
 };
 
@@ -241,14 +241,6 @@ void spread_field(const Inputs& in, const ClosureFit& coarse, const Vector7& the
   interpolate_grid(work.node_light.data(), in.columns, in.rows, kNode_px, field.light);
 }
 
-/// What is known at first: the motion and the harmonic of each block.
-void begin_field(const ClosureFit& coarse, int width, int height, RigidMotionWork& work, MotionField& field) {
-  field.resize(width, height);
-  if (work.harmonic.width() != width || work.harmonic.height() != height) work.harmonic = Map<float>(width, height);
-  interpolate_grid(coarse.block_motion_rad.data(), coarse.columns, coarse.rows, coarse.block_px, field.rate_rad);
-  interpolate_grid(coarse.block_harmonic.data(), coarse.columns, coarse.rows, coarse.block_px, work.harmonic);
-}
-
 }  // namespace
 
 bool stands_still(const ClosureFit& coarse, const RigidMotionConfig& config) {
@@ -274,25 +266,17 @@ RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity
                   maps.phase_rad.width() / kNode_px,
                   maps.phase_rad.height() / kNode_px};
   RigidMotion out;
-  if (!refine) begin_field(coarse, maps.phase_rad.width(), maps.phase_rad.height(), work, field);
-  clean_light(in, field.rate_rad, work.harmonic, work.light);
+  field.resize(maps.phase_rad.width(), maps.phase_rad.height());
+  clean_light(in, refine ? field.rate_rad : coarse.pixel_motion_rad, coarse.pixel_harmonic, work.light);
   make_nodes(in, work.light, work.nodes);
   const auto found = solve_robustly(in, work.nodes, config);
   if (!found) return out;
   const Vector7& theta = *found;
   spread_field(in, coarse, theta, work, field);
-  double squares = 0, nodes = 0;
-  for (const Node& node : work.nodes) {
-    if (!node.ok) continue;
-    double rate = 0;
-    for (std::size_t k = 0; k < 6; ++k) rate += static_cast<double>(node.rate[k]) * theta[static_cast<Eigen::Index>(k)];
-    squares += rate * rate, ++nodes;
-  }
   for (std::size_t k = 0; k < 3; ++k) {
     out.shift_mm[k] = theta[static_cast<Eigen::Index>(k)];
     out.turn_rad[k] = theta[static_cast<Eigen::Index>(k + 3)];
   }
-  out.rms_rate_rad = nodes > 0 ? std::sqrt(squares / nodes) : 0;
   out.moved = true;
   return out;
 }

@@ -32,7 +32,6 @@ struct RigidMotionConfig {
 struct RigidMotion {
   std::array<double, 3> shift_mm{};  ///< V, per frame interval
   std::array<double, 3> turn_rad{};  ///< W, per frame interval, about the optical axis' point at mid-range
-  double rms_rate_rad = 0;           ///< of eps over the image
   bool moved = false;                ///< determined
 };
 
@@ -44,7 +43,7 @@ struct RigidMotionWork {
   };
   std::vector<Node> nodes;
   std::vector<float> node_rate, node_light;
-  Map<float> harmonic, light;
+  Map<float> light;
 };
 
 /// Nothing worth an estimate happened during the burst. Texture that slides by on a surface without slope goes unseen.

@@ -105,11 +105,6 @@ void interpolate_line(const std::vector<float>& line, std::size_t cell, std::siz
   if (last * cell + half < width) std::fill(out + last * cell + half, out + width, line.back());
 }
 
-void interpolate_blocks(const std::vector<float>& blocks, const ClosureFit& fit, int w, int h, Map<float>& out) {
-  if (out.width() != w || out.height() != h) out = Map<float>(w, h);
-  interpolate_grid(blocks.data(), fit.columns, fit.rows, fit.block_px, out);
-}
-
 }  // namespace
 
 void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureConfig& config, ClosureFit& out) {
@@ -152,6 +147,11 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
     out.block_harmonic[k] = static_cast<float>(fit.harmonic);
     out.block_pixels[k] = static_cast<float>(out.work.block_sums[k * kSums + 5]);
   }
+  for (Map<float>* map : {&out.pixel_motion_rad, &out.pixel_harmonic}) {
+    if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
+  }
+  interpolate_grid(out.block_motion_rad.data(), out.columns, out.rows, out.block_px, out.pixel_motion_rad);
+  interpolate_grid(out.block_harmonic.data(), out.columns, out.rows, out.block_px, out.pixel_harmonic);
 }
 
 void MotionField::resize(int width, int height) {
@@ -171,18 +171,14 @@ void interpolate_grid(const float* nodes, int columns, int rows, int cell_px, Ma
   }
 }
 
-void correct_phase(const PolarityMaps& polarity, const MotionField* field, float black_dn, ClosureFit& fit,
+void correct_phase(const PolarityMaps& polarity, const MotionField* field, float black_dn, const ClosureFit& fit,
                    PhaseMaps& maps) {
-  const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
-  const auto width = static_cast<std::size_t>(w);
-  if (field == nullptr) interpolate_blocks(fit.block_motion_rad, fit, w, h, fit.work.rate);
-  interpolate_blocks(fit.block_harmonic, fit, w, h, fit.work.harmonic);
-  const Map<float>& rate = field != nullptr ? field->rate_rad : fit.work.rate;
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  const Map<float>& rate = field != nullptr ? field->rate_rad : fit.pixel_motion_rad;
   const std::vector<float> none(width, 0.0F);
-  for (int v = 0; v < h; ++v) {
-    const std::size_t at = static_cast<std::size_t>(v) * width;
+  for (std::size_t at = 0; at < maps.phase_rad.size(); at += width) {
     const float* light = field != nullptr ? &field->light[at] : none.data();
-    correct_row(maps, {&polarity.weight[at], &rate[at], &fit.work.harmonic[at], light}, black_dn, at, width,
+    correct_row(maps, {&polarity.weight[at], &rate[at], &fit.pixel_harmonic[at], light}, black_dn, at, width,
                 &maps.phase_rad[at]);
   }
 }

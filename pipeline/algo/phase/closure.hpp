@@ -31,11 +31,12 @@ struct ClosureConfig {
   float harmonic_prior = 0.003F;   ///< spread of a block's rho about the burst's
 };
 
-/// Burst-wide and per-block estimates; blocks of block_px, row major.
+/// Estimates for the burst, for each block of block_px (row major), and at each pixel, bilinear between blocks.
 struct ClosureFit {
   int columns = 0, rows = 0, block_px = 32;
   float motion_rad = 0, harmonic = 0;
   std::vector<float> block_motion_rad, block_harmonic, block_pixels;
+  Map<float> pixel_motion_rad, pixel_harmonic;
 
   /// Index of the block that holds pixel (u, v).
   [[nodiscard]] std::size_t block_at(int u, int v) const noexcept {
@@ -45,7 +46,6 @@ struct ClosureFit {
   struct Work {
     std::vector<float> column_sums;
     std::vector<double> block_sums;
-    Map<float> rate, harmonic;
   } work;
 };
 
@@ -64,9 +64,9 @@ void interpolate_grid(const float* nodes, int columns, int rows, int cell_px, Ma
 /// Regularised least squares per block; uses pixels of full weight only.
 void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureConfig& config, ClosureFit& out);
 
-/// Subtracts the errors above from phase_rad, block estimates interpolated bilinearly, those of the field added where
-/// one is given. Phases may leave [-pi, pi) a little.
-void correct_phase(const PolarityMaps& polarity, const MotionField* field, float black_dn, ClosureFit& fit,
+/// Subtracts the errors above from phase_rad. Motion is that of the field where one is given, else that of the fit, as
+/// the harmonic is. Phases may leave [-pi, pi) a little.
+void correct_phase(const PolarityMaps& polarity, const MotionField* field, float black_dn, const ClosureFit& fit,
                    PhaseMaps& maps);
 
 /// a1 of the phase error a1 sin 4phi that a third harmonic makes, from the fact that true phase is spread evenly over

@@ -4,6 +4,7 @@
 #include <array>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 namespace enamel::algo {
 namespace {
@@ -77,17 +78,18 @@ std::optional<IcpResult> Tracker::align_near(const PatchPyramid& pyramid, const 
   const Pose predicted = motion_.predict(t);
   // The model first: it averages many bursts. The last patch covers what the model, two bursts behind, does not show
   // yet.
-  for (const ModelView* source : {&view, &*last_patch_}) {
-    if (source->empty) continue;
-    const std::array<Pose, 2> starts{predicted, motion_.last_pose()};
-    if (auto found = align_from(starts, pyramid, *source, predicted, t)) return found;
+  std::vector<Pose> starts{predicted, motion_.last_pose()};
+  if (auto found = align_from(starts, pyramid, view, predicted, t)) return found;
+  for (const Pose& turned :
+       turned_about_work_point(motion_.last_pose(), config_.motion.work_distance_mm, config_.wrist_deg)) {
+    starts.push_back(turned);
   }
-  const auto turned = turned_about_work_point(motion_.last_pose(), config_.motion.work_distance_mm, config_.wrist_deg);
-  return align_from(turned, pyramid, *last_patch_, predicted, t);
+  return align_from(starts, pyramid, *last_patch_, predicted, t);
 }
 
 std::optional<IcpResult> Tracker::align_from(std::span<const Pose> starts, const PatchPyramid& pyramid,
                                              const ModelView& source, const Pose& predicted, DeviceTime t) const {
+  if (source.empty) return std::nullopt;
   const Reference reference(source, config_.icp.reference);
   for (const Pose& start : starts) {
     const IcpResult result = align(pyramid, reference, camera_, start, predicted, config_.icp);
