@@ -1,10 +1,13 @@
-// One row of a burst as floats, and the physical mask that all modes share. Private to algo/phase.
+// What all modes share on the way from frames to phase: rows as floats, the physical mask, and the solution of a burst
+// whose phase rests on three of the frames while the fourth carries the code. Private to algo/phase.
 #pragma once
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "pipeline/algo/phase/phase.hpp"
+#include "pipeline/algo/phase/poly_trig.hpp"
 
 namespace enamel::algo {
 
@@ -22,5 +25,56 @@ struct MaskFrames {
 /// kDark, kSaturated, kNoisy or kNone of every pixel of a row, from its phase frames and the sigma of its phase.
 void mask_row(const MaskFrames& frames, std::size_t width, const NoiseModel& noise, const PhaseConfig& config,
               const float* sigma, PixelReject* reject);
+
+/// Three phase frames of one pixel solved: A, C = B cos(phi), S = B sin(phi), and the variance of phi times B^4.
+struct ThreeFrames {
+  float mean, cosine, sine, variance_b4;
+};
+
+/// Frames by slot: the three phase frames, then the code frame.
+using FrameRoles = std::array<std::size_t, 4>;
+
+/// solve(i_a, i_b, i_c, noise): the mode's equations, inlined into a loop that vectorises.
+template <class Solve>
+void solve_row(const FrameRows& rows, const FrameRoles& roles, const NoiseModel noise, float saturated_dn,
+               std::size_t at, PhaseMaps& maps, const Solve solve) {
+  const std::size_t width = rows[0].size();
+  const float* __restrict a = rows[roles[0]].data();
+  const float* __restrict b = rows[roles[1]].data();
+  const float* __restrict c = rows[roles[2]].data();
+  const float* __restrict coded = rows[roles[3]].data();
+  float* __restrict mean = &maps.mean_dn[at], * __restrict cosine = &maps.cosine_dn[at];
+  float* __restrict sine = &maps.sine_dn[at], * __restrict code = &maps.code_dn[at];
+  float* __restrict modulation = &maps.modulation_dn[at], * __restrict phase = &maps.phase_rad[at];
+  float* __restrict sigma = &maps.sigma_rad[at];
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const ThreeFrames f = solve(a[u], b[u], c[u], noise);
+    const float b2 = f.cosine * f.cosine + f.sine * f.sine + 1e-6F;
+    mean[u] = f.mean;
+    cosine[u] = f.cosine;
+    sine[u] = f.sine;
+    code[u] = select(coded[u] < saturated_dn, coded[u] - f.mean, std::numeric_limits<float>::quiet_NaN());
+    modulation[u] = root(b2);
+    phase[u] = atan2_poly(f.sine, f.cosine);
+    sigma[u] = root(f.variance_b4) / b2;
+  }
+}
+
+template <class Solve>
+void solve_burst(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, const FrameRoles& roles,
+                 PhaseMaps& maps, const Solve solve) {
+  maps.resize(view.width, view.height);
+  const auto width = static_cast<std::size_t>(view.width);
+  FrameRows rows;
+  for (auto& row : rows) row.resize(width);
+  for (std::size_t v = 0; v < static_cast<std::size_t>(view.height); ++v) {
+    load_row(view, v, rows);
+    const std::size_t at = v * width;
+    solve_row(rows, roles, noise, config.saturation * noise.full_scale_dn, at, maps, solve);
+    mask_row({rows[roles[0]].data(), rows[roles[1]].data(), rows[roles[2]].data()}, width, noise, config,
+             &maps.sigma_rad[at], &maps.reject[at]);
+  }
+}
 
 }  // namespace enamel::algo

@@ -1,7 +1,6 @@
 #include "pipeline/algo/phase/micro_phase.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "pipeline/algo/phase/frame_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
@@ -13,59 +12,17 @@ constexpr float kThird = 1.0F / 3;
 constexpr float kInvRoot3 = 0.57735027F;
 constexpr float kLargestResidue_rad = 0.2F;
 
-struct RowOut {
-  float* mean;
-  float* cosine;
-  float* sine;
-  float* code;
-  float* modulation;
-  float* phase;
-  float* sigma;
-};
-
-void solve_row(const FrameRows& rows, std::size_t width, const NoiseModel noise, float saturated_dn, const RowOut& o) {
-  const float* __restrict i0 = rows[0].data();
-  const float* __restrict i1 = rows[1].data();
-  const float* __restrict i2 = rows[2].data();
-  const float* __restrict i3 = rows[3].data();
-  float* __restrict mean = o.mean, * __restrict cosine = o.cosine, * __restrict sine = o.sine, * __restrict code = o.code;
-  float* __restrict modulation = o.modulation, * __restrict phase = o.phase, * __restrict sigma = o.sigma;
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const float a = kThird * (i0[u] + i2[u] + i3[u]);
-    const float c = kThird * (2 * i0[u] - i2[u] - i3[u]);
-    const float s = kInvRoot3 * (i3[u] - i2[u]);
-    const float b2 = c * c + s * s + 1e-6F;
-    // First-order propagation of the three frames' noise through atan2(s, c).
-    const float e0 = 2 * kThird * s, e2 = kThird * s - kInvRoot3 * c, e3 = kThird * s + kInvRoot3 * c;
-    const float var =
-        e0 * e0 * noise.variance(i0[u]) + e2 * e2 * noise.variance(i2[u]) + e3 * e3 * noise.variance(i3[u]);
-    mean[u] = a;
-    cosine[u] = c;
-    sine[u] = s;
-    code[u] = select(i1[u] < saturated_dn, i1[u] - a, std::numeric_limits<float>::quiet_NaN());
-    modulation[u] = root(b2);
-    phase[u] = atan2_poly(s, c);
-    sigma[u] = root(var) / b2;
-  }
-}
-
 }  // namespace
 
 void compute_micro_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {
-  maps.resize(view.width, view.height);
-  const auto width = static_cast<std::size_t>(view.width);
-  FrameRows rows;
-  for (auto& row : rows) row.resize(width);
-  for (std::size_t v = 0; v < static_cast<std::size_t>(view.height); ++v) {
-    load_row(view, v, rows);
-    const std::size_t at = v * width;
-    solve_row(rows, width, noise, config.saturation * noise.full_scale_dn,
-              {&maps.mean_dn[at], &maps.cosine_dn[at], &maps.sine_dn[at], &maps.code_dn[at], &maps.modulation_dn[at],
-               &maps.phase_rad[at], &maps.sigma_rad[at]});
-    mask_row({rows[0].data(), rows[2].data(), rows[3].data()}, width, noise, config, &maps.sigma_rad[at],
-             &maps.reject[at]);
-  }
+  solve_burst(view, noise, config, {0, 2, 3, 1}, maps, [](float i0, float i2, float i3, const NoiseModel& n) {
+    const float a = kThird * (i0 + i2 + i3);
+    const float c = kThird * (2 * i0 - i2 - i3);
+    const float s = kInvRoot3 * (i3 - i2);
+    // First-order propagation of the three frames' noise through atan2(s, c).
+    const float e0 = 2 * kThird * s, e2 = kThird * s - kInvRoot3 * c, e3 = kThird * s + kInvRoot3 * c;
+    return ThreeFrames{a, c, s, e0 * e0 * n.variance(i0) + e2 * e2 * n.variance(i2) + e3 * e3 * n.variance(i3)};
+  });
 }
 
 ThirdHarmonic estimate_third_harmonic(std::span<const CellSpan> spans, const PhaseMaps& maps) {

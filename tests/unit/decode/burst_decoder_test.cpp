@@ -24,13 +24,7 @@ const BurstDecoder& small_decoder() {
   return kDecoder;
 }
 
-test::SceneOptions noisy(double modulation_dn = 80) {
-  test::SceneOptions o;
-  o.noise = true;
-  o.modulation_dn = modulation_dn;
-  o.mean_dn = modulation_dn * 1.25 + 3;
-  return o;
-}
+using test::noisy;
 
 struct ErrorSums {
   double n = 0, sum = 0, squares = 0, normalised = 0;

@@ -22,13 +22,7 @@ const BurstDecoder& decoder() {
   return kDecoder;
 }
 
-test::SceneOptions noisy(double modulation_dn = 80) {
-  test::SceneOptions o;
-  o.noise = true;
-  o.modulation_dn = modulation_dn;
-  o.mean_dn = modulation_dn * 1.25 + 3;
-  return o;
-}
+using test::noisy;
 
 using Depth = std::function<double(int, int)>;
 

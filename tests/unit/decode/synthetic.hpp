@@ -54,6 +54,15 @@ struct SceneOptions {
   std::function<double(int u, int v)> light = [](int, int) { return 1.0; };
 };
 
+/// Sensor noise on, at a contrast of 0.8 above a pedestal of 3 DN.
+inline SceneOptions noisy(double modulation_dn = 80) {
+  SceneOptions o;
+  o.noise = true;
+  o.modulation_dn = modulation_dn;
+  o.mean_dn = modulation_dn * 1.25 + 3;
+  return o;
+}
+
 struct SyntheticBurst {
   FrameSet frames;
   Map<double> phase_rad;  ///< true absolute Phi at mid-burst
