@@ -1,13 +1,12 @@
-// Processor time of one VGA burst, per step, one thread. ENAMEL_ORACLE may name another exchange folder; burst 0 is
-// used.
+// Processor time of one VGA burst, burst 0 of each rendered set, per step, one thread.
 #include <benchmark/benchmark.h>
 
-#include <cstdlib>
 #include <ctime>
 #include <map>
 #include <string>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
+#include "tests/support/shared_data.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 
 namespace {
@@ -20,9 +19,7 @@ double thread_ms() {
 }
 
 void decode_burst(benchmark::State& state, const std::string& set) {
-  const char* named = std::getenv("ENAMEL_ORACLE");
-  const std::string folder =
-      (named != nullptr ? named : ENAMEL_SOURCE_DIR "/../shared/data/oracle") + std::string("/") + set;
+  const std::string folder = enamel::test::shared_folder() + "/data/oracle/" + set;
   const auto rig = enamel::calib::load_rig(folder + "/rig.json");
   const auto frames = enamel::test::load_folder_burst(folder, 0);
   if (!rig || !frames) return state.SkipWithError("no such exchange folder");

@@ -15,12 +15,13 @@
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "pipeline/algo/decode/decode_maps.hpp"
 #include "protocol/base/file.hpp"
+#include "tests/support/shared_data.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 
 namespace enamel::algo {
 namespace {
 
-const std::string kShared = ENAMEL_SOURCE_DIR "/../shared";
+const std::string kShared = test::shared_folder();
 const std::string kScorer = kShared + "/score/score.py";
 
 using Figures = std::map<std::string, double>;
