@@ -47,12 +47,13 @@ RayTable make_ray_table(const LensValues& camera) {
   const std::size_t n = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   table.x.reserve(n);
   table.y.reserve(n);
-  for (int v = 0; v < camera.height; ++v)
+  for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       const PlanePoint p = undistort(camera, {static_cast<double>(u), static_cast<double>(v)});
       table.x.push_back(static_cast<float>(p.x));
       table.y.push_back(static_cast<float>(p.y));
     }
+  }
   return table;
 }
 

@@ -29,11 +29,12 @@ LensValues read_lens(JsonSection s, std::vector<std::string>& unknown) {
 void check_rigid(const std::array<std::array<double, 4>, 4>& t, JsonSection& s) {
   for (std::size_t c = 0; c < 4; ++c)
     if (t[3][c] != (c == 3 ? 1.0 : 0.0)) s.refuse("T_proj_cam", "must end with the row 0 0 0 1");
-  for (std::size_t a = 0; a < 3; ++a)
+  for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t b = a; b < 3; ++b) {
       const double dot = t[0][a] * t[0][b] + t[1][a] * t[1][b] + t[2][a] * t[2][b];
       if (!(std::abs(dot - (a == b ? 1.0 : 0.0)) < kRigidTolerance)) s.refuse("T_proj_cam", "is not a rigid motion");
     }
+  }
   const double det = t[0][0] * (t[1][1] * t[2][2] - t[1][2] * t[2][1]) -
                      t[0][1] * (t[1][0] * t[2][2] - t[1][2] * t[2][0]) +
                      t[0][2] * (t[1][0] * t[2][1] - t[1][1] * t[2][0]);

@@ -125,7 +125,7 @@ Result<void> LiveFeed::run(const std::stop_token& stop) {
     const Error lost{ErrorCode::kProbeLost, link_.probe() ? link_.probe()->serial : ""};
     log::warn(kModule, "{}", words(lost));
     enter(FeedState::kLost, words(lost));
-    if (const auto back = wait_for_probe(stop, true); !back) {
+    if (auto back = wait_for_probe(stop, true); !back) {
       if (back.error().code == ErrorCode::kCancelled) break;
       return back;
     }

@@ -61,6 +61,7 @@ Json noise_study() {
     algo::compute_phase(scene.frames.view(), noise, {}, maps);
     const double three = normalised_rms(maps, scene.phase_rad);
     std::vector<algo::CellSpan> spans;
+    spans.reserve(240);
     for (int v = 0; v < 240; ++v) spans.push_back({v, 0, 320, 0, false});
     algo::PolarityMaps polarity;
     algo::apply_polarity(spans, {std::vector<float>(8, 1.0F), false}, noise, {}, maps, polarity);
@@ -96,7 +97,7 @@ Json baked_study() {
   const algo::RayDepth rays = algo::RayDepth::bake(rig, *rig.depth_range).value();
   double worst_um = 0;
   std::size_t points = 0;
-  for (int v = 0; v < 480; v += 9)
+  for (int v = 0; v < 480; v += 9) {
     for (int u = 0; u < 640; u += 9) {
       const std::size_t i = static_cast<std::size_t>(v) * 640 + static_cast<std::size_t>(u);
       const calib::PlanePoint ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
@@ -109,6 +110,7 @@ Json baked_study() {
         ++points;
       }
     }
+  }
   return {{"worst_um", worst_um}, {"points", points}};
 }
 
@@ -150,13 +152,14 @@ Json captured_study(const std::string& folder) {
   } else {
     std::fprintf(stderr, "captured fringes skipped: %s\n", set.error().message().c_str());
   }
-  if (const auto f = test::measure_blocks(fringe + "/blocks_3step_2freq_gray"))
+  if (const auto f = test::measure_blocks(fringe + "/blocks_3step_2freq_gray")) {
     out["blocks"] = {{"lit_px", f->lit_px},
                      {"solved_px", f->solved_px},
                      {"orders_equal_pct", 100 * f->orders_equal},
                      {"links_torn_pct", 100 * f->links_torn},
                      {"ripple_before_rad", f->ripple_before},
                      {"ripple_after_rad", f->ripple_after}};
+  }
   return out;
 }
 

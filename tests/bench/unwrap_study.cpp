@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -46,6 +48,7 @@ Problem make(double noise_dn) {
   noise.floor_dn2 = static_cast<float>(noise_dn * noise_dn + 1.0 / 12);
   algo::compute_phase(p.burst.frames.view(), noise, {}, p.maps);
   std::vector<algo::CellSpan> rows;
+  rows.reserve(static_cast<std::size_t>(p.maps.phase_rad.height()));
   for (int v = 0; v < p.maps.phase_rad.height(); ++v) rows.push_back({v, 0, p.maps.phase_rad.width(), 0, false});
   algo::PolarityMaps polarity;
   algo::apply_polarity(rows, {std::vector<float>(4, 1.0F), false}, noise, {}, p.maps, polarity);
@@ -78,10 +81,11 @@ Json score(const Problem& p, const Map<float>& unwrapped, const Map<std::uint8_t
     ++shifts[region[i]][std::lround(off)];
   }
   std::size_t right = 0;
-  for (const auto& [k, counts] : shifts)
+  for (const auto& [k, counts] : shifts) {
     right += std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
                return a.second < b.second;
              })->second;
+  }
   const auto n = static_cast<double>(std::max<std::size_t>(mask, 1));
   return {{"wrong_pct", 100 * static_cast<double>(told - right) / static_cast<double>(std::max<std::size_t>(told, 1))},
           {"left_out_pct", 100 * static_cast<double>(mask - told) / n},
@@ -128,11 +132,12 @@ Json opencv_histogram(const Problem& p) {
   cv::setNumThreads(1);
   const int w = p.maps.phase_rad.width(), h = p.maps.phase_rad.height();
   cv::Mat wrapped(h, w, CV_32FC1), mask(h, w, CV_8UC1), result;
-  for (int v = 0; v < h; ++v)
+  for (int v = 0; v < h; ++v) {
     for (int u = 0; u < w; ++u) {
       wrapped.at<float>(v, u) = p.maps.phase_rad(u, v);
       mask.at<std::uint8_t>(v, u) = p.maps.reject(u, v) == algo::PixelReject::kNone ? 255 : 0;
     }
+  }
   cv::phase_unwrapping::HistogramPhaseUnwrapping::Params params;
   params.width = w, params.height = h;
   const double ms = median_ms([&] {  // a fresh object each time: a reused one grows slower call by call
@@ -141,11 +146,12 @@ Json opencv_histogram(const Problem& p) {
   });
   Map<float> unwrapped(w, h);
   Map<std::uint8_t> answered(w, h);
-  for (int v = 0; v < h; ++v)
+  for (int v = 0; v < h; ++v) {
     for (int u = 0; u < w; ++u) {
       unwrapped(u, v) = result.at<float>(v, u);
       answered(u, v) = mask.at<std::uint8_t>(v, u) != 0 ? 1 : 0;
     }
+  }
   Json out = score(p, unwrapped, answered);
   out["ms"] = ms;
   return out;
@@ -206,9 +212,10 @@ Json unwrap_study(const std::string& folder) {
       if (p.maps.reject[i] != algo::PixelReject::kNone) masked[i] = std::nanf("");
       truth[i] = static_cast<float>(p.burst.phase_rad[i]);
     }
-    save(folder + "/unwrap_" + name + "_wrapped.pfm", masked);
-    save(folder + "/unwrap_" + name + "_truth.pfm", truth);
-    save(folder + "/unwrap_" + name + "_modulation.pfm", p.maps.modulation_dn);
+    const std::string stem = fmt::format("{}/unwrap_{}", folder, name);
+    save(stem + "_wrapped.pfm", masked);
+    save(stem + "_truth.pfm", truth);
+    save(stem + "_modulation.pfm", p.maps.modulation_dn);
   }
   return out;
 }

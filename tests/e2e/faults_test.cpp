@@ -30,7 +30,7 @@ Ran replay(const std::string& input, const std::string& out, std::vector<std::st
 /// Three bursts of the small capture as an exchange folder, to be damaged.
 std::string small_folder(const TempFolder& tmp) {
   const std::string cut = tmp / "cut.mcap";
-  const std::string folder = tmp / "folder";
+  std::string folder = tmp / "folder";
   EXPECT_EQ(run({program("enamel"), "capture", "cut", small_capture(), cut, "--last", "2"}).code, 0);
   EXPECT_EQ(run({program("enamel"), "capture", "export", cut, folder}).code, 0);
   return folder;

@@ -37,10 +37,12 @@ void solve(const FringeImages& set, algo::PhaseMaps& m) {
 /// No calibration: the carrier is the median phase step of the image.
 float median_step(const algo::PhaseMaps& m) {
   std::vector<float> steps;
-  for (int v = 0; v < m.phase_rad.height(); ++v)
-    for (int u = 0; u + 1 < m.phase_rad.width(); ++u)
+  for (int v = 0; v < m.phase_rad.height(); ++v) {
+    for (int u = 0; u + 1 < m.phase_rad.width(); ++u) {
       if (m.reject(u, v) == algo::PixelReject::kNone && m.reject(u + 1, v) == algo::PixelReject::kNone)
         steps.push_back(std::remainder(m.phase_rad(u + 1, v) - m.phase_rad(u, v), 2 * kPi));
+    }
+  }
   if (steps.empty()) return 0;
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
@@ -130,9 +132,10 @@ Result<BlocksFigures> measure_blocks(const std::string& folder) {
   out.ripple_before = rms_of(ripple);
   algo::correct_phase(ripple, lit);
   out.ripple_after = rms_of(algo::level(algo::phase_moments(lit, 3)));
-  for (std::size_t i = 0; i < maps.phase_rad.size(); ++i)
+  for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
     maps.phase_rad[i] = static_cast<float>(
         wrap_pi(static_cast<double>(maps.phase_rad[i]) - ripple.error_rad(static_cast<double>(maps.phase_rad[i]))));
+  }
 
   const float step = median_step(maps);
   Map<float> carrier(set.width, set.height);

@@ -41,7 +41,7 @@ CrownBurst render_crowns(const CrownScene& s) {
                  Map<float>(s.width, s.height),
                  Map<std::uint8_t>(s.width, s.height)};
   Normals normal(s.seed);
-  for (int v = 0; v < s.height; ++v)
+  for (int v = 0; v < s.height; ++v) {
     for (int u = 0; u < s.width; ++u) {
       const double x = 2.0 * u / s.width, y = 1.5 * v / s.height;
       const double carrier = 2 * std::numbers::pi * u / s.period_px, height = height_fringes(x, y);
@@ -55,6 +55,7 @@ CrownBurst render_crowns(const CrownScene& s) {
         out.frames.frames[k].push_back(static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L)));
       }
     }
+  }
   return out;
 }
 

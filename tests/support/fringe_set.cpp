@@ -1,5 +1,7 @@
 #include "tests/support/fringe_set.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <complex>
 #include <cstdio>
@@ -44,7 +46,7 @@ std::vector<std::string> numbered(const std::string& prefix, int first, int coun
 Result<FringeImages> load_fringe_images(const std::string& folder, const std::vector<std::string>& names) {
   FringeImages set;
   for (const std::string& name : names) {
-    const std::string path = folder + "/" + name + ".png";
+    const std::string path = fmt::format("{}/{}.png", folder, name);
     if (!std::filesystem::exists(path)) return fail(ErrorCode::kFileNotFound, path);
     const cv::Mat image = cv::imread(path, cv::IMREAD_UNCHANGED);
     if (image.empty() || image.type() != CV_8UC1) return fail(ErrorCode::kImageInvalid, path + ": not 8-bit grey");
@@ -61,9 +63,10 @@ Result<FringeImages> load_fringe_images(const std::string& folder, const std::ve
 }
 
 Result<FrameSet> burst_of(const FringeImages& set, std::size_t first, std::size_t step) {
-  if (first + 3 * step >= set.images.size())
+  if (first + 3 * step >= set.images.size()) {
     return fail(ErrorCode::kBurstNotFound,
                 "image " + std::to_string(first + 3 * step) + " of " + std::to_string(set.images.size()));
+  }
   FrameSet burst{set.width, set.height, {}};
   for (std::size_t k = 0; k < 4; ++k) burst.frames[k] = set.images[first + k * step];
   return burst;

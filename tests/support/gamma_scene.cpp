@@ -87,7 +87,7 @@ Rendered render_burst(const GammaScene& s, int number) {
   Source source(s, s.seed + static_cast<std::uint64_t>(number));
   Rendered out;
   std::array<std::vector<std::uint8_t>, 4> frames;
-  for (int v = 0; v < s.height; ++v)
+  for (int v = 0; v < s.height; ++v) {
     for (int u = 0; u < s.width; ++u) {
       const double phi = true_phase(s, number, u, v);
       out.burst.truth.push_back(phi);
@@ -107,6 +107,7 @@ Rendered render_burst(const GammaScene& s, int number) {
         frames[k].insert(frames[k].end(), bytes.begin(), bytes.end());
       }
     }
+  }
   out.maps = four_step(s, frames, out.spans);
   const auto phases = out.maps.phase_rad.pixels();
   out.burst.four.assign(phases.begin(), phases.end());
@@ -115,9 +116,10 @@ Rendered render_burst(const GammaScene& s, int number) {
 
 double repeating(const std::vector<Rendered>& bursts, std::vector<float> Burst::*estimate) {
   ErrorFolder folder;
-  for (const Rendered& r : bursts)
+  for (const Rendered& r : bursts) {
     for (std::size_t i = 0; i < r.burst.truth.size(); ++i)
       folder.add(wrap_pi(static_cast<double>((r.burst.*estimate)[i]) - r.burst.truth[i]), r.burst.truth[i]);
+  }
   return folder.result().repeating_rad;
 }
 

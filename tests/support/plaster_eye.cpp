@@ -23,12 +23,13 @@ algo::CellSigns all_plus() { return {std::vector<float>(128, 1.0F), false}; }
 /// Spans of all pixels with amplitude, without unwrapping: enough for a solution that needs no order.
 std::vector<algo::CellSpan> lit_spans(const Map<float>& amplitude) {
   std::vector<algo::CellSpan> spans;
-  for (int v = 0; v < amplitude.height(); ++v)
+  for (int v = 0; v < amplitude.height(); ++v) {
     for (int u = 0; u < amplitude.width(); ++u) {
       if (!(amplitude(u, v) > kPlasterMinAmplitude_dn)) continue;
       if (spans.empty() || spans.back().row != v || spans.back().end != u) spans.push_back({v, u, u, 0, false});
       ++spans.back().end;
     }
+  }
   return spans;
 }
 
@@ -68,10 +69,11 @@ std::map<std::int32_t, std::int32_t> vote(const PlasterSet& set, const Unwrapped
     ++votes[component][static_cast<std::int32_t>(std::lround((cell_middle(set.half_fringe[i]) - relative) / kTwoPi))];
   }
   std::map<std::int32_t, std::int32_t> shifts;
-  for (const auto& [component, counts] : votes)
+  for (const auto& [component, counts] : votes) {
     shifts[component] = std::max_element(counts.begin(), counts.end(), [](const auto& x, const auto& y) {
                           return x.second < y.second;
                         })->first;
+  }
   return shifts;
 }
 
@@ -108,11 +110,12 @@ Unwrapped unwrap(const PlasterSet& set, const FrameSet& frames, double offset_ra
 
 template <class Visit>
 void each_pixel(const PlasterSet& set, const Unwrapped& b, Visit visit) {
-  for (const algo::CellSpan& s : b.spans)
+  for (const algo::CellSpan& s : b.spans) {
     for (int u = s.begin; u < s.end; ++u) {
       const std::size_t i = b.phase.phase_rad.index(u, s.row);
       if (set.twelve.amplitude_dn[i] > kPlasterMinAmplitude_dn) visit(i);
     }
+  }
 }
 
 FoldedError compare(const PlasterSet& set, const Unwrapped& b, const Map<float>& reference, double offset_rad,

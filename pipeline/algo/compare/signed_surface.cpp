@@ -63,7 +63,9 @@ void SignedSurface::sum_vertex_normals() {
 void SignedSurface::sum_edge_normals() {
   struct Side {
     std::uint32_t low, high, triangle, slot;
-    auto operator<=>(const Side&) const = default;
+    bool operator<(const Side& o) const {
+      return std::tie(low, high, triangle, slot) < std::tie(o.low, o.high, o.triangle, o.slot);
+    }
   };
   std::vector<Side> sides;
   sides.reserve(mesh_.triangles.size() * 3);

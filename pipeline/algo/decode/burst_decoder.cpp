@@ -9,6 +9,7 @@
 #include "pipeline/algo/decode/surface.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/algo/phase/saturated.hpp"
 #include "pipeline/algo/unwrap/cells.hpp"
 #include "pipeline/algo/unwrap/code_steps.hpp"
 #include "pipeline/algo/unwrap/flood.hpp"
@@ -109,6 +110,7 @@ struct DecodeWorkspace::Buffers {
   RigidMotionWork rigid;
   MotionField field;
   Map<float> raw_phase;
+  std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame
   Map<float> inverse_depth;
   std::vector<float> scratch;
 };
@@ -132,6 +134,8 @@ Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfi
   if (!range) return fail(ErrorCode::kRigInvalid, "key 'depth_range_mm' is missing and none was given");
   ENAMEL_TRY_ASSIGN(RayDepth rays, RayDepth::bake(rig, *range));
   if (micro) ENAMEL_TRY(check_orders_differ(rig.patterns.code_ratio, span_fringes(rays)));
+  if (rig.patterns.mode == calib::PatternMode::kPolarity)
+    ENAMEL_TRY(check_windows_differ(d.signs_, span_fringes(rays)));
   d.rays_ = std::make_shared<const RayDepth>(std::move(rays));
   const RayDepth& r = *d.rays_;
   const auto width = static_cast<std::size_t>(r.width);
@@ -156,6 +160,7 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     diag.motion_rad = b.closure.motion_rad;
     diag.harmonic = b.closure.harmonic;
     step("closure");
+    const MotionField* field = nullptr;
     const int passes = stands_still(b.closure, config_.rigid) ? 0 : config_.motion_passes;
     for (int pass = 0; pass < passes; ++pass) {
       make_inverse_depth(b.phase, b.polarity.turn, *rays_, b.inverse_depth);
@@ -164,7 +169,13 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
       if (!diag.rigid.moved) break;
       b.phase.phase_rad = b.raw_phase;
       correct_phase(b.polarity, &b.field, black, b.closure, b.phase);
+      field = &b.field;
     }
+    const OddFrame odd = find_odd_frame(b.phase, b.polarity, b.closure, field);
+    diag.odd_shift_rad = odd.shift_rad;
+    diag.unrest = odd.unrest;
+    const Map<float>& motion = field != nullptr ? field->rate_rad : b.closure.pixel_motion_rad;
+    correct_saturated(b.saturated, b.raw_phase, motion, b.closure.pixel_harmonic, b.phase);
     step("motion");
   }
   if (config_.correct_fourth) diag.fourth_rad = estimate_fourth_harmonic(b.spans, b.phase).a1_rad;
@@ -174,7 +185,10 @@ void BurstDecoder::solve_phase(const BurstView& view, DecodeWorkspace& workspace
   PhaseMaps& maps = workspace.buffers_->phase;
   NoiseModel& noise = out.diagnostics.noise;
   noise = noise_ ? noise_from_rig(*noise_, view.bit_depth) : noise_from_closure(view);
+  auto& saturated = workspace.buffers_->saturated;
+  saturated.clear();
   (micro_ ? compute_micro_phase : compute_phase)(view, noise, config_.phase, maps);
+  if (!micro_) solve_saturated(view, noise, config_.phase, maps, saturated);
   copy_images(maps, noise, out);
 }
 
@@ -185,6 +199,7 @@ bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnost
   reject_half_lit(b.phase.modulation_dn, b.phase.reject);
   compute_links(b.phase, carrier_, config_.links, b.links);
   diag.linked_share = b.links.pairs > 0 ? static_cast<double>(b.links.linked) / static_cast<double>(b.links.pairs) : 0;
+  reject_parted(b.saturated, b.links, b.phase.reject);
   reject_edges(b.links, b.phase.reject);
   if (diag.linked_share < config_.min_linked_share) return false;
   return micro_ ? diag.direction_share >= config_.min_direction_share : diag.closure_share >= config_.min_closure_share;
@@ -213,7 +228,11 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodeDiagnostics& 
   diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;
   diag.torn_share =
       b.orders.seams > 0 ? static_cast<double>(b.orders.torn_seams) / static_cast<double>(b.orders.seams) : 0;
-  if (b.spans.empty()) return BurstVerdict::kNoCode;
+  if (b.spans.empty()) {
+    const bool blinded = b.saturated.size() > count_of(b.phase, PixelReject::kRelative) / 2;
+    const bool torn = !micro_ && diag.closure_share < config_.min_unplaced_closure_share;
+    return blinded ? BurstVerdict::kSaturated : (torn ? BurstVerdict::kPatternMismatch : BurstVerdict::kNoCode);
+  }
   const bool informative = micro_ || signs_.informative;
   const bool follows = diag.code_agreement >= config_.min_code_agreement && diag.torn_share <= config_.max_torn_share;
   const bool turned = micro_ && std::abs(diag.code_turn_rad) > max_code_turn_rad(micro_->ratio());
@@ -236,6 +255,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     return b.polarity.turn;
   }
   apply_polarity(b.spans, signs_, diag.noise, config_.polarity, b.phase, b.polarity);
+  sort_out_saturated(b.saturated, signs_, diag.noise, config_.polarity, b.polarity.turn, b.phase);
   step("polarity");
   undo_errors(b, diag, step);
   return b.polarity.turn;
@@ -254,6 +274,8 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
     const bool bright = count_of(b.phase, PixelReject::kSaturated) >= config_.min_points;
     return bright ? BurstVerdict::kSaturated : BurstVerdict::kTooDark;
   }
+  diag.repeated_share = repeated_share(view, b.phase, diag.noise);
+  if (diag.repeated_share > config_.max_repeated_share) return BurstVerdict::kPatternMismatch;
   const bool fringes = looks_like_fringes(workspace, diag);
   step("links");
   if (!fringes) return BurstVerdict::kPatternMismatch;
@@ -263,6 +285,8 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   step("order");
   if (placed != BurstVerdict::kAccepted) return placed;
   const Map<std::int16_t>& turn = refine(workspace, diag);
+  if (diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest)
+    return BurstVerdict::kPatternMismatch;
   out.reject = b.phase.reject;
   make_surface(b.phase, turn, *rays_, diag.fourth_rad, b.inverse_depth, out);
   step("triangulate");

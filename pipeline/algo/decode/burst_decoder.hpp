@@ -37,8 +37,12 @@ struct DecodeConfig {
   std::size_t min_points = 1000;   ///< fewer cannot be registered
   double min_linked_share = 0.65;  ///< see burst_gates.hpp
   double min_closure_share = 0.65;
+  double min_unplaced_closure_share = 0.85;  ///< with less and no order found, the frames are to blame, not the code
   double min_direction_share = 0.65;
   double min_code_agreement = 0.95;  ///< five times the share of lying cells that order.hpp expects
+  double max_repeated_share = 0.9;   ///< of lit pixels at which two frames are the same picture
+  float max_odd_shift_rad = 0.1F;    ///< of one frame against the others: bends the phase by a quarter of it, and ...
+  float max_odd_over_unrest = 1.8F;  ///< ... stands out from what light and texture did during the burst
   double max_torn_share = 0.1;  ///< a foreign code can only be followed by jumping every few cells; surfaces do not
 };
 

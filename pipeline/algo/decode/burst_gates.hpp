@@ -2,6 +2,7 @@
 // like.
 #pragma once
 
+#include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/phase/phase.hpp"
 #include "pipeline/algo/unwrap/links.hpp"
 
@@ -11,6 +12,25 @@ namespace enamel::algo {
 /// 90-degree frames in the right order give nearly 1 (only flips' blur and depth edges fall out); a permutation breaks
 /// the identity over a good part of the fringe. Frame 3 saturated: not counted.
 [[nodiscard]] double closure_share(const PhaseMaps& maps, const NoiseModel& noise);
+
+/// Largest share of valid pixels, over all pairs of frames, at which two frames are the same within noise. 1 where a
+/// frame was sent twice; 0.4 at most where fringes pass, at the noise where the mask ends. Frames 1 and 3 of mode T are
+/// the same in half of the cells, so that a view of a single fringe may look like one frame twice; it has no code
+/// either way.
+[[nodiscard]] double repeated_share(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise);
+
+/// What motion and second harmonic leave of the closure residual, as median over the fit's blocks. A frame k of another
+/// time is off by a phase d: of the two columns B sin and B cos of the residual, which motion fills with opposite
+/// signs, it fills but one, B (d/2) (sin + cos) beside an apparent motion. Light and texture that change during the
+/// burst disturb that column as much as any other: `unrest` is their part where b = -1, to which an odd frame adds
+/// none.
+struct OddFrame {
+  float shift_rad = 0;  ///< d
+  float unrest = 0;     ///< of B, on the same scale as shift_rad
+};
+/// field: motion known better than by the fit, or null.
+[[nodiscard]] OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureFit& fit,
+                                      const MotionField* field);
 
 /// Share of valid horizontal neighbours whose phase changes in the direction of the rig's carrier. An odd permutation
 /// of mode M's three phase frames turns the sign of the phase, and its code is as good as before (cos is even): only

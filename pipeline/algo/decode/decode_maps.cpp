@@ -73,17 +73,20 @@ std::string diagnostics_json(const DecodeDiagnostics& d, calib::PatternMode mode
   const char* noise_from = d.noise.source == NoiseSource::kRig ? "rig" : "closure";
   if (mode == calib::PatternMode::kMicro) {
     return fmt::format(
-        "\"linked_share\": {:.5f}, \"direction_share\": {:.5f}, \"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, "
+        "\"repeated_share\": {:.5f}, \"linked_share\": {:.5f}, \"direction_share\": {:.5f}, "
+        "\"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, "
         "\"code_turn_rad\": {:.6f}, \"third_rad\": {:.6f}, \"noise_from\": \"{}\"",
-        d.linked_share, d.direction_share, d.code_agreement, d.torn_share, d.code_turn_rad, d.third_rad, noise_from);
+        d.repeated_share, d.linked_share, d.direction_share, d.code_agreement, d.torn_share, d.code_turn_rad,
+        d.third_rad, noise_from);
   }
   return fmt::format(
-      "\"linked_share\": {:.5f}, \"closure_share\": {:.5f}, \"code_agreement\": {:.5f}, "
-      "\"torn_share\": {:.5f}, "
+      "\"repeated_share\": {:.5f}, \"linked_share\": {:.5f}, \"closure_share\": {:.5f}, "
+      "\"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, \"odd_shift_rad\": {:.5f}, \"unrest\": {:.5f}, "
       "\"motion_rad\": {:.6f}, \"harmonic\": {:.6f}, \"fourth_rad\": {:.6f}, \"noise_from\": \"{}\",\n"
       "  \"shift_mm_per_frame\": [{:.6f}], \"turn_rad_per_frame\": [{:.7f}]",
-      d.linked_share, d.closure_share, d.code_agreement, d.torn_share, d.motion_rad, d.harmonic, d.fourth_rad,
-      noise_from, fmt::join(d.rigid.shift_mm, ", "), fmt::join(d.rigid.turn_rad, ", "));
+      d.repeated_share, d.linked_share, d.closure_share, d.code_agreement, d.torn_share, d.odd_shift_rad, d.unrest,
+      d.motion_rad, d.harmonic, d.fourth_rad, noise_from, fmt::join(d.rigid.shift_mm, ", "),
+      fmt::join(d.rigid.turn_rad, ", "));
 }
 
 }  // namespace

@@ -35,6 +35,9 @@ enum class BurstVerdict : std::uint8_t {
 struct DecodeDiagnostics {
   double linked_share = 0;     ///< neighbouring pixel pairs that follow the rig's fringe carrier
   double closure_share = 0;    ///< lit pixels whose fourth frame is A + S or A - S; not in mode M
+  double repeated_share = 0;   ///< of lit pixels: two frames are the same there, for the pair most alike
+  float odd_shift_rad = 0;     ///< by which one frame seems to be off the others; not in mode M
+  float unrest = 0;            ///< what else motion and harmonic do not explain, on the same scale; not in mode M
   double direction_share = 0;  ///< mode M: neighbours whose phase changes in the carrier's direction
   double code_agreement = 0;   ///< of pixels in decided cells: code as labelled
   double torn_share = 0;       ///< of smooth borders between cells: labelling jumps there

@@ -136,8 +136,8 @@ void TsdfModel::carve(const SurfacePatch& patch, const Pose& T_cam_model, FuseSt
     if (!(u >= 0.0 && v >= 0.0 && u < surfels_.width() - 1.0 && v < surfels_.height() - 1.0)) {
       continue;
     }
-    const int i = static_cast<int>(u + 0.5);
-    const int j = static_cast<int>(v + 0.5);
+    const int i = static_cast<int>(std::lround(u));
+    const int j = static_cast<int>(std::lround(v));
     if (surfels_(i, j).weight > 0.0F && patch.depth_mm(i * surfels_.stride(), j * surfels_.stride()) > p.z() + margin) {
       block.distance_mm.fill(0.0F);
       block.weight.fill(0.0F);

@@ -2,8 +2,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace enamel::algo {
+namespace {
+
+constexpr int kLongestAlike = 2;  ///< half fringes: patches of one fringe may be ambiguous, larger ones not
+
+/// A window of the code that is repeated `fringes` further on.
+struct Repeat {
+  int cell = 0, cells = 0, fringes = 0;
+};
+
+Repeat longest_repeat(const CellSigns& signs, int orders) {
+  Repeat longest;
+  for (int fringes = 1; fringes < orders; ++fringes) {
+    int run = 0;
+    for (int c = 0; c + 2 * fringes < signs.cells(); ++c) {
+      const bool alike = signs.at(c) * signs.at(c + 2 * fringes) > 0;
+      run = alike ? run + 1 : 0;
+      if (run > longest.cells) longest = {c + 1 - run, run, fringes};
+    }
+  }
+  return longest;
+}
+
+}  // namespace
 
 Result<CellSigns> make_cell_signs(const calib::PatternValues& patterns, const calib::LensValues& projector) {
   using calib::PatternMode;
@@ -29,6 +53,19 @@ Result<CellSigns> make_cell_signs(const calib::PatternValues& patterns, const ca
   cells.informative =
       std::any_of(cells.sign.begin(), cells.sign.end(), [&](float s) { return (s > 0) != (cells.sign.front() > 0); });
   return cells;
+}
+
+Result<void> check_windows_differ(const CellSigns& signs, double span_fringes) {
+  const int orders = static_cast<int>(std::floor(span_fringes)) + 1;
+  const Repeat r = longest_repeat(signs, orders);
+  if (r.cells <= kLongestAlike) return {};
+  std::string window;
+  for (int c = r.cell; c < r.cell + r.cells; ++c) window += signs.at(c) > 0 ? '+' : '-';
+  return fail(ErrorCode::kPatternSet, "polarity_code shows the window " + window + " (" + std::to_string(r.cells) +
+                                          " half fringes) at two of the " + std::to_string(orders) +
+                                          " fringe orders that the depth range leaves open, " +
+                                          std::to_string(r.fringes) +
+                                          " apart: use a code without such windows or a smaller depth range");
 }
 
 }  // namespace enamel::algo

@@ -60,6 +60,12 @@ void qualities(const PixelRow& r, std::size_t width, const float* __restrict eas
   }
 }
 
+void unlink(LinkMaps& links, std::size_t i, std::size_t width) {
+  links.east[i] = links.south[i] = links.quality[i] = 0;
+  if (i > 0) links.east[i - 1] = 0;
+  if (i >= width) links.south[i - width] = 0;
+}
+
 }  // namespace
 
 Carrier make_carrier(const float* phase_mid_rad, const RaySlopes& rays, double near_mm, float max_slope_deg) {
@@ -113,10 +119,23 @@ void reject_edges(LinkMaps& links, Map<PixelReject>& reject) {
   for (std::size_t i = 0; i + width < n; ++i)
     if (links.south[i] == 0 && valid(i) && valid(i + width)) reject[i] = reject[i + width] = PixelReject::kEdge;
   for (std::size_t i = 0; i < n; ++i) {
-    if (reject[i] != PixelReject::kEdge) continue;
-    links.east[i] = links.south[i] = links.quality[i] = 0;
-    if (i > 0) links.east[i - 1] = 0;
-    if (i >= width) links.south[i - width] = 0;
+    if (reject[i] == PixelReject::kEdge) unlink(links, i, width);
+  }
+}
+
+void reject_parted(const std::vector<SaturatedPixel>& pixels, LinkMaps& links, Map<PixelReject>& reject) {
+  const std::size_t width = static_cast<std::size_t>(reject.width()), n = reject.size();
+  const auto cut = [&](std::size_t a, std::size_t b, const Map<std::uint8_t>& link) {
+    return link[a] == 0 && reject[a] == PixelReject::kNone && reject[b] == PixelReject::kNone;
+  };
+  for (const SaturatedPixel& p : pixels) {
+    const std::size_t i = p.index, u = i % width;
+    const bool parted = (u + 1 < width && cut(i, i + 1, links.east)) || (u > 0 && cut(i - 1, i, links.east)) ||
+                        (i + width < n && cut(i, i + width, links.south)) ||
+                        (i >= width && cut(i - width, i, links.south));
+    if (!parted) continue;
+    reject[i] = PixelReject::kSaturated;
+    unlink(links, i, width);
   }
 }
 

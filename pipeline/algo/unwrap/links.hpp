@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/algo/phase/phase.hpp"
+#include "pipeline/algo/phase/saturated.hpp"
 #include "pipeline/types/map.hpp"
 
 namespace enamel::algo {
@@ -36,6 +37,10 @@ void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkCon
 /// Rejects (kEdge) both pixels of every cut between two valid ones, and their links: blur makes such pixels see both
 /// sides, and a flood must not leak from one side to the other through them.
 void reject_edges(LinkMaps& links, Map<PixelReject>& reject);
+
+/// Before reject_edges: rejects (kSaturated) those of the pixels solved without a frame that are cut off from a valid
+/// neighbour. Their own phase is the likelier one to be wrong, and must not cost the neighbour's.
+void reject_parted(const std::vector<SaturatedPixel>& pixels, LinkMaps& links, Map<PixelReject>& reject);
 
 /// Rejects (kEdge) lit pixels whose modulation is under half of that two pixels away: most of their light is blurred
 /// over from the neighbour, and so is their phase. Call before compute_links.

@@ -11,13 +11,15 @@ namespace {
 
 TEST(Lens, undistort_inverts_project_over_the_whole_image) {
   const Rig rig = parse_rig(test::kRigText).value();
-  for (const LensValues& lens : {rig.camera, rig.projector})
-    for (double v = -0.5; v <= lens.height; v += 16)
+  for (const LensValues& lens : {rig.camera, rig.projector}) {
+    for (double v = -0.5; v <= lens.height; v += 16) {
       for (double u = -0.5; u <= lens.width; u += 16) {
         const PlanePoint back = project(lens, undistort(lens, {u, v}));
         ASSERT_NEAR(back.x, u, 1e-9);
         ASSERT_NEAR(back.y, v, 1e-9);
       }
+    }
+  }
 }
 
 TEST(Lens, tangential_terms_follow_opencv_order) {

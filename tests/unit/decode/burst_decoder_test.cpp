@@ -37,9 +37,10 @@ struct ErrorSums {
 
 ErrorSums errors_of(const DecodedBurst& b, const test::SyntheticBurst& truth) {
   ErrorSums s;
-  for (std::size_t i = 0; i < b.patch.depth_mm.size(); ++i)
+  for (std::size_t i = 0; i < b.patch.depth_mm.size(); ++i) {
     if (!std::isnan(b.patch.depth_mm[i]))
       s.add(static_cast<double>(b.patch.depth_mm[i]) - truth.depth_mm[i], static_cast<double>(b.patch.sigma_mm[i]));
+  }
   return s;
 }
 

@@ -30,7 +30,7 @@ Seen see(int orders, double noise_share) {
   Seen s;
   s.flood.turn = Map<std::int16_t>(kWidth, kHeight);
   s.flood.component = Map<std::int32_t>(kWidth, kHeight, 0);
-  for (int v = 0; v < kHeight; ++v)
+  for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
       const double smooth = 2 * kPi * (u + 0.3) / 26, phi = smooth + 2 * kPi * (u < kJump_px ? 0 : orders) + 40 * kPi;
       for (int k = 0; k < 4; ++k) {
@@ -39,13 +39,16 @@ Seen see(int orders, double noise_share) {
             static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L)));
       }
     }
+  }
   s.noise.floor_dn2 = static_cast<float>(std::pow(80 * noise_share, 2) + 1.0 / 12);
   s.code = make_micro_code(rig.patterns, rig.projector).value();
   compute_micro_phase(f.view(), s.noise, {}, s.phase);
-  for (int v = 0; v < kHeight; ++v)
-    for (int u = 0; u < kWidth; ++u)
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
       s.flood.turn(u, v) = static_cast<std::int16_t>(
           std::lround((2 * kPi * (u + 0.3) / 26 - static_cast<double>(s.phase.phase_rad(u, v))) / (2 * kPi)));
+    }
+  }
   return s;
 }
 

@@ -1,6 +1,5 @@
 // Bursts whose frames are not what they should be: duplicated, left over from the burst before, blinded. None may be
 // decoded, and each must be counted under the right reason.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,12 +9,6 @@
 
 namespace enamel::algo {
 namespace {
-
-/// Frames that do not belong together. Some pass the gates on links and closure by a hair and are then found to carry
-/// no code at all: rejected as well, and nothing of them is placed.
-testing::Matcher<BurstVerdict> frames_do_not_fit() {
-  return testing::AnyOf(BurstVerdict::kPatternMismatch, BurstVerdict::kNoCode);
-}
 
 class FaultFrames : public testing::Test {
  protected:
@@ -44,15 +37,16 @@ TEST_F(FaultFrames, whole_burst_is_accepted) {  // the control of all that follo
 
 TEST_F(FaultFrames, any_frame_sent_twice_in_place_of_another_is_detected) {
   const test::FrameSet good = burst(0, 1);
-  for (std::size_t lost = 0; lost < 4; ++lost)
+  for (std::size_t lost = 0; lost < 4; ++lost) {
     for (std::size_t twice = 0; twice < 4; ++twice) {
       if (lost == twice) continue;
       test::FrameSet bad = good;
       bad.frames[lost] = good.frames[twice];
       const DecodedBurst b = decoder().decode(bad.view());
-      EXPECT_THAT(b.verdict, frames_do_not_fit()) << "frame " << twice << " in place of " << lost;
+      EXPECT_EQ(b.verdict, BurstVerdict::kPatternMismatch) << "frame " << twice << " in place of " << lost;
       EXPECT_EQ(b.patch.valid_px, 0U);
     }
+  }
 }
 
 TEST_F(FaultFrames, frame_left_over_from_a_burst_a_third_of_a_fringe_away_is_detected) {
@@ -62,7 +56,7 @@ TEST_F(FaultFrames, frame_left_over_from_a_burst_a_third_of_a_fringe_away_is_det
     test::FrameSet bad = now;
     bad.frames[stale] = before.frames[stale];
     const DecodedBurst b = decoder().decode(bad.view());
-    EXPECT_THAT(b.verdict, frames_do_not_fit())
+    EXPECT_EQ(b.verdict, BurstVerdict::kPatternMismatch)
         << "frame " << stale << ": " << name_of(b.verdict) << " linked " << b.diagnostics.linked_share << " closure "
         << b.diagnostics.closure_share << " code " << b.diagnostics.code_agreement << " torn "
         << b.diagnostics.torn_share << " motion " << b.diagnostics.motion_rad;
@@ -88,7 +82,13 @@ TEST_F(FaultFrames, light_that_clips_the_crests_of_the_fringes_leaves_no_wrong_d
   const auto scene = test::render(rig(), test::flat(48), o);
   const DecodedBurst b = decoder().decode(scene.frames.view());
   EXPECT_NE(b.verdict, BurstVerdict::kAccepted) << b.patch.valid_px;
-  EXPECT_GT(b.counts[static_cast<std::size_t>(PixelReject::kSaturated)], 320U * 120U / 2);
+  for (std::size_t i = 0; i < b.reject.size(); ++i) {
+    int clipped = 0;
+    for (std::size_t k = 0; k < 3; ++k) clipped += scene.frames.frames[k][i] == 255 ? 1 : 0;
+    if (clipped > 1) {
+      ASSERT_EQ(b.reject[i], PixelReject::kSaturated) << i;
+    }
+  }
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ class Patches {
   void see(double start) {
     std::array<std::vector<std::uint8_t>, 4> bytes;
     const double code_to_fringe = std::pow(1 + 1 / taken_.ratio, 2);
-    for (int i = 0; i < n_ * n_; ++i)
+    for (int i = 0; i < n_ * n_; ++i) {
       for (std::size_t k = 0; k < 4; ++k) {
         const double phi = start + 2 * kPi / 27 * (i % n_) + 0.1 * taken_.at[k];
         const double gain = k == 1 ? std::exp(-2 * kPi * kPi * 0.01 * (code_to_fringe - 1)) : 1;
@@ -116,6 +116,7 @@ class Patches {
         bytes[k].push_back(static_cast<std::uint8_t>(value & 255U));
         bytes[k].push_back(static_cast<std::uint8_t>(value >> 8U));
       }
+    }
     BurstView view{n_, n_, 16, {}};
     for (std::size_t k = 0; k < 4; ++k) view.frames[k] = bytes[k];
     compute_micro_phase(view, noise_, {}, maps_);

@@ -27,7 +27,10 @@ using test::noisy;
 using Depth = std::function<double(int, int)>;
 
 const Depth kSlant = [](int u, int v) { return 46 + 0.008 * u + 0.004 * v; };
-const Depth kStairs = [](int u, int v) { return 43.0 + 2.0 * (u / 80) + (v < 60 ? 0.0 : 1.3); };
+const Depth kStairs = [](int u, int v) {
+  const int stair = u / 80;
+  return 43.0 + 2.0 * stair + (v < 60 ? 0.0 : 1.3);
+};
 
 struct Outcome {
   std::size_t lit = 0, valid = 0, wrong = 0;
@@ -44,7 +47,7 @@ Outcome decode(const Depth& depth, const test::SceneOptions& o, const BurstDecod
   const auto scene = test::render(wide_rig(), depth, o);
   Outcome out;
   out.burst = by.decode(scene.frames.view());
-  for (int v = 0; v < wide_rig().camera.height; ++v)
+  for (int v = 0; v < wide_rig().camera.height; ++v) {
     for (int u = 0; u < wide_rig().camera.width; ++u) {
       out.lit += o.light(u, v) > 0 ? 1U : 0U;
       const auto z = static_cast<double>(out.burst.patch.depth_mm(u, v));
@@ -58,6 +61,7 @@ Outcome decode(const Depth& depth, const test::SceneOptions& o, const BurstDecod
       out.squares_um2 += 1e6 * e * e;
       out.normalised += std::pow(e / static_cast<double>(out.burst.patch.sigma_mm(u, v)), 2);
     }
+  }
   return out;
 }
 
@@ -173,13 +177,14 @@ BurstView permuted(const test::SyntheticBurst& scene, const std::array<std::size
 class MicroPermutation : public testing::TestWithParam<std::array<std::size_t, 4>> {};
 
 TEST_P(MicroPermutation, is_detected) {
-  for (const double modulation : {12.0, 80.0})
+  for (const double modulation : {12.0, 80.0}) {
     for (const Depth& depth : {kSlant, kStairs}) {
       const auto scene = test::render(wide_rig(), depth, noisy(modulation));
       ASSERT_TRUE(decoder().decode(scene.frames.view()).accepted());  // the control: in order it is accepted
       const DecodedBurst b = decoder().decode(permuted(scene, GetParam()));
       EXPECT_FALSE(b.accepted()) << modulation << " " << figures(b);
     }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MicroPermutation, testing::ValuesIn(permutations()), [](const auto& p) {

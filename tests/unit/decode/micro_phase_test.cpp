@@ -129,13 +129,14 @@ TEST(MicroPhase, mask_judges_the_phase_frames_and_spares_the_code_frame) {
 /// Spans of a strip's whole fringes.
 std::vector<CellSpan> whole_spans(const Strip& s) {
   std::vector<CellSpan> spans;
-  for (int v = 0; v < s.height; ++v)
+  for (int v = 0; v < s.height; ++v) {
     for (int u = 0; u < s.width; ++u) {
       const int cell = static_cast<int>(std::floor(s.phase_rad[static_cast<std::size_t>(u)] / kPi));
       if (u == 0 || spans.back().cell != cell) spans.push_back({v, u, u, cell, u > 0});
       spans.back().end = u + 1;
       if (u + 1 == s.width) spans.back().whole = false;
     }
+  }
   return spans;
 }
 
@@ -169,16 +170,18 @@ TEST(ThirdHarmonic, invents_nothing_on_a_slanted_surface) {
     maps.sine_dn[i] = static_cast<float>(20000 * std::sin(bent));
   }
   std::vector<CellSpan> spans;
-  for (int v = 0; v < 20; ++v)
+  for (int v = 0; v < 20; ++v) {
     for (int f = 0; f < 40; ++f) {
       spans.push_back({v, 25 * f, 25 * f + 12, 2 * f, true});
       spans.push_back({v, 25 * f + 12, 25 * f + 25, 2 * f + 1, true});
     }
+  }
   EXPECT_LT(std::abs(estimate_third_harmonic(spans, maps).a1_rad), 0.01F);
   double half = 0;  // the control: over half fringes alone the same surface would bias it
-  for (int i = 0; i < 12; ++i)
+  for (int i = 0; i < 12; ++i) {
     half += std::cos(3 * static_cast<double>(std::atan2(maps.sine_dn[static_cast<std::size_t>(i)],
                                                         maps.cosine_dn[static_cast<std::size_t>(i)])));
+  }
   EXPECT_GT(std::abs(2.0 / 3 * half / 12), 0.015);
 }
 

@@ -134,5 +134,30 @@ TEST_F(Oracle, every_permutation_of_real_frames_is_detected) {
   }
 }
 
+/// Frame `bad` of burst 0 replaced, by another frame of the burst or by its own from the burst after.
+class OracleFrames : public Oracle, public testing::WithParamInterface<const char*> {};
+
+TEST_P(OracleFrames, repeated_or_left_over_are_told_from_a_burst) {
+  const std::string folder = kShared + "/data/oracle/" + GetParam();
+  const auto frames = test::load_folder_burst(folder, 0), other = test::load_folder_burst(folder, 1);
+  ASSERT_TRUE(frames && other);
+  decoder().decode(frames->view(), workspace(), decoded());
+  ASSERT_EQ(decoded().verdict, BurstVerdict::kAccepted);  // the control
+  for (std::size_t bad = 0; bad < 4; ++bad) {
+    for (std::size_t from = 0; from <= 4; ++from) {
+      if (from == bad) continue;
+      BurstView view = frames->view();
+      view.frames[bad] = from < 4 ? frames->frames[from] : other->frames[bad];
+      decoder().decode(view, workspace(), decoded());
+      const DecodeDiagnostics& d = decoded().diagnostics;
+      EXPECT_EQ(decoded().verdict, BurstVerdict::kPatternMismatch)
+          << "frame " << bad << (from < 4 ? " by " + std::to_string(from) : " left over") << ": "
+          << name_of(decoded().verdict) << " repeated " << d.repeated_share << " odd " << d.odd_shift_rad << " unrest "
+          << d.unrest;
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Sets, OracleFrames, testing::Values("plane-01", "spheres-01", "steps-01", "sweep-01"));
+
 }  // namespace
 }  // namespace enamel::algo

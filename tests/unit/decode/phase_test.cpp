@@ -119,5 +119,25 @@ TEST(CellSigns, refuse_sets_that_have_no_four_step_solution) {
   EXPECT_EQ(make_cell_signs(rig.patterns, rig.projector).error().code, ErrorCode::kPatternSet);
 }
 
+TEST(CellSigns, windows_that_repeat_within_the_depth_range_are_named) {
+  calib::Rig rig = test::cropped_rig(8, 8);
+  const auto check = [&](std::initializer_list<int> code, double span) {
+    rig.patterns.polarity_code = code;
+    return check_windows_differ(make_cell_signs(rig.patterns, rig.projector).value(), span);
+  };
+  EXPECT_TRUE(check_windows_differ(make_cell_signs(rig.patterns, rig.projector).value(), 4.6));  // the probe's own code
+  const auto repeats = check({1, 1, -1, 1, 1, -1, -1, 1, 1, -1, 1, 1}, 2.5);
+  ASSERT_FALSE(repeats);
+  EXPECT_EQ(repeats.error().code, ErrorCode::kPatternSet);
+  EXPECT_NE(repeats.error().detail.find("half fringes) at two of the 3 fringe orders"), std::string::npos)
+      << repeats.error().detail;
+  // The same code, with a depth range of one order: nothing to tell apart.
+  EXPECT_TRUE(check({1, 1, -1, 1, 1, -1, -1, 1, 1, -1, 1, 1}, 0.9));
+  // The longest window is the one that is named: five cells, two fringes apart.
+  const auto five = check({1, 1, -1, -1, 1, 1, -1, -1, 1, -1, 1, -1, -1, 1, 1, 1}, 2.5);
+  ASSERT_FALSE(five);
+  EXPECT_NE(five.error().detail.find("(5 half fringes)"), std::string::npos) << five.error().detail;
+}
+
 }  // namespace
 }  // namespace enamel::algo

@@ -61,11 +61,12 @@ struct MovingBall {
   /// 1.48 times the median deviation of depth at mid-burst, um: what ripple and noise do, not a few pixels at edges.
   [[nodiscard]] double sigma_um(const DecodedBurst& burst) const {
     std::vector<double> errors;
-    for (int v = 0; v < rig.camera.height; ++v)
+    for (int v = 0; v < rig.camera.height; ++v) {
       for (int u = 0; u < rig.camera.width; ++u) {
         const auto z = static_cast<double>(burst.patch.depth_mm(u, v));
         if (z == z) errors.push_back(1e3 * std::abs(z - depth(u, v, 0)));
       }
+    }
     std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2), errors.end());
     return 1.4826 * errors[errors.size() / 2];
   }

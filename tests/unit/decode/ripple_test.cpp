@@ -34,11 +34,12 @@ TEST_P(Gamma, one_burst_reaches_a_ninth_of_the_uncorrected_or_a_thousandth) {
 INSTANTIATE_TEST_SUITE_P(OneThreeToTwoEight, Gamma, testing::Values(1.3, 1.5, 1.8, 2.2, 2.5, 2.8));
 
 TEST(PhaseRipple, moments_of_half_a_fringe_are_no_calibration) {  // why only whole fringes count
-  std::vector<float> half;
-  for (int k = 0; k < 1000; ++k) half.push_back(0.3F + 0.0005F * static_cast<float>(k));
+  std::vector<float> half(1000), whole(1000);
+  for (std::size_t k = 0; k < half.size(); ++k) {
+    half[k] = 0.3F + 0.0005F * static_cast<float>(k);
+    whole[k] = -3.14159265F + 6.2831853F * (static_cast<float>(k) + 0.5F) / 1000;
+  }
   EXPECT_GT(std::abs(level(phase_moments(half)).sine[0]), 0.05);
-  std::vector<float> whole;
-  for (int k = 0; k < 1000; ++k) whole.push_back(-3.14159265F + 6.2831853F * (static_cast<float>(k) + 0.5F) / 1000);
   EXPECT_LT(std::abs(level(phase_moments(whole)).sine[0]), 1e-5);
   EXPECT_EQ(level(PhaseMoments{}).sine[0], 0);
 }
@@ -88,7 +89,7 @@ FramesOf frames_with(const Deviations& d) {
   test::FrameSet set{kWidth, kHeight, {}};
   test::Normals normal(5);
   FramesOf out;
-  for (int v = 0; v < kHeight; ++v)
+  for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
       const double phi = 2 * std::numbers::pi * (u + 0.3 * v) / 29.7;
       const double albedo = 0.7 + 0.3 * std::sin(0.05 * u) * std::cos(0.07 * v), focus = 0.6 + 0.1 * std::sin(0.01 * u);
@@ -99,6 +100,7 @@ FramesOf frames_with(const Deviations& d) {
         set.frames[k].push_back(static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L)));
       }
     }
+  }
   NoiseModel noise;
   noise.floor_dn2 = 1.1F;
   compute_phase(set.view(), noise, {}, out.maps);

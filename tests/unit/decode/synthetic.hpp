@@ -104,7 +104,7 @@ inline SyntheticBurst render(const calib::Rig& rig, const std::function<double(i
   SyntheticBurst out{{w, h, {}}, Map<double>(w, h), Map<double>(w, h)};
   Normals normal(o.seed);
   const auto& n = *rig.noise;
-  for (int v = 0; v < h; ++v)
+  for (int v = 0; v < h; ++v) {
     for (int u = 0; u < w; ++u) {
       const double z = depth(u, v), light = o.light(u, v);
       const calib::PlanePoint ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
@@ -123,6 +123,7 @@ inline SyntheticBurst render(const calib::Rig& rig, const std::function<double(i
             static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L)));
       }
     }
+  }
   return out;
 }
 

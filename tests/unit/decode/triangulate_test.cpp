@@ -14,7 +14,7 @@ TEST(RayDepth, baked_cubic_meets_the_iterative_form_within_a_tenth_of_a_micromet
   const calib::Rig rig = calib::parse_rig(test::kRigText).value();  // whole field: the corners are the hard part
   const RayDepth rays = RayDepth::bake(rig, *rig.depth_range).value();
   double worst_um = 0;
-  for (int v = 0; v < 480; v += 31)
+  for (int v = 0; v < 480; v += 31) {
     for (int u = 0; u < 640; u += 37) {
       const std::size_t i = static_cast<std::size_t>(v) * 640 + static_cast<std::size_t>(u);
       const calib::PlanePoint ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
@@ -26,6 +26,7 @@ TEST(RayDepth, baked_cubic_meets_the_iterative_form_within_a_tenth_of_a_micromet
         worst_um = std::max(worst_um, 1e3 * std::abs(1 / static_cast<double>(rays.inverse_depth(i, phase)) - *exact));
       }
     }
+  }
   EXPECT_LE(worst_um, 0.1);
 }
 
@@ -70,11 +71,12 @@ TEST(Normals, of_a_tilted_plane_are_exact_and_face_the_camera) {
     const auto ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
     return n.z() * 48 / (n.x() * ray.x + n.y() * ray.y + n.z());
   });
-  for (int v = 3; v < 57; ++v)
+  for (int v = 3; v < 57; ++v) {
     for (int u = 3; u < 77; ++u) {
       const double c = s.normals(u, v).cast<double>().dot(n);
       ASSERT_LT(std::acos(std::min(1.0, c)) * 180 / std::numbers::pi, 0.3) << u << "," << v;
     }
+  }
 }
 
 TEST(Normals, do_not_mix_two_surfaces_across_a_step) {

@@ -21,7 +21,7 @@ Outcome decode(const calib::Rig& rig, const std::function<double(int, int)>& dep
   const BurstDecoder decoder = BurstDecoder::make(rig).value();
   Outcome out;
   out.burst = decoder.decode(scene.frames.view());
-  for (int v = 0; v < rig.camera.height; ++v)
+  for (int v = 0; v < rig.camera.height; ++v) {
     for (int u = 0; u < rig.camera.width; ++u) {
       out.lit += o.light(u, v) > 0 ? 1U : 0U;
       const auto z = static_cast<double>(out.burst.patch.depth_mm(u, v));
@@ -29,6 +29,7 @@ Outcome decode(const calib::Rig& rig, const std::function<double(int, int)>& dep
       ++out.valid;
       out.wrong += std::abs(z - scene.depth_mm(u, v)) > 1.0 ? 1U : 0U;  // a wrong order is 3.5 mm off
     }
+  }
   return out;
 }
 

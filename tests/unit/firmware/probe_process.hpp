@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -33,6 +34,7 @@ class ProbeProcess {
       std::vector<std::string> full{ENAMEL_BIN_DIR "/enamel-probe"};
       full.insert(full.end(), args.begin(), args.end());
       std::vector<char*> argv;
+      argv.reserve(full.size() + 1);
       for (std::string& a : full) argv.push_back(a.data());
       argv.push_back(nullptr);
       execv(argv[0], argv.data());
@@ -132,10 +134,9 @@ class TestHost {
     return answer;
   }
   [[nodiscard]] const proto::Status* last_status(std::uint32_t probe_id) const {
-    for (auto s = seen_statuses.rbegin(); s != seen_statuses.rend(); ++s) {
-      if (s->probe_id == probe_id) return &*s;
-    }
-    return nullptr;
+    const auto of_probe = [&](const proto::Status& s) { return s.probe_id == probe_id; };
+    const auto last = std::find_if(seen_statuses.rbegin(), seen_statuses.rend(), of_probe);
+    return last != seen_statuses.rend() ? &*last : nullptr;
   }
   bool wait_state(std::uint32_t probe_id, proto::ProbeState state) {
     return until([&] {

@@ -26,6 +26,7 @@ class Peer {
   explicit Peer(std::vector<std::string> args) {
     args.insert(args.begin(), ENAMEL_BIN_DIR "/dds_peer");
     std::vector<char*> raw;
+    raw.reserve(args.size() + 1);
     for (std::string& arg : args) raw.push_back(arg.data());
     raw.push_back(nullptr);
     pid_ = fork();

@@ -20,6 +20,7 @@ TEST(TwinLens, ProjectsLikeOpenCv) {
     const cv::Matx33d K(l.fx, 0, l.cx, 0, l.fy, l.cy, 0, 0, 1);
     const std::vector<double> dist(l.dist.begin(), l.dist.end());
     std::vector<cv::Point3d> points;
+    points.reserve(200);
     for (int i = 0; i < 200; ++i) points.emplace_back(-9 + 0.09 * i, 6.5 * std::sin(0.7 * i), 40 + 0.08 * i);
     std::vector<cv::Point2d> expected;
     cv::projectPoints(points, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), K, dist, expected);

@@ -42,7 +42,8 @@ TEST(TwinPhysics, SphereHitsAgreeWithTheClosedForm) {
   for (const auto& [x, radius] : {std::pair{-4.0, 2.5}, {4.0, 3.0}}) {
     const Eigen::Vector3d c = T_cam_model * Eigen::Vector3d(x, 0, 0);
     for (int i = 0; i < rig.camera.width * rig.camera.height; ++i) {
-      const Eigen::Vector3d d = pixel_ray(rig.camera, i % rig.camera.width, i / rig.camera.width);
+      const int u = i % rig.camera.width, v = i / rig.camera.width;
+      const Eigen::Vector3d d = pixel_ray(rig.camera, u, v);
       const double b = d.dot(c), q = b * b - d.squaredNorm() * (c.squaredNorm() - radius * radius);
       const double rim = 0.5;  // the rod and the silhouette are not this test's matter
       const double t = (b - std::sqrt(std::max(q, 0.0))) / d.squaredNorm();

@@ -56,6 +56,7 @@ TEST(MeshDiff, NamesBlocksThatVanished) {
 TEST(MeshDiff, KeepsTheBudgetAndFinishesLater) {
   MeshDiff diff;
   std::vector<std::shared_ptr<const BlockMesh>> blocks;
+  blocks.reserve(20);
   for (std::int32_t x = 0; x < 20; ++x) {
     blocks.push_back(block(x));
   }
@@ -85,6 +86,7 @@ TEST(MeshDiff, EndlesslyChangingBlocksDoNotStarveTheOthers) {
   bool sent = false;
   for (std::uint64_t frame = 0; frame < 10 && !sent; ++frame) {
     std::vector<std::shared_ptr<const BlockMesh>> blocks;
+    blocks.reserve(10);
     for (std::int32_t x = 0; x < 9; ++x) {
       blocks.push_back(block(x, 10, frame));  // new with every frame
     }

@@ -1,8 +1,10 @@
 // The only file that knows Embree.
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <utility>
 
 #include "tools/twin/surface/ray_scene.hpp"
@@ -105,7 +107,7 @@ RayScene::~RayScene() = default;
 void RayScene::intersect(const RayPacket& rays, HitPacket& hits) const {
   RTCRayHit8 rh;
   load(rays, rh.ray);
-  for (std::size_t i = 0; i < kPacket; ++i) rh.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+  std::fill_n(std::begin(rh.hit.geomID), kPacket, RTC_INVALID_GEOMETRY_ID);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;

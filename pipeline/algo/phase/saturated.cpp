@@ -1,0 +1,124 @@
+#include "pipeline/algo/phase/saturated.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "pipeline/algo/phase/frame_rows.hpp"
+#include "pipeline/algo/phase/poly_trig.hpp"
+
+namespace enamel::algo {
+namespace {
+
+using Frames = std::array<float, 4>;
+
+/// A, C and S as weights of the four frames, by the frame that is missing.
+struct Weights {
+  Frames mean, cosine, sine;
+};
+constexpr std::array<Weights, 3> kWithout = {{{{0, 0.5F, 0, 0.5F}, {0, 0.5F, -1, 0.5F}, {0, -0.5F, 0, 0.5F}},
+                                              {{0.5F, 0, 0.5F, 0}, {0.5F, 0, -0.5F, 0}, {-0.5F, 0, -0.5F, 1}},
+                                              {{0, 0.5F, 0, 0.5F}, {1, -0.5F, 0, -0.5F}, {0, -0.5F, 0, 0.5F}}}};
+
+float dot(const Frames& w, const Frames& dn) { return w[0] * dn[0] + w[1] * dn[1] + w[2] * dn[2] + w[3] * dn[3]; }
+
+/// sigma of atan2(s, c) by first-order propagation of the frames' noise.
+float sigma_of(const Weights& w, float c, float s, const Frames& dn, const NoiseModel& noise) {
+  float variance_b4 = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const float e = c * w.sine[k] - s * w.cosine[k];
+    variance_b4 += e * e * noise.variance(dn[k]);
+  }
+  return root(variance_b4) / (c * c + s * s + 1e-6F);
+}
+
+/// The saturated frame of a pixel with but one, else 4.
+std::size_t only_saturated(const Frames& dn, float saturated_dn) {
+  std::size_t missing = 4, count = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (dn[k] >= saturated_dn) missing = k, ++count;
+  }
+  return count == 1 ? missing : 4;
+}
+
+/// What the three frames are worth, by the mask's own rules.
+bool solve_pixel(const Frames& dn, std::size_t missing, std::size_t i, const NoiseModel& noise,
+                 const PhaseConfig& config, PhaseMaps& m) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (noise.black_dn > 0 && dn[k] < 0.5F) return false;
+  }
+  const Weights& w = kWithout[missing];
+  const float c = dot(w.cosine, dn), s = dot(w.sine, dn);
+  const float sigma = sigma_of(w, c, s, dn, noise);
+  if (!(sigma < config.max_sigma_rad)) return false;
+  m.mean_dn[i] = dot(w.mean, dn);
+  m.cosine_dn[i] = c;
+  m.sine_dn[i] = s;
+  m.code_dn[i] = missing == 1 ? s : std::numeric_limits<float>::quiet_NaN();
+  m.modulation_dn[i] = root(c * c + s * s + 1e-6F);
+  m.phase_rad[i] = atan2_poly(s, c);
+  m.sigma_rad[i] = sigma;
+  m.reject[i] = PixelReject::kNone;
+  return true;
+}
+
+/// Whether frame 3 is A + S throughout flip_full_rad around the absolute phase phi + 2 pi turn.
+bool is_plain(float phi, int turn, const CellSigns& signs, float reach_rad) {
+  const int cell = 2 * turn - static_cast<int>(phi < 0);
+  const float above = phi < 0 ? phi + kPiF : phi;  // distance to the cell's lower border
+  return signs.at(cell) > 0 && (above >= reach_rad || signs.at(cell - 1) > 0) &&
+         (kPiF - above >= reach_rad || signs.at(cell + 1) > 0);
+}
+
+}  // namespace
+
+void solve_saturated(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps,
+                     std::vector<SaturatedPixel>& out) {
+  out.clear();
+  const auto width = static_cast<std::size_t>(view.width);
+  const float saturated_dn = config.saturation * noise.full_scale_dn;
+  FrameRows rows;
+  for (auto& row : rows) row.resize(width);
+  for (std::size_t v = 0; v < static_cast<std::size_t>(view.height); ++v) {
+    const PixelReject* reject = &maps.reject[v * width];
+    if (std::find(reject, reject + width, PixelReject::kSaturated) == reject + width) continue;
+    load_row(view, v, rows);
+    for (std::size_t u = 0; u < width; ++u) {
+      if (reject[u] != PixelReject::kSaturated) continue;
+      const Frames dn = {rows[0][u], rows[1][u], rows[2][u], rows[3][u]};
+      const std::size_t missing = only_saturated(dn, saturated_dn), i = v * width + u;
+      if (missing < 3 && solve_pixel(dn, missing, i, noise, config, maps))
+        out.push_back({i, static_cast<std::uint8_t>(missing)});
+    }
+  }
+}
+
+void sort_out_saturated(const std::vector<SaturatedPixel>& pixels, const CellSigns& signs, const NoiseModel& noise,
+                        const PolarityConfig& config, const Map<std::int16_t>& turn, PhaseMaps& maps) {
+  for (const SaturatedPixel& p : pixels) {
+    const std::size_t i = p.index;
+    maps.code_dn[i] = std::numeric_limits<float>::quiet_NaN();  // three frames for three unknowns: no residual
+    if (maps.reject[i] != PixelReject::kNone) continue;
+    if (!is_plain(maps.phase_rad[i], turn[i], signs, config.flip_full_rad)) {
+      maps.reject[i] = PixelReject::kSaturated;
+      continue;
+    }
+    const float a = maps.mean_dn[i], c = maps.cosine_dn[i], s = maps.sine_dn[i];
+    maps.sigma_rad[i] = sigma_of(kWithout[p.missing], c, s, {a + c, a - s, a - c, a + s}, noise);
+  }
+}
+
+void correct_saturated(const std::vector<SaturatedPixel>& pixels, const Map<float>& raw_phase_rad,
+                       const Map<float>& motion_rad, const Map<float>& harmonic, PhaseMaps& maps) {
+  for (const SaturatedPixel& p : pixels) {
+    const std::size_t i = p.index;
+    const float c = maps.cosine_dn[i], s = maps.sine_dn[i], b2 = c * c + s * s + 1e-6F;
+    const float e = motion_rad[i], h = harmonic[i] * (c - s) * (c + s) / root(b2);  // B2 cos 2phi
+    // Frame k is taken (k - 3/2) intervals after mid-burst: B f'(phi) (k - 3/2) e; harmonic (-1)^k B2 cos 2phi.
+    const Frames error = {1.5F * e * s + h, 0.5F * e * c - h, 0.5F * e * s + h, 1.5F * e * c - h};
+    const Weights& w = kWithout[p.missing];
+    maps.phase_rad[i] = raw_phase_rad[i] - (c * dot(w.sine, error) - s * dot(w.cosine, error)) / b2;
+  }
+}
+
+}  // namespace enamel::algo

@@ -1,0 +1,42 @@
+// Pixels of four-step modes with one saturated phase frame, solved from the other three (algorithms.md §1: one
+// pseudo-inverse per mask pattern), frame 3 now among them, as if its polarity b were +1:
+//   without frame 0   A = (I1+I3)/2, S = (I3-I1)/2, C = A - I2
+//   without frame 1   A = (I0+I2)/2, C = (I0-I2)/2, S = I3 - A
+//   without frame 2   A = (I1+I3)/2, S = (I3-I1)/2, C = I0 - A
+// Where b = -1, frame 3 repeats frame 1. Without frame 1 both would be saturated, so b = +1 is certain. Without frame 0
+// or 2 two pictures are left for three unknowns: S comes out 0 and the phase stays at the crest, 0 or pi, near enough
+// for unwrapping to cross the spot. Such pixels are sorted out again once the cells and their polarity are known.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/algo/phase/cell_signs.hpp"
+#include "pipeline/algo/phase/phase.hpp"
+#include "pipeline/algo/phase/polarity.hpp"
+
+namespace enamel::algo {
+
+struct SaturatedPixel {
+  std::size_t index = 0;
+  std::uint8_t missing = 0;  ///< the saturated frame, 0 … 2
+};
+
+/// After compute_phase: solves every kSaturated pixel that has but one saturated frame and passes the other gates of
+/// the mask; its reject becomes kNone, its code_dn S where b = +1 is certain, else NaN. `out` lists them in row order.
+/// view: that of compute_phase.
+void solve_saturated(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps,
+                     std::vector<SaturatedPixel>& out);
+
+/// After apply_polarity: rejects (kSaturated) those of the pixels where b = -1, or a flip lies within flip_full_rad;
+/// gives the others the sigma of their own three frames.
+void sort_out_saturated(const std::vector<SaturatedPixel>& pixels, const CellSigns& signs, const NoiseModel& noise,
+                        const PolarityConfig& config, const Map<std::int16_t>& turn, PhaseMaps& maps);
+
+/// phase_rad = raw_phase less what motion (rad a frame interval) and second harmonic (B2/B) did to these three frames,
+/// first order; closure.hpp does the same for all other pixels.
+void correct_saturated(const std::vector<SaturatedPixel>& pixels, const Map<float>& raw_phase_rad,
+                       const Map<float>& motion_rad, const Map<float>& harmonic, PhaseMaps& maps);
+
+}  // namespace enamel::algo
