@@ -1,4 +1,6 @@
 // enamel decode: one burst, every intermediate map.
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -42,6 +44,11 @@ Result<int> run_decode(const Options& o) {
   };
   algo::DecodedBurst decoded;
   decoder.decode(stage::view_of(burst), workspace, decoded);
+  if (decoded.verdict == algo::BurstVerdict::kFrameMismatch) {
+    return fail(ErrorCode::kRigInvalid,
+                fmt::format("its camera is {} x {} px, the frames of burst {} are {} x {}", rig.camera.width,
+                            rig.camera.height, o.burst, burst.width, burst.height));
+  }
   ENAMEL_TRY(algo::write_decode_maps(decoded, report, o.run.out));
   std::fputs(algo::decode_json(decoded, report).c_str(), stdout);
   if (decoded.accepted()) return 0;

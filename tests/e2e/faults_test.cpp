@@ -124,6 +124,52 @@ TEST(Faults, FrameOfAnotherDepth) {
   expect_told(run({program("enamel"), "capture", "import", folder, tmp / "out.mcap"}), 2, "000001_2.png");
 }
 
+Ran decode(const std::string& folder, const std::string& out) {
+  return run({program("enamel"), "decode", folder, "--burst", "1", "--out", out});
+}
+
+TEST(Faults, DecodeRefusesARigThatDoesNotFitAndWritesNothing) {
+  struct Case {
+    const char *from, *to, *told;
+  };
+  const std::string code = "-++++-+---++---+";
+  for (const Case& c : {Case{"\"width\": 640", "\"width\": 641", "rig.json says 641 x 480"},
+                        Case{"\"depth_range_mm\": [40", "\"depth_range_mm\": [-40", "near < far"},
+                        Case{"\"depth_range_mm\": [40", "\"depth_range_mm\": [90", "near < far"},
+                        Case{code.c_str(), "-+--++-+--++-+--++", "shows the window"}}) {
+    const TempFolder tmp;
+    const std::string folder = small_folder(tmp);
+    replace_in(folder + "/rig.json", c.from, c.to);
+    expect_told(decode(folder, tmp / "out"), 2, c.told);
+    EXPECT_FALSE(fs::exists(tmp / "out")) << c.told;
+  }
+  const TempFolder tmp;
+  std::string other = read_file(std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe.json").value_or("");
+  other.replace(other.find("640"), 3, "320");
+  ASSERT_TRUE(write_file(tmp / "other.json", other));
+  const std::string folder = small_folder(tmp);
+  expect_told(
+      run({program("enamel"), "decode", folder, "--burst", "1", "--out", tmp / "out", "--rig", tmp / "other.json"}), 2,
+      "the frames of burst 1 are 640 x 480");
+  EXPECT_FALSE(fs::exists(tmp / "out"));
+}
+
+TEST(Faults, DecodeOfFramesWithoutSignalSaysWhyAndStillWritesItsReport) {
+  for (const auto& [level, why] : {std::pair{0, "too_dark"}, {255, "saturated"}, {120, "no_fringes"}}) {
+    const TempFolder tmp;
+    const std::string folder = small_folder(tmp);
+    for (int k = 0; k < 4; ++k) {
+      const std::string frame = folder + "/frames/000001_" + std::to_string(k) + ".png";
+      ASSERT_TRUE(fs::exists(frame));
+      ASSERT_TRUE(cv::imwrite(frame, cv::Mat(480, 640, CV_8U, cv::Scalar(level))));
+    }
+    const Ran ran = decode(folder, tmp / "out");
+    EXPECT_EQ(ran.code, 6) << ran.err;
+    EXPECT_NE(ran.err.find(std::string("rejected: ") + why), std::string::npos) << ran.err;
+    EXPECT_NE(read_file(tmp / "out/decode.json").value_or("").find(why), std::string::npos);
+  }
+}
+
 TEST(Faults, UnknownConfigurationKeyNamesLineAndNearestKey) {
   const TempFolder tmp;
   ASSERT_TRUE(write_file(tmp / "c.toml", "[fuse]\nvoxel_mn = 0.1\n"));

@@ -19,6 +19,7 @@
 namespace enamel::algo {
 namespace {
 
+constexpr double kMostFringes = 100;  ///< of a depth range at one pixel; probes have about 5
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 void resize_output(int w, int h, DecodedBurst& out) {
@@ -133,9 +134,13 @@ Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfi
   const auto range = rig.depth_range ? rig.depth_range : config.depth_range_mm;
   if (!range) return fail(ErrorCode::kRigInvalid, "key 'depth_range_mm' is missing and none was given");
   ENAMEL_TRY_ASSIGN(RayDepth rays, RayDepth::bake(rig, *range));
-  if (micro) ENAMEL_TRY(check_orders_differ(rig.patterns.code_ratio, span_fringes(rays)));
-  if (rig.patterns.mode == calib::PatternMode::kPolarity)
-    ENAMEL_TRY(check_windows_differ(d.signs_, span_fringes(rays)));
+  const double span = span_fringes(rays);
+  if (!(span < kMostFringes)) {
+    return fail(ErrorCode::kRigInvalid, "key 'depth_range_mm' spans " + std::to_string(static_cast<long long>(span)) +
+                                            " fringes at a pixel: the range or 'period_px' is absurd");
+  }
+  if (micro) ENAMEL_TRY(check_orders_differ(rig.patterns.code_ratio, span));
+  if (rig.patterns.mode == calib::PatternMode::kPolarity) ENAMEL_TRY(check_windows_differ(d.signs_, span));
   d.rays_ = std::make_shared<const RayDepth>(std::move(rays));
   const RayDepth& r = *d.rays_;
   const auto width = static_cast<std::size_t>(r.width);
@@ -272,7 +277,8 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   step("phase");
   if (count_of(b.phase, PixelReject::kNone) < config_.min_points) {
     const bool bright = count_of(b.phase, PixelReject::kSaturated) >= config_.min_points;
-    return bright ? BurstVerdict::kSaturated : BurstVerdict::kTooDark;
+    const bool lit = count_of(b.phase, PixelReject::kNoisy) > count_of(b.phase, PixelReject::kDark);
+    return bright ? BurstVerdict::kSaturated : (lit ? BurstVerdict::kNoFringes : BurstVerdict::kTooDark);
   }
   diag.repeated_share = repeated_share(view, b.phase, diag.noise);
   if (diag.repeated_share > config_.max_repeated_share) return BurstVerdict::kPatternMismatch;

@@ -23,11 +23,13 @@ enum class BurstVerdict : std::uint8_t {
   kPatternMismatch,  ///< frames permuted, or projected with other patterns than the rig's
   kNoCode,           ///< phase is there, but no region shows enough code to be placed
   kTooFewPoints,
+  kNoFringes,  ///< lit, but without a pattern
 };
 
 [[nodiscard]] constexpr std::string_view name_of(BurstVerdict v) noexcept {
-  constexpr std::array<std::string_view, 7> kNames = {
-      "accepted", "frame_size_mismatch", "too_dark", "saturated", "pattern_set_mismatch", "no_code", "too_few_points"};
+  constexpr std::array<std::string_view, 8> kNames = {
+      "accepted", "frame_size_mismatch", "too_dark",  "saturated", "pattern_set_mismatch",
+      "no_code",  "too_few_points",      "no_fringes"};
   return kNames[static_cast<std::size_t>(v)];
 }
 

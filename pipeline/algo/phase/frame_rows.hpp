@@ -57,7 +57,7 @@ void solve_row(const FrameRows& rows, const FrameRoles& roles, const NoiseModel 
     code[u] = select(coded[u] < saturated_dn, coded[u] - f.mean, std::numeric_limits<float>::quiet_NaN());
     modulation[u] = root(b2);
     phase[u] = atan2_poly(f.sine, f.cosine);
-    sigma[u] = root(f.variance_b4) / b2;
+    sigma[u] = root(f.variance_b4 + 1e-12F) / b2;  // frames exactly alike have no phase: sigma is 1, not 0
   }
 }
 

@@ -24,7 +24,7 @@ float dot(const Frames& w, const Frames& dn) { return w[0] * dn[0] + w[1] * dn[1
 
 /// sigma of atan2(s, c) by first-order propagation of the frames' noise.
 float sigma_of(const Weights& w, float c, float s, const Frames& dn, const NoiseModel& noise) {
-  float variance_b4 = 0;
+  float variance_b4 = 1e-12F;  // as in frame_rows.hpp
   for (std::size_t k = 0; k < 4; ++k) {
     const float e = c * w.sine[k] - s * w.cosine[k];
     variance_b4 += e * e * noise.variance(dn[k]);

@@ -1,4 +1,4 @@
-// Four 8-bit frames of an exchange folder, for tests.
+// Four frames, for tests; read from an exchange folder where they have 8 bits.
 #pragma once
 
 #include <array>
@@ -16,9 +16,10 @@ namespace enamel::test {
 struct FrameSet {
   int width = 0, height = 0;
   std::array<std::vector<std::uint8_t>, 4> frames;
+  int bit_depth = 8;
 
   [[nodiscard]] algo::BurstView view() const {
-    algo::BurstView v{width, height, 8, {}};
+    algo::BurstView v{width, height, bit_depth, {}};
     for (std::size_t k = 0; k < 4; ++k) v.frames[k] = frames[k];
     return v;
   }

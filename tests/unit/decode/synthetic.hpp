@@ -49,6 +49,7 @@ struct SceneOptions {
   double motion_rad = 0;  ///< phase change per frame interval, zero at mid-burst
   double harmonic = 0;    ///< projector's B2/B1
   bool noise = false;
+  int bits = 8;  ///< of the frames; levels stay those of 8 bits, finer steps between
   std::uint64_t seed = 1;
   /// Light on the pixel, 0…1; depth may be anything where it is 0.
   std::function<double(int u, int v)> light = [](int, int) { return 1.0; };
@@ -101,7 +102,8 @@ inline calib::Rig micro_rig(int width, int height, double code_ratio = 6) {
 inline SyntheticBurst render(const calib::Rig& rig, const std::function<double(int, int)>& depth,
                              const SceneOptions& o = {}) {
   const int w = rig.camera.width, h = rig.camera.height;
-  SyntheticBurst out{{w, h, {}}, Map<double>(w, h), Map<double>(w, h)};
+  SyntheticBurst out{{w, h, {}, o.bits}, Map<double>(w, h), Map<double>(w, h)};
+  const double steps = std::pow(2.0, o.bits - 8);
   Normals normal(o.seed);
   const auto& n = *rig.noise;
   for (int v = 0; v < h; ++v) {
@@ -119,8 +121,10 @@ inline SyntheticBurst render(const calib::Rig& rig, const std::function<double(i
           const double electrons = std::max(0.0, signal) * n.gain_e_per_dn;
           dn += (std::sqrt(electrons) * normal() + n.read_noise_e * normal()) / n.gain_e_per_dn;
         }
-        out.frames.frames[static_cast<std::size_t>(k)].push_back(
-            static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L)));
+        const auto level = std::clamp(std::lround(dn * steps), 0L, std::lround(256 * steps) - 1);
+        auto& bytes = out.frames.frames[static_cast<std::size_t>(k)];
+        bytes.push_back(static_cast<std::uint8_t>(level & 255));
+        if (o.bits > 8) bytes.push_back(static_cast<std::uint8_t>(level >> 8));
       }
     }
   }
