@@ -131,7 +131,7 @@ class Pool {
   Pool(const Pool&) = delete;
   Pool& operator=(const Pool&) = delete;
 
-  /// Empty handle when every object is in use.
+  /// Empty handle when every object is in use, or the one that is free is just being put back by another thread.
   [[nodiscard]] Ref<T> try_acquire() noexcept {
     std::uint32_t index = 0;
     if (!core_.free.pop(index)) return {};
@@ -146,7 +146,11 @@ class Pool {
   /// For pools whose capacity was computed to suffice: running dry is our defect.
   [[nodiscard]] Ref<T> acquire() {
     Ref<T> r = try_acquire();
-    ENAMEL_CHECK(static_cast<bool>(r), "pool exhausted: its capacity was computed too small");
+    while (!r) {
+      ENAMEL_CHECK(in_use() < capacity(), "pool exhausted: its capacity was computed too small");
+      std::this_thread::yield();  // a thread was interrupted while it put an object back
+      r = try_acquire();
+    }
     return r;
   }
 
