@@ -90,6 +90,9 @@ def unwrap_rows(page, study, work):
         for label, p in peer.items():
             page.row(f"{label}, sigma {noise} DN", "–",
                      f"{p['wrong_pct']:.3g} % wrong, {p['ms']:.0f} ms" if p else "not installed: no figure", None)
+        marker = u["marker_only"]
+        page.row(f"single marker found by B4 - B3 (the dissertation's), sigma {noise} DN: wrong orders", "–",
+                 f"{marker['wrong_pct']:.3g} %, {marker['left_out_pct']:.2g} % left out", None)
         code = u["ours_with_code"]
         page.row(f"whole decoder with the code, sigma {noise} DN: wrong orders", "≤ 0.05 %",
                  f"{code['wrong_pct']:.3g} %, {code['left_out_pct']:.2g} % left out", code["wrong_pct"] <= 0.05)

@@ -84,6 +84,9 @@ inline double frame_wave(const calib::PatternValues& pattern, int k, double p, d
     const int cell = static_cast<int>(std::floor(p / std::numbers::pi)) + pattern.first_cell;
     b = code[static_cast<std::size_t>(cell) % code.size()];
   }
+  if (k == 3 && pattern.mode == calib::PatternMode::kSingle &&
+      static_cast<int>(std::floor(p / (2 * std::numbers::pi))) == pattern.marker_fringe)
+    b = -1;
   const double shift = k == 3 && b < 0 ? 1 : k;  // the flipped fourth frame is the second one again
   return wave(p + shift * std::numbers::pi / 2, harmonic);
 }
