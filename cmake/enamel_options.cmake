@@ -13,6 +13,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(tl-expected REQUIRED)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d flann)
 find_package(PkgConfig REQUIRED)
+find_package(hwy REQUIRED)
 
 set(ENAMEL_SANITIZE "" CACHE STRING "value of -fsanitize=, empty for none")
 

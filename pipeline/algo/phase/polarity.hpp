@@ -23,8 +23,8 @@ struct PolarityMaps {
   Map<std::int16_t> turn;  ///< Phi = phase_rad + 2 pi turn, absolute; meaningful inside spans
 };
 
-/// Rewrites sine_dn, modulation_dn, phase_rad, sigma_rad of the spans' pixels; code_dn becomes the closure residual
-/// (I0+I2-I1-I3 with the polarity undone, DN; NaN stays NaN).
+/// spans: in row order. Rewrites sine_dn, modulation_dn, phase_rad, sigma_rad of the spans' pixels; code_dn becomes the
+/// closure residual (I0+I2-I1-I3 with the polarity undone, DN; NaN stays NaN).
 void apply_polarity(std::span<const CellSpan> spans, const CellSigns& signs, const NoiseModel& noise,
                     const PolarityConfig& config, PhaseMaps& maps, PolarityMaps& out);
 
