@@ -4,36 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "pipeline/algo/phase/closure_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 
 namespace enamel::algo {
 namespace {
 
 constexpr int kFourthRowStep = 3;  ///< a third of a burst's pixels gives a1 to 1e-3 rad
-constexpr std::size_t kSums = 6;   ///< x1x1 x1x2 x2x2 x1y x2y n, with x1 the motion's and x2 the harmonic's column
+constexpr std::size_t kSums = kClosureSums;
 using Sums = std::array<double, kSums>;
-
-/// Adds one image row to per-column sums, column by column: vectorises, and the order of additions is fixed.
-void add_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::size_t width, float limit, float* sums) {
-  const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict b = &m.modulation_dn[at];
-  const float* __restrict r = &m.code_dn[at], * __restrict w = &p.weight[at];
-  float* __restrict s0 = sums, * __restrict s1 = s0 + width, * __restrict s2 = s1 + width;
-  float* __restrict s3 = s2 + width, * __restrict s4 = s3 + width, * __restrict s5 = s4 + width;
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const float used = select(std::abs(w[u]) > 0.999F, 1, 0) * select(std::abs(r[u]) < limit * b[u], 1, 0);
-    const float plus = select(w[u] > 0, used, 0);
-    const float x1 = 2 * (s[u] * plus - c[u] * used);
-    const float x2 = 4 * plus * (c[u] - s[u]) * (c[u] + s[u]) / (b[u] + 1e-6F);
-    const float y = select(used > 0, r[u], 0);
-    s0[u] += x1 * x1;
-    s1[u] += x1 * x2;
-    s2[u] += x2 * x2;
-    s3[u] += x1 * y;
-    s4[u] += x2 * y;
-    s5[u] += used;
-  }
-}
 
 struct Pair {
   double motion = 0, harmonic = 0;
@@ -46,35 +25,6 @@ Pair solve(const double* s, double p1, double p2, Pair prior) {
   const double det = a * d - b * b;
   if (!(det > 1e-12 * a * d)) return prior;
   return {(d * y1 - b * y2) / det, (a * y2 - b * y1) / det};
-}
-
-/// What shifts the phase of one row's pixels.
-struct RowErrors {
-  const float *weight, *rate, *harmonic, *light;
-};
-
-/// phase[u] -= error (equations of the header).
-void correct_row(const PhaseMaps& m, const RowErrors& e, float black_dn, std::size_t at, std::size_t width,
-                 float* phase) {
-  const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict b = &m.modulation_dn[at];
-  const float* __restrict mean = &m.mean_dn[at], * __restrict w = e.weight, * __restrict em = e.rate;
-  const float* __restrict rm = e.harmonic, * __restrict lm = e.light;
-  float* __restrict out = phase;
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const float inv = 1.0F / (b[u] + 1e-6F);
-    const float cs = c[u] * inv, sn = s[u] * inv;
-    const float cos2 = (cs - sn) * (cs + sn), sin2 = 2 * cs * sn;
-    const float h = 0.5F * em[u], ripple = 2 * rm[u] * cos2 * cs;
-    const float a = lm[u], ak = a * b[u] / larger(mean[u] - black_dn, 1);
-    const float three =
-        ripple - (h * (1 - sin2) + h * h * (1 + cos2 - sin2)) * (1 - h * (1 + cos2)) + a * sn - ak * cs * cs;
-    const float plus = h * cos2 * (1 + h * sin2) + a * (cs + sn) + 0.5F * ak * sin2;
-    const float minus = ripple + (h * (sin2 + cos2) - h * h * (1 + cos2)) * (1 - h * (1 + cos2 - sin2)) +
-                        a * (sn - cs) + ak * (0.5F * sin2 - cs * cs);
-    const float with_code = select(w[u] > 0, plus, minus);
-    out[u] -= three + std::abs(w[u]) * (with_code - three);
-  }
 }
 
 struct Interpolation {
@@ -119,8 +69,8 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
   for (int br = 0; br < out.rows; ++br) {
     out.work.column_sums.assign(kSums * width, 0.0F);
     for (int v = br * config.block_px; v < std::min(h, (br + 1) * config.block_px); ++v) {
-      add_row(maps, polarity, static_cast<std::size_t>(v) * width, width, config.max_residual,
-              out.work.column_sums.data());
+      add_closure_row(maps, polarity, static_cast<std::size_t>(v) * width, width, config.max_residual,
+                      out.work.column_sums.data());
     }
     for (std::size_t u = 0; u < width; ++u) {
       const std::size_t block =
@@ -178,8 +128,8 @@ void correct_phase(const PolarityMaps& polarity, const MotionField* field, float
   const std::vector<float> none(width, 0.0F);
   for (std::size_t at = 0; at < maps.phase_rad.size(); at += width) {
     const float* light = field != nullptr ? &field->light[at] : none.data();
-    correct_row(maps, {&polarity.weight[at], &rate[at], &fit.pixel_harmonic[at], light}, black_dn, at, width,
-                &maps.phase_rad[at]);
+    correct_phase_row(maps, {&polarity.weight[at], &rate[at], &fit.pixel_harmonic[at], light}, black_dn, at, width,
+                      &maps.phase_rad[at]);
   }
 }
 

@@ -34,10 +34,11 @@ struct ThreeFrames {
 /// Frames by slot: the three phase frames, then the code frame.
 using FrameRoles = std::array<std::size_t, 4>;
 
-/// solve(i_a, i_b, i_c, noise): the mode's equations, inlined into a loop that vectorises.
+/// solve(i_a, i_b, i_c, noise): the mode's equations, inlined into a loop that vectorises, for the instruction set of
+/// whoever calls.
 template <class Solve>
-void solve_row(const FrameRows& rows, const FrameRoles& roles, const NoiseModel noise, float saturated_dn,
-               std::size_t at, PhaseMaps& maps, const Solve solve) {
+[[gnu::always_inline]] inline void solve_row(const FrameRows& rows, const FrameRoles& roles, const NoiseModel noise,
+                                             float saturated_dn, std::size_t at, PhaseMaps& maps, const Solve solve) {
   const std::size_t width = rows[0].size();
   const float* __restrict a = rows[roles[0]].data();
   const float* __restrict b = rows[roles[1]].data();
@@ -62,8 +63,9 @@ void solve_row(const FrameRows& rows, const FrameRoles& roles, const NoiseModel 
 }
 
 template <class Solve>
-void solve_burst(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, const FrameRoles& roles,
-                 PhaseMaps& maps, const Solve solve) {
+[[gnu::always_inline]] inline void solve_burst(const BurstView& view, const NoiseModel& noise,
+                                               const PhaseConfig& config, const FrameRoles& roles, PhaseMaps& maps,
+                                               const Solve solve) {
   maps.resize(view.width, view.height);
   const auto width = static_cast<std::size_t>(view.width);
   FrameRows rows;

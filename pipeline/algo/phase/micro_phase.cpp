@@ -2,28 +2,14 @@
 
 #include <algorithm>
 
-#include "pipeline/algo/phase/frame_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 
 namespace enamel::algo {
 namespace {
 
-constexpr float kThird = 1.0F / 3;
-constexpr float kInvRoot3 = 0.57735027F;
 constexpr float kLargestResidue_rad = 0.2F;
 
 }  // namespace
-
-void compute_micro_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {
-  solve_burst(view, noise, config, {0, 2, 3, 1}, maps, [](float i0, float i2, float i3, const NoiseModel& n) {
-    const float a = kThird * (i0 + i2 + i3);
-    const float c = kThird * (2 * i0 - i2 - i3);
-    const float s = kInvRoot3 * (i3 - i2);
-    // First-order propagation of the three frames' noise through atan2(s, c).
-    const float e0 = 2 * kThird * s, e2 = kThird * s - kInvRoot3 * c, e3 = kThird * s + kInvRoot3 * c;
-    return ThreeFrames{a, c, s, e0 * e0 * n.variance(i0) + e2 * e2 * n.variance(i2) + e3 * e3 * n.variance(i3)};
-  });
-}
 
 ThirdHarmonic estimate_third_harmonic(std::span<const CellSpan> spans, const PhaseMaps& maps) {
   ThirdHarmonic out;

@@ -1,16 +1,17 @@
 #include "pipeline/algo/phase/phase.hpp"
 
 #include "pipeline/algo/phase/frame_rows.hpp"
+#include "pipeline/types/simd.hpp"
 
-namespace enamel::algo {
-void PhaseMaps::resize(int width, int height) {
-  if (mean_dn.width() == width && mean_dn.height() == height) return;
-  for (Map<float>* map : {&mean_dn, &cosine_dn, &sine_dn, &code_dn, &modulation_dn, &phase_rad, &sigma_rad})
-    *map = Map<float>(width, height);
-  reject = Map<PixelReject>(width, height);
-}
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pipeline/algo/phase/phase.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
-void compute_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {
+HWY_BEFORE_NAMESPACE();
+namespace enamel::algo::HWY_NAMESPACE {
+
+void solve_four_step(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {
   solve_burst(view, noise, config, {0, 1, 2, 3}, maps, [](float i0, float i1, float i2, const NoiseModel& n) {
     const float a = 0.5F * (i0 + i2);
     const float c = 0.5F * (i0 - i2);
@@ -21,4 +22,24 @@ void compute_phase(const BurstView& view, const NoiseModel& noise, const PhaseCo
   });
 }
 
+}  // namespace enamel::algo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace enamel::algo {
+
+HWY_EXPORT(solve_four_step);
+
+void compute_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {
+  HWY_DYNAMIC_DISPATCH(solve_four_step)(view, noise, config, maps);
+}
+
+void PhaseMaps::resize(int width, int height) {
+  if (mean_dn.width() == width && mean_dn.height() == height) return;
+  for (Map<float>* map : {&mean_dn, &cosine_dn, &sine_dn, &code_dn, &modulation_dn, &phase_rad, &sigma_rad})
+    *map = Map<float>(width, height);
+  reject = Map<PixelReject>(width, height);
+}
+
 }  // namespace enamel::algo
+#endif

@@ -6,59 +6,10 @@
 #include <numbers>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/algo/unwrap/link_rows.hpp"
 
 namespace enamel::algo {
 namespace {
-
-constexpr float kLaplaceSigmas = 3 * 4.4721360F;  // 3 sqrt(20): a noise-free smooth place keeps its quality
-constexpr float kInvalidDifference = 10;          // any wrapped difference is below pi
-
-struct PixelRow {
-  const float* phase;
-  const float* sigma;
-  const float* carrier;
-  const PixelReject* reject;
-};
-
-/// Wrapped difference to the neighbour `step` pixels on, less the carrier; kInvalidDifference beside an invalid pixel.
-void differences(const PixelRow& r, std::ptrdiff_t step, std::size_t count, float* __restrict out) {
-  const float* __restrict p = r.phase, * __restrict q = r.phase + step;
-  const float* __restrict c = r.carrier, * __restrict d = r.carrier + step;
-  const PixelReject* __restrict a = r.reject, * __restrict b = r.reject + step;
-  for (std::size_t u = 0; u < count; ++u) {
-    const float e = wrap_once(wrap_once(q[u] - p[u]) - (d[u] - c[u]));
-    const bool ok = (static_cast<unsigned>(a[u]) | static_cast<unsigned>(b[u])) == 0;  // both kNone
-    out[u] = select(ok, e, kInvalidDifference);
-  }
-}
-
-void decide(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* __restrict difference, float slope,
-            const LinkConfig& c, std::uint8_t* __restrict link) {
-  const float* __restrict s = r.sigma, * __restrict t = r.sigma + step;
-  const float sigmas = c.noise_sigmas, most = c.max_deviation_rad;
-  for (std::size_t u = 0; u < count; ++u) {
-    const float limit = smaller(slope + sigmas * root(s[u] * s[u] + t[u] * t[u]), most);
-    link[u] = static_cast<std::uint8_t>(std::abs(difference[u]) < limit);
-  }
-}
-
-/// east and west are the same array, one pixel apart; element -1 exists.
-void qualities(const PixelRow& r, std::size_t width, const float* __restrict east, const float* __restrict south,
-               const float* __restrict north, std::uint8_t* __restrict out) {
-  const float* __restrict sigma = r.sigma, * __restrict west = east - 1;
-  const PixelReject* __restrict reject = r.reject;
-  for (std::size_t u = 0; u < width; ++u) {
-    const float l = (east[u] - west[u]) + (south[u] - north[u]);
-    const float most = larger(larger(east[u], west[u]), larger(south[u], north[u]));
-    const float x = select(most < 5, l / (kLaplaceSigmas * sigma[u]), 4);  // border pixels wait
-    const float q = 1.0F / (sigma[u] * (1.0F + x * x));
-    // Two steps an octave straight from the float's exponent and mantissa, from 2^-8 on. Finer steps would only follow
-    // the noise of L and make the flood jump about in memory.
-    const int level = static_cast<int>(std::bit_cast<std::uint32_t>(q) >> 22U) - (119 << 1);
-    const int clamped = std::min(std::max(level, 1), 255);
-    out[u] = static_cast<std::uint8_t>(reject[u] == PixelReject::kNone ? clamped : 0);
-  }
-}
 
 void unlink(LinkMaps& links, std::size_t i, std::size_t width) {
   links.east[i] = links.south[i] = links.quality[i] = 0;
@@ -88,18 +39,18 @@ void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkCon
   for (int v = 0; v < h; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width;
     const PixelRow row{&phase.phase_rad[at], &phase.sigma_rad[at], carrier.phase_mid_rad + at, &phase.reject[at]};
-    differences(row, 1, width - 1, east);
+    difference_row(row, 1, width - 1, east);
     east[width - 1] = kInvalidDifference;
-    decide(row, 1, width - 1, east, carrier.slope_u_rad, config, &out.east[at]);
+    link_row(row, 1, width - 1, east, carrier.slope_u_rad, config, &out.east[at]);
     out.east[at + width - 1] = 0;
     if (v + 1 < h) {
-      differences(row, w, width, south);
-      decide(row, w, width, south, carrier.slope_v_rad, config, &out.south[at]);
+      difference_row(row, w, width, south);
+      link_row(row, w, width, south, carrier.slope_v_rad, config, &out.south[at]);
     } else {
       std::fill_n(south, width, kInvalidDifference);
       std::fill_n(&out.south[at], width, std::uint8_t{0});
     }
-    qualities(row, width, east, south, north, &out.quality[at]);
+    quality_row(row, width, east, south, north, &out.quality[at]);
     unsigned pairs = 0, linked = 0;
     for (std::size_t u = 0; u + 1 < width; ++u) pairs += static_cast<unsigned>(east[u] < 5);
     for (std::size_t u = 0; u + 1 < width; ++u) linked += out.east[at + u];

@@ -1,5 +1,9 @@
-// The same burst gives the same bits from every compiler and at every optimisation level.
+// The same burst gives the same bits from every compiler, at every optimisation level, on every instruction set.
 #include <gtest/gtest.h>
+
+#include "pipeline/types/simd.hpp"
+// simd.hpp says for which sets the decoder is compiled.
+#include <hwy/highway.h>
 
 #include <span>
 
@@ -44,6 +48,22 @@ void expect_bits(const calib::Rig& rig, const Hashes& expected) {
   hash = add(b.order, hash);
   hash = add(b.reject, hash);
   EXPECT_EQ(hash, expected.decoded);
+}
+
+TEST(DecodeBits, are_those_of_every_instruction_set_of_this_machine) {
+  const auto targets = hwy::SupportedAndGeneratedTargets();
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) {
+    EXPECT_GE(targets.size(), 2U) << "AVX2 is not compiled in";
+  }
+#endif
+  for (const std::int64_t target : targets) {
+    hwy::SetSupportedTargetsForTest(target);
+    SCOPED_TRACE(hwy::TargetName(target));
+    expect_bits(test::cropped_rig(320, 160), kModeT);
+    expect_bits(test::micro_rig(320, 160), kModeM);
+  }
+  hwy::SetSupportedTargetsForTest(0);
 }
 
 TEST(DecodeBits, are_those_of_every_other_compiler) { expect_bits(test::cropped_rig(320, 160), kModeT); }

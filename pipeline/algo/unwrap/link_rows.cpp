@@ -1,0 +1,83 @@
+#include "pipeline/algo/unwrap/link_rows.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/types/simd.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pipeline/algo/unwrap/link_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace enamel::algo::HWY_NAMESPACE {
+
+constexpr float kLaplaceSigmas = 3 * 4.4721360F;  // 3 sqrt(20): a noise-free smooth place keeps its quality
+
+void difference_loop(const PixelRow& r, std::ptrdiff_t step, std::size_t count, float* __restrict out) {
+  const float* __restrict p = r.phase, * __restrict q = r.phase + step;
+  const float* __restrict c = r.carrier, * __restrict d = r.carrier + step;
+  const PixelReject* __restrict a = r.reject, * __restrict b = r.reject + step;
+  for (std::size_t u = 0; u < count; ++u) {
+    const float e = wrap_once(wrap_once(q[u] - p[u]) - (d[u] - c[u]));
+    const bool ok = (static_cast<unsigned>(a[u]) | static_cast<unsigned>(b[u])) == 0;  // both kNone
+    out[u] = select(ok, e, kInvalidDifference);
+  }
+}
+
+void link_loop(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* __restrict difference,
+               float slope, const LinkConfig& c, std::uint8_t* __restrict link) {
+  const float* __restrict s = r.sigma, * __restrict t = r.sigma + step;
+  const float sigmas = c.noise_sigmas, most = c.max_deviation_rad;
+  for (std::size_t u = 0; u < count; ++u) {
+    const float limit = smaller(slope + sigmas * root(s[u] * s[u] + t[u] * t[u]), most);
+    link[u] = static_cast<std::uint8_t>(std::abs(difference[u]) < limit);
+  }
+}
+
+void quality_loop(const PixelRow& r, std::size_t width, const float* __restrict east, const float* __restrict south,
+                  const float* __restrict north, std::uint8_t* __restrict out) {
+  const float* __restrict sigma = r.sigma, * __restrict west = east - 1;
+  const PixelReject* __restrict reject = r.reject;
+  for (std::size_t u = 0; u < width; ++u) {
+    const float l = (east[u] - west[u]) + (south[u] - north[u]);
+    const float most = larger(larger(east[u], west[u]), larger(south[u], north[u]));
+    const float x = select(most < 5, l / (kLaplaceSigmas * sigma[u]), 4);  // border pixels wait
+    const float q = 1.0F / (sigma[u] * (1.0F + x * x));
+    // Two steps an octave straight from the float's exponent and mantissa, from 2^-8 on. Finer steps would only follow
+    // the noise of L and make the flood jump about in memory.
+    const int level = static_cast<int>(std::bit_cast<std::uint32_t>(q) >> 22U) - (119 << 1);
+    const int clamped = std::min(std::max(level, 1), 255);
+    out[u] = static_cast<std::uint8_t>(reject[u] == PixelReject::kNone ? clamped : 0);
+  }
+}
+
+}  // namespace enamel::algo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace enamel::algo {
+
+HWY_EXPORT(difference_loop);
+HWY_EXPORT(link_loop);
+HWY_EXPORT(quality_loop);
+
+void difference_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, float* out) {
+  HWY_DYNAMIC_DISPATCH(difference_loop)(r, step, count, out);
+}
+
+void link_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* difference, float slope,
+              const LinkConfig& config, std::uint8_t* link) {
+  HWY_DYNAMIC_DISPATCH(link_loop)(r, step, count, difference, slope, config, link);
+}
+
+void quality_row(const PixelRow& r, std::size_t width, const float* east, const float* south, const float* north,
+                 std::uint8_t* out) {
+  HWY_DYNAMIC_DISPATCH(quality_loop)(r, width, east, south, north, out);
+}
+
+}  // namespace enamel::algo
+#endif
