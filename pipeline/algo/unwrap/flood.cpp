@@ -1,6 +1,7 @@
 #include "pipeline/algo/unwrap/flood.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
 
@@ -9,64 +10,146 @@ namespace {
 
 constexpr std::int32_t kNil = -1;
 
-class Flooder {
+int turn_between(float from, float to) {
+  const float d = to - from;
+  return (d < -kPiF ? 1 : 0) - (d > kPiF ? 1 : 0);
+}
+
+class Joiner {
  public:
-  Flooder(const Map<float>& phase, const LinkMaps& links, FloodMaps& out)
+  Joiner(const Map<float>& phase, const LinkMaps& links, FloodMaps& out)
       : phase_(phase), links_(links), out_(out), width_(static_cast<std::size_t>(phase.width())) {
-    out_.work.next.resize(phase.size());
+    out_.work.runs.clear();
+    out_.work.joints.clear();
     out_.work.head.fill(kNil);
   }
 
-  void grow(std::size_t seed, std::int32_t component) {
-    label(seed, 0, component);
-    while (top_ > 0) {
-      std::int32_t& head = out_.work.head[static_cast<std::size_t>(top_)];
-      if (head == kNil) {
-        --top_;
-        continue;
-      }
-      const auto i = static_cast<std::size_t>(head);
-      head = out_.work.next[i];
-      if (links_.east[i] != 0) reach(i, i + 1, component);  // never set in the last column
-      if (i % width_ != 0 && links_.east[i - 1] != 0) reach(i, i - 1, component);
-      if (links_.south[i] != 0) reach(i, i + width_, component);
-      if (i >= width_ && links_.south[i - width_] != 0) reach(i, i - width_, component);
+  void run() {
+    for (int v = 0; v < phase_.height(); ++v) {
+      split_row(v);
+      if (v > 0) border_rows(static_cast<std::size_t>(v - 1) * width_);
     }
+    for (std::size_t bucket = out_.work.head.size(); bucket-- > 0;) {
+      for (std::int32_t k = out_.work.head[bucket]; k != kNil; k = out_.work.joints[static_cast<std::size_t>(k)].next)
+        join(out_.work.joints[static_cast<std::size_t>(k)]);
+    }
+    number();
   }
 
  private:
-  void label(std::size_t i, int turn, std::int32_t component) {
-    out_.turn[i] = static_cast<std::int16_t>(turn);
-    out_.component[i] = component;
-    const int q = links_.quality[i];
-    std::int32_t& head = out_.work.head[static_cast<std::size_t>(q)];
-    out_.work.next[i] = head;
-    head = static_cast<std::int32_t>(i);
-    top_ = std::max(top_, q);
+  /// Runs of a row; `component` holds the run's index for now, `turn` is relative to the run's first pixel.
+  void split_row(int v) {
+    const std::size_t at = static_cast<std::size_t>(v) * width_;
+    auto& runs = out_.work.runs;
+    int turn = 0;
+    for (std::size_t u = 0; u < width_; ++u) {
+      const std::size_t i = at + u;
+      const int quality = links_.quality[i];
+      if (quality == 0) {
+        out_.component[i] = kNil;
+        continue;
+      }
+      const bool linked = u > 0 && links_.east[i - 1] != 0;
+      const bool clean = linked && ((quality | links_.quality[i - 1]) & kCleanQuality) != 0;
+      const int step = linked ? turn_between(phase_[i - 1], phase_[i]) : 0;
+      const auto x = static_cast<std::int32_t>(u);
+      if (clean) {
+        turn += step;
+        runs.back().end = x + 1;
+      } else {
+        const auto self = static_cast<std::int32_t>(runs.size());
+        if (linked) add({self - 1, self, turn + step, kNil}, weight(i - 1, i));
+        turn = 0;
+        runs.push_back({v, x, x + 1, self, 1, 0});
+      }
+      out_.turn[i] = static_cast<std::int16_t>(turn);
+      out_.component[i] = static_cast<std::int32_t>(runs.size()) - 1;
+    }
   }
 
-  void reach(std::size_t from, std::size_t to, std::int32_t component) {
-    if (out_.component[to] != kNil) return;
-    const float d = phase_[to] - phase_[from];
-    label(to, out_.turn[from] + (d < -kPiF ? 1 : 0) - (d > kPiF ? 1 : 0), component);
+  /// Joints between the row that begins at `at` and the one below, neighbouring pixels that say the same as one.
+  void border_rows(std::size_t at) {
+    FloodMaps::Joint open;
+    int sum = 0;
+    for (std::size_t i = at; i < at + width_; ++i) {
+      if (links_.south[i] == 0) continue;
+      const std::size_t j = i + width_;
+      const std::int32_t a = out_.component[i], b = out_.component[j];
+      const std::int32_t turn = out_.turn[i] + turn_between(phase_[i], phase_[j]) - out_.turn[j];
+      if (sum > 0 && (a != open.first || b != open.second || turn != open.turn)) {
+        add(open, sum);
+        sum = 0;
+      }
+      open = {a, b, turn, kNil};
+      sum += weight(i, j);
+    }
+    if (sum > 0) add(open, sum);
+  }
+
+  int weight(std::size_t i, std::size_t j) const {
+    constexpr int kLevel = kCleanQuality - 1;
+    return std::min(links_.quality[i] & kLevel, links_.quality[j] & kLevel);
+  }
+
+  void add(FloodMaps::Joint joint, int weight) {
+    constexpr int kWeightPerBucket = 16;  // half a good pixel's: single pixels come last, 128 good ones first
+    const auto bucket = static_cast<std::size_t>(std::min(weight / kWeightPerBucket, 255));
+    joint.next = std::exchange(out_.work.head[bucket], static_cast<std::int32_t>(out_.work.joints.size()));
+    out_.work.joints.push_back(joint);
+  }
+
+  /// Root of a run, with path halving; `turn` of the run's zero over the root's is added up.
+  std::int32_t root(std::int32_t r, std::int32_t& turn) {
+    auto& runs = out_.work.runs;
+    while (runs[static_cast<std::size_t>(r)].parent != r) {
+      FloodMaps::Run& run = runs[static_cast<std::size_t>(r)];
+      const FloodMaps::Run& parent = runs[static_cast<std::size_t>(run.parent)];
+      run.turn += parent.parent != run.parent ? parent.turn : 0;
+      run.parent = parent.parent;
+      turn += run.turn;
+      r = run.parent;
+    }
+    return r;
+  }
+
+  void join(const FloodMaps::Joint& joint) {
+    auto& runs = out_.work.runs;
+    std::int32_t first_turn = 0, second_turn = 0;
+    std::int32_t a = root(joint.first, first_turn), b = root(joint.second, second_turn);
+    if (a == b) return;  // agreed already, or a conflict that better links have decided
+    std::int32_t b_over_a = first_turn + joint.turn - second_turn;
+    if (runs[static_cast<std::size_t>(a)].size < runs[static_cast<std::size_t>(b)].size) {
+      std::swap(a, b);
+      b_over_a = -b_over_a;
+    }
+    FloodMaps::Run& child = runs[static_cast<std::size_t>(b)];
+    child.parent = a;
+    child.turn = b_over_a;
+    runs[static_cast<std::size_t>(a)].size += child.size;
+  }
+
+  void number() {
+    auto& runs = out_.work.runs;
+    out_.components = 0;
+    auto& numbers = out_.work.numbers;
+    numbers.assign(runs.size(), kNil);
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      std::int32_t turn = 0;
+      const auto top = static_cast<std::size_t>(root(static_cast<std::int32_t>(k), turn));
+      if (numbers[top] == kNil) numbers[top] = out_.components++;
+      const std::size_t at = static_cast<std::size_t>(runs[k].row) * width_;
+      const std::size_t begin = at + static_cast<std::size_t>(runs[k].begin);
+      const std::size_t end = at + static_cast<std::size_t>(runs[k].end);
+      std::fill(&out_.component[begin], &out_.component[begin] + (end - begin), numbers[top]);
+      for (std::size_t i = begin; i < end; ++i) out_.turn[i] = static_cast<std::int16_t>(out_.turn[i] + turn);
+    }
   }
 
   const Map<float>& phase_;
   const LinkMaps& links_;
   FloodMaps& out_;
   std::size_t width_;
-  int top_ = 0;
 };
-
-/// All valid pixels, best quality first, row order within a quality: a counting sort.
-void sort_seeds(const Map<std::uint8_t>& quality, std::vector<std::int32_t>& seeds) {
-  std::array<std::size_t, 257> start{};
-  for (const std::uint8_t q : quality.pixels()) ++start[255U - q + 1U];
-  for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
-  seeds.resize(quality.size());
-  for (std::size_t i = 0; i < quality.size(); ++i) seeds[start[255U - quality[i]]++] = static_cast<std::int32_t>(i);
-  seeds.resize(start[254]);  // quality 0 is invalid: its class, the last, is cut off
-}
 
 }  // namespace
 
@@ -75,14 +158,7 @@ void flood(const Map<float>& phase_rad, const LinkMaps& links, FloodMaps& out) {
     out.turn = Map<std::int16_t>(phase_rad.width(), phase_rad.height());
   if (out.component.size() != phase_rad.size() || out.component.width() != phase_rad.width())
     out.component = Map<std::int32_t>(phase_rad.width(), phase_rad.height());
-  std::fill(out.component.pixels().begin(), out.component.pixels().end(), kNil);
-  sort_seeds(links.quality, out.work.seeds);
-  Flooder flooder(phase_rad, links, out);
-  out.components = 0;
-  for (const std::int32_t seed : out.work.seeds) {
-    if (out.component[static_cast<std::size_t>(seed)] == kNil)
-      flooder.grow(static_cast<std::size_t>(seed), out.components++);
-  }
+  Joiner(phase_rad, links, out).run();
 }
 
 }  // namespace enamel::algo

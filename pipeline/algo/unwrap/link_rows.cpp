@@ -47,10 +47,9 @@ void quality_loop(const PixelRow& r, std::size_t width, const float* __restrict 
     const float most = larger(larger(east[u], west[u]), larger(south[u], north[u]));
     const float x = select(most < 5, l / (kLaplaceSigmas * sigma[u]), 4);  // border pixels wait
     const float q = 1.0F / (sigma[u] * (1.0F + x * x));
-    // Two steps an octave straight from the float's exponent and mantissa, from 2^-8 on. Finer steps would only follow
-    // the noise of L and make the flood jump about in memory.
+    // Two steps an octave straight from the float's exponent and mantissa, from 2^-8 on.
     const int level = static_cast<int>(std::bit_cast<std::uint32_t>(q) >> 22U) - (119 << 1);
-    const int clamped = std::min(std::max(level, 1), 255);
+    const int clamped = std::min(std::max(level, 1), kCleanQuality - 1) + (x * x <= 1 ? kCleanQuality : 0);
     out[u] = static_cast<std::uint8_t>(reject[u] == PixelReject::kNone ? clamped : 0);
   }
 }

@@ -23,11 +23,15 @@ struct Carrier {
   float slope_u_rad = 0, slope_v_rad = 0;
 };
 
+inline constexpr int kCleanQuality = 128;
+
 struct LinkMaps {
   Map<std::uint8_t> east, south;  ///< 1: pixel and its right / lower neighbour are valid and on one surface
-  Map<std::uint8_t> quality;      ///< modulation-Laplace, log scale (2 steps an octave), 0 only where invalid
-  std::size_t pairs = 0;          ///< valid horizontal neighbour pairs …
-  std::size_t linked = 0;         ///< … and those of them that are linked
+  /// Modulation-Laplace, log scale (2 steps an octave), 0 only where invalid; with kCleanQuality added where the
+  /// Laplacian is no larger than three sigma of noise, all neighbours valid.
+  Map<std::uint8_t> quality;
+  std::size_t pairs = 0;   ///< valid horizontal neighbour pairs …
+  std::size_t linked = 0;  ///< … and those of them that are linked
   std::vector<float> scratch;
 };
 
