@@ -23,10 +23,15 @@ void compute_normals(const RayDepth& rays, const Map<float>& inverse_depth, cons
   const int w = inverse_depth.width(), h = inverse_depth.height();
   const auto row = static_cast<std::size_t>(w);
   if (normals.width() != w || normals.height() != h) normals = Map<Vec3f>(w, h, Vec3f::Zero());
+  if (w < 2 || h < 2) {  // a line of pixels spans no plane
+    std::fill(normals.pixels().begin(), normals.pixels().end(),
+              Vec3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+    return;
+  }
   scratch.resize(6 * row);
   const NormalSums sums{scratch.data(), &scratch[row], &scratch[2 * row], &scratch[3 * row], &scratch[4 * row]};
   float* limit = &scratch[5 * row];
-  const std::size_t centre = inverse_depth.index(w / 2, h / 2);
+  const std::size_t centre = inverse_depth.index(std::min(w / 2, w - 2), std::min(h / 2, h - 2));
   const float px_x = rays.rays.x[centre + 1] - rays.rays.x[centre];
   const float px_y = rays.rays.y[centre + row] - rays.rays.y[centre];
   const auto slope = static_cast<float>(std::tan(static_cast<double>(config.max_slope_deg) * std::numbers::pi / 180));
