@@ -32,13 +32,31 @@ float step_height(const float* p, std::ptrdiff_t stride) {
 /// Smallest step that is neither noise (4 sigma of six samples' combination) nor ripple of the three-frame phase.
 float step_threshold(float sigma, float samples) { return 4 * root(6.0F / samples) * sigma + 0.1F; }
 
-bool is_kink(const PhaseMaps& phase, const Map<float>& phi, std::size_t i) {
-  const float j = step_height(&phi[i], 1);
-  const float limit = step_threshold(phase.sigma_rad[i], 1);
-  if (!(j > limit || j < -limit)) return false;
-  const float before = step_height(&phi[i - 1], 1), after = step_height(&phi[i + 1], 1);
-  const float size = std::abs(j);  // cut once, where it is highest
-  return !(std::abs(before) > size) && !(std::abs(after) >= size);
+constexpr std::size_t kKinkContext_px = 6;
+
+/// Marks in a row's `kinks` where a step lies between a pixel and the one before it: once, where it is highest.
+void find_kinks(const PhaseMaps& phase, const Map<float>& phi, std::size_t at, std::vector<float>& heights,
+                std::vector<std::uint8_t>& kinks) {
+  const auto width = static_cast<std::size_t>(phi.width());
+  heights.assign(width, 0);
+  kinks.assign(width, 0);
+  if (width <= 2 * kKinkContext_px) return;
+  const float* __restrict p = &phi[at];
+  float* __restrict height = heights.data();
+  for (std::size_t u = kKinkContext_px - 1; u + kKinkContext_px < width + 1; ++u) {
+    const float middle = p[u + 1] - p[u - 2], before = p[u - 2] - p[u - 5], after = p[u + 4] - p[u + 1];
+    const bool left = before == before, right = after == after;
+    const float slope = select(left, select(right, 0.5F * (before + after), before), after);
+    height[u] = std::abs(middle - slope);
+  }
+  const float* __restrict sigma = &phase.sigma_rad[at];
+  std::uint8_t* __restrict out = kinks.data();
+  for (std::size_t u = kKinkContext_px; u + kKinkContext_px < width; ++u) {
+    const unsigned step = static_cast<unsigned>(height[u] > step_threshold(sigma[u], 1));
+    const unsigned before = static_cast<unsigned>(height[u - 1] > height[u]);
+    const unsigned after = static_cast<unsigned>(height[u + 1] >= height[u]);
+    out[u] = static_cast<std::uint8_t>(step & (before ^ 1U) & (after ^ 1U));
+  }
 }
 
 /// A step between rows v-1 and v, as the mean over columns begin … end-1 of row v (i = index of column 0 of that row).
@@ -117,11 +135,13 @@ void unwrap_map(const PhaseMaps& phase, const FloodMaps& flood, Map<float>& phi)
   }
 }
 
-void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const Map<float>& phi,
-               const Map<std::uint8_t>& cuts, int v, std::vector<Piece>& pieces) {
-  constexpr std::size_t kContext_px = 6;
+void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const Map<std::uint8_t>& cuts,
+               int v, PieceList& out) {
+  const Map<float>& phi = out.work.unwrapped;
+  std::vector<Piece>& pieces = out.pieces;
   const auto width = static_cast<std::size_t>(phi.width());
   const std::size_t at = static_cast<std::size_t>(v) * width;
+  find_kinks(phase, phi, at, out.work.heights, out.work.kinks);
   bool open = false;  // does the last piece of the list end at the pixel before u
   for (std::size_t u = 0; u < width; ++u) {
     const std::size_t i = at + u;
@@ -134,7 +154,7 @@ void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& f
     const bool joined = open && links.east[i - 1] != 0 && flood.component[i - 1] == flood.component[i] &&
                         std::abs(phi[i] - phi[i - 1]) < kPiF;
     const bool cut = !cuts.empty() && cuts[i] != 0;
-    const bool kink = joined && (cut || (u >= kContext_px && u + kContext_px < width && is_kink(phase, phi, i)));
+    const bool kink = joined && (cut || out.work.kinks[u] != 0);
     if (!joined || kink || pieces.back().cell != cell) {
       const auto x = static_cast<std::int32_t>(u);
       pieces.push_back({v, x, x, flood.component[i], cell, -1, -1, 0, -1, joined, kink});
@@ -163,7 +183,7 @@ void find_pieces(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps&
   std::size_t above = 0;
   for (int v = 0; v < height; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width, first = pieces.size();
-    split_row(phase, links, flood, out.work.unwrapped, cuts, v, pieces);
+    split_row(phase, links, flood, cuts, v, out);
     for (std::size_t k = first; k < pieces.size(); ++k) measure_bounds(phase, flood, bounds, at, pieces[k]);
     const bool room = v >= kContext_px && v + kContext_px <= height;
     if (v > 0)

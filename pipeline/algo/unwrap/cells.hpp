@@ -36,7 +36,9 @@ struct PieceList {
   std::vector<Piece> pieces;  ///< in row order
 
   struct Work {
-    Map<float> unwrapped;  ///< flood's Phi; NaN outside all components
+    Map<float> unwrapped;        ///< flood's Phi; NaN outside all components
+    std::vector<float> heights;  ///< of steps, a row's
+    std::vector<std::uint8_t> kinks;
   } work;
 };
 

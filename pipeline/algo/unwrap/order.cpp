@@ -28,9 +28,10 @@ float least(const float* c) {
 /// out[k] = unary[k] + min(in[k], min(in) + jump), less its own minimum so that sums stay small.
 void pass(const float* in, const float* unary, float jump, float* out) {
   const float low = least(in);
-  for (std::size_t k = 0; k < kStates; ++k) out[k] = unary[k] + smaller(in[k] - low, jump);
-  const float base = least(out);
-  for (std::size_t k = 0; k < kStates; ++k) out[k] -= base;
+  Costs sum;  // apart from in and out, which may be the same: the loops vectorise
+  for (std::size_t k = 0; k < kStates; ++k) sum[k] = unary[k] + smaller(in[k] - low, jump);
+  const float base = least(sum.data());
+  for (std::size_t k = 0; k < kStates; ++k) out[k] = sum[k] - base;
 }
 
 class Solver {
@@ -55,7 +56,7 @@ class Solver {
       auto& base = work_.base[static_cast<std::size_t>(p.component)];
       if (p.low <= p.high) base = std::min(base, p.low - kBeyond);
     }
-    for (auto* v : {&work_.unary, &work_.left, &work_.right, &work_.row, &work_.up, &work_.down, &work_.mean})
+    for (auto* v : {&work_.unary, &work_.row, &work_.right, &work_.up, &work_.down})
       v->resize(pieces_.size() * kStates);
     const std::int32_t cells = evidence_.cells();
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
@@ -86,21 +87,23 @@ class Solver {
 
   float jump_cost(const Piece& p) const { return p.kink ? config_.kink_jump_cost : config_.unseen_jump_cost; }
 
-  /// Forward and backward messages of each run; row = sum of both with the piece's own evidence counted once.
+  /// Forward messages of each run, in `row`, and backward ones; then row = their sum, the piece's own evidence once.
   void along_rows() {
     const Costs none{};
     const std::size_t n = pieces_.size();
     for (std::size_t i = 0; i < n; ++i) {
-      pass(pieces_[i].joined ? at(work_.left, i - 1) : none.data(), at(work_.unary, i), jump_cost(pieces_[i]),
-           at(work_.left, i));
+      pass(pieces_[i].joined ? at(work_.row, i - 1) : none.data(), at(work_.unary, i), jump_cost(pieces_[i]),
+           at(work_.row, i));
     }
     for (std::size_t i = n; i-- > 0;) {
       pass(i + 1 < n && pieces_[i + 1].joined ? at(work_.right, i + 1) : none.data(), at(work_.unary, i),
            i + 1 < n ? jump_cost(pieces_[i + 1]) : 0, at(work_.right, i));
     }
     for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t k = 0; k < kStates; ++k)
-        at(work_.row, i)[k] = at(work_.left, i)[k] + at(work_.right, i)[k] - at(work_.unary, i)[k];
+      float* __restrict row = at(work_.row, i);
+      const float* __restrict right = at(work_.right, i);
+      const float* __restrict unary = at(work_.unary, i);
+      for (std::size_t k = 0; k < kStates; ++k) row[k] = row[k] + right[k] - unary[k];
     }
   }
 
@@ -110,10 +113,6 @@ class Solver {
     const std::size_t n = pieces_.size();
     for (std::size_t i = 0; i < n; ++i) blend(work_.up, pieces_[i].up, i);
     for (std::size_t i = n; i-- > 0;) blend(work_.down, pieces_[i].down, i);
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t k = 0; k < kStates; ++k)
-        at(work_.mean, i)[k] = 0.5F * (at(work_.up, i)[k] + at(work_.down, i)[k]);
-    }
   }
 
   void blend(std::vector<float>& mean, std::int32_t neighbour, std::size_t i) {
@@ -121,7 +120,7 @@ class Solver {
     const float* own = at(work_.row, i);
     const float* in = neighbour >= 0 ? at(mean, static_cast<std::size_t>(neighbour)) : own;
     const float low = least(in), own_low = least(own);
-    float* out = at(mean, i);
+    float* __restrict out = at(mean, i);
     for (std::size_t k = 0; k < kStates; ++k)
       out[k] = (1 - memory) * (own[k] - own_low) + memory * smaller(in[k] - low, 4 * config_.unseen_jump_cost);
   }
@@ -129,7 +128,10 @@ class Solver {
   void choose() {
     out_.pieces.assign(pieces_.size(), {});
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      const float* total = at(work_.mean, i);
+      Costs total;
+      const float* up = at(work_.up, i);
+      const float* down = at(work_.down, i);
+      for (std::size_t k = 0; k < kStates; ++k) total[k] = 0.5F * (up[k] + down[k]);
       float first = kImpossible, second = kImpossible;
       std::size_t best = 0;
       for (std::size_t k = 0; k < kStates; ++k) {

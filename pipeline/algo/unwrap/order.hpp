@@ -39,7 +39,7 @@ struct OrderResult {
   std::size_t torn_seams = 0;      ///< … where the labelling jumps by whole fringes
 
   struct Work {
-    std::vector<float> unary, left, right, row, up, down, mean;
+    std::vector<float> unary, row, right, up, down;
     std::vector<std::int32_t> base, parent, size;
   } work;
 };
