@@ -11,7 +11,7 @@ namespace enamel::algo {
 enum class PixelReject : std::uint8_t {
   kNone,        ///< measured
   kDark,        ///< no light: brightest frame below black + 5 sigma, or clipped at the converter's zero
-  kSaturated,   ///< one of the three phase frames above 0.97 full scale
+  kSaturated,   ///< a phase frame above 0.97 full scale, and the other three do not make up for it
   kNoisy,       ///< predicted phase noise above the limit
   kRelative,    ///< unwrapped, but the code leaves more than one fringe order open
   kOutOfRange,  ///< outside the depth range or the projector's frame
