@@ -219,23 +219,14 @@ Json with_code(double noise_dn) {
 /// The same surface with one marker fringe, counted from there by the same links and flood.
 Json with_marker(double noise_dn) {
   const CodedScene scene = render_coded(noise_dn, calib::PatternMode::kSingle);
-  const auto rays = algo::RayDepth::bake(scene.rig, *scene.rig.depth_range).value();
-  algo::PhaseMaps maps;
-  algo::LinkMaps links;
-  algo::FloodMaps flooded;
-  algo::compute_phase(scene.burst.frames.view(), algo::noise_from_rig(*scene.rig.noise, 8), {}, maps);
-  algo::reject_half_lit(maps.modulation_dn, maps.reject);
-  algo::compute_links(maps, {rays.phase_mid_rad.data(), kSlope_rad, kSlope_rad}, {}, links);
-  algo::reject_edges(links, maps.reject);
-  algo::flood(maps.phase_rad, links, flooded);
-  const test::MarkerOrders orders = test::orders_from_marker(maps, flooded, scene.rig.patterns.marker_fringe);
+  const test::MarkerOrders orders = test::orders_from_marker(scene.rig, scene.burst.frames.view());
   std::size_t placed = 0, wrong = 0, lit = 0;
   for (std::size_t i = 0; i < scene.lit.size(); ++i) {
     lit += scene.lit[i];
-    if (orders.order[i] < 0 || maps.reject[i] != algo::PixelReject::kNone) continue;
+    if (orders.order[i] < 0) continue;
     ++placed;
-    const double absolute = static_cast<double>(maps.phase_rad[i]) + 2 * std::numbers::pi * orders.order[i] +
-                            (maps.phase_rad[i] < 0 ? 2 * std::numbers::pi : 0);
+    const double absolute = static_cast<double>(orders.phase_rad[i]) + 2 * std::numbers::pi * orders.order[i] +
+                            (orders.phase_rad[i] < 0 ? 2 * std::numbers::pi : 0);
     wrong += std::abs(absolute - scene.burst.phase_rad[i]) > std::numbers::pi ? 1U : 0U;
   }
   Json out = share_wrong(wrong, placed, lit);

@@ -1,11 +1,10 @@
 // Any rig.json that parses and any four frames: the decoder must end, with a verdict, and account for every pixel.
 // Entry point of libFuzzer; run_seeds.cpp calls it elsewhere.
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "tests/fuzz/byte_source.hpp"
@@ -58,33 +57,23 @@ std::string rig_text(test::ByteSource& in, int width, int height, int bits) {
 /// Fringes of the rig on a slanted plane, or bytes as they come, some frames swapped or blinded.
 test::FrameSet frames_of(test::ByteSource& in, const calib::Rig& rig, int bits) {
   const int w = rig.camera.width, h = rig.camera.height;
-  test::FrameSet out{w, h, {}};
+  test::FrameSet out{w, h, {}, bits};
   if (in.one_in(2) && rig.noise && rig.patterns.mode != calib::PatternMode::kMulti &&
       rig.patterns.mode != calib::PatternMode::kSingle) {
     const double z = 40 + static_cast<double>(in.below(16)), slope = static_cast<double>(in.byte()) / 500;
-    out = test::render(
-              rig, [=](int u, int v) { return z + slope * u + 0.01 * v; }, test::noisy())
-              .frames;
+    test::SceneOptions o = test::noisy();
+    o.bits = bits;
+    const auto plane = [=](int u, int v) { return z + slope * u + 0.01 * v; };
+    out = test::render(rig, plane, o).frames;
   } else {
     for (auto& f : out.frames) {
-      f.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+      f.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * (bits > 8 ? 2 : 1));
       const std::uint8_t base = in.byte(), spread = in.byte();
       for (auto& p : f) p = static_cast<std::uint8_t>(base + (spread > 0 ? in.byte() % spread : 0));
     }
   }
   if (in.one_in(4)) std::swap(out.frames[in.below(4)], out.frames[in.below(4)]);
   if (in.one_in(4)) out.frames[in.below(4)].assign(out.frames[0].size(), in.byte());
-  if (bits > 8) {
-    for (auto& f : out.frames) {
-      std::vector<std::uint8_t> wide;
-      for (const std::uint8_t p : f) {
-        const auto value = static_cast<unsigned>(p) << static_cast<unsigned>(bits - 8);
-        wide.push_back(static_cast<std::uint8_t>(value & 255U));
-        wide.push_back(static_cast<std::uint8_t>(value >> 8U));
-      }
-      f = std::move(wide);
-    }
-  }
   return out;
 }
 
@@ -105,9 +94,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   const test::FrameSet frames = frames_of(in, *rig, bits);
-  algo::BurstView view{frames.width, frames.height, bits, {}};
-  for (std::size_t k = 0; k < 4; ++k) view.frames[k] = frames.frames[k];
-  const algo::DecodedBurst out = decoder->decode(view);
+  const algo::DecodedBurst out = decoder->decode(frames.view());
   std::size_t counted = 0;
   for (const std::size_t n : out.counts) counted += n;
   demand(counted == out.reject.size());

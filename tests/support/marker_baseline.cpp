@@ -4,11 +4,16 @@
 #include <map>
 #include <utility>
 
+#include "pipeline/algo/phase/phase.hpp"
+#include "pipeline/algo/triangulate/ray_depth.hpp"
+#include "pipeline/algo/unwrap/flood.hpp"
+
 namespace enamel::test {
 namespace {
 
 constexpr double kHalfCue = (2 / 3.14159265358979 - 1) / 2;  ///< midway between a marker's B4 - B3 and none
 constexpr double kLeastPixels = 64;
+constexpr float kSlope_rad = 0.23F;  ///< phase change of one pixel on a slope of 75 degrees in the reference rig
 
 struct Cue {
   double difference = 0, modulation = 0, pixels = 0;
@@ -35,26 +40,41 @@ std::map<std::pair<std::int32_t, int>, Cue> modulation_cues(const algo::PhaseMap
   return cues;
 }
 
-}  // namespace
+struct Found {
+  double cue = kHalfCue;
+  int fringe = 0;
+};
 
-MarkerOrders orders_from_marker(const algo::PhaseMaps& phase, const algo::FloodMaps& flood, int marker_fringe) {
-  struct Found {
-    double cue = kHalfCue;
-    int fringe = 0;
-  };
-  std::map<std::int32_t, Found> marker;  // of each component: the fringe that looks most like it
+/// Of each component: the fringe that looks most like the marker, where one does.
+std::map<std::int32_t, Found> find_markers(const algo::PhaseMaps& phase, const algo::FloodMaps& flood) {
+  std::map<std::int32_t, Found> markers;
   for (const auto& [where, cue] : modulation_cues(phase, flood)) {
     const double mean = cue.difference / cue.modulation;
     if (cue.pixels < kLeastPixels || !(mean < kHalfCue)) continue;
-    const auto known = marker.emplace(where.first, Found{}).first;
+    const auto known = markers.emplace(where.first, Found{}).first;
     if (mean < known->second.cue) known->second = {mean, where.second};
   }
-  MarkerOrders out{Map<std::int32_t>(phase.phase_rad.width(), phase.phase_rad.height(), -1),
-                   static_cast<int>(marker.size())};
+  return markers;
+}
+
+}  // namespace
+
+MarkerOrders orders_from_marker(const calib::Rig& rig, const algo::BurstView& view) {
+  const auto rays = algo::RayDepth::bake(rig, *rig.depth_range).value();
+  algo::PhaseMaps phase;
+  algo::LinkMaps links;
+  algo::FloodMaps flooded;
+  algo::compute_phase(view, algo::noise_from_rig(*rig.noise, view.bit_depth), {}, phase);
+  algo::reject_half_lit(phase.modulation_dn, phase.reject);
+  algo::compute_links(phase, {rays.phase_mid_rad.data(), kSlope_rad, kSlope_rad}, {}, links);
+  algo::reject_edges(links, phase.reject);
+  algo::flood(phase.phase_rad, links, flooded);
+  const auto markers = find_markers(phase, flooded);
+  MarkerOrders out{Map<std::int32_t>(view.width, view.height, -1), phase.phase_rad, static_cast<int>(markers.size())};
   for (std::size_t i = 0; i < out.order.size(); ++i) {
-    const auto found = marker.find(flood.component[i]);
-    if (found == marker.end()) continue;
-    out.order[i] = fringe_of(phase, flood, i) - found->second.fringe + marker_fringe;
+    const auto found = markers.find(flooded.component[i]);
+    if (found == markers.end()) continue;
+    out.order[i] = fringe_of(phase, flooded, i) - found->second.fringe + rig.patterns.marker_fringe;
   }
   return out;
 }

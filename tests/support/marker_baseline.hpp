@@ -4,17 +4,20 @@
 // (2/pi - 1) B, elsewhere 0 (algorithms.md §2.1).
 #pragma once
 
-#include "pipeline/algo/phase/phase.hpp"
-#include "pipeline/algo/unwrap/flood.hpp"
+#include "calib/model/rig.hpp"
+#include "pipeline/algo/phase/burst_view.hpp"
+#include "pipeline/types/map.hpp"
 
 namespace enamel::test {
 
 struct MarkerOrders {
   Map<std::int32_t> order;  ///< floor(Phi / 2 pi); -1 where the pixel's component does not show the marker
+  Map<float> phase_rad;     ///< [-pi, pi)
   int components_placed = 0;
 };
 
-[[nodiscard]] MarkerOrders orders_from_marker(const algo::PhaseMaps& phase, const algo::FloodMaps& flood,
-                                              int marker_fringe);
+/// A burst of mode single with depth range and noise in its rig, through the decoder's own phase, links and unwrapping.
+/// Orders stand where no pixel is rejected.
+[[nodiscard]] MarkerOrders orders_from_marker(const calib::Rig& rig, const algo::BurstView& view);
 
 }  // namespace enamel::test

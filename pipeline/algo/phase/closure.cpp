@@ -11,8 +11,7 @@ namespace enamel::algo {
 namespace {
 
 constexpr int kFourthRowStep = 3;  ///< a third of a burst's pixels gives a1 to 1e-3 rad
-constexpr std::size_t kSums = kClosureSums;
-using Sums = std::array<double, kSums>;
+using Sums = std::array<double, kClosureSums>;
 
 struct Pair {
   double motion = 0, harmonic = 0;
@@ -64,10 +63,10 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
   out.columns = (w + config.block_px - 1) / config.block_px;
   out.rows = (h + config.block_px - 1) / config.block_px;
   const std::size_t blocks = static_cast<std::size_t>(out.columns) * static_cast<std::size_t>(out.rows);
-  out.work.block_sums.assign(blocks * kSums, 0.0);
+  out.work.block_sums.assign(blocks * kClosureSums, 0.0);
   Sums all{};
   for (int br = 0; br < out.rows; ++br) {
-    out.work.column_sums.assign(kSums * width, 0.0F);
+    out.work.column_sums.assign(kClosureSums * width, 0.0F);
     for (int v = br * config.block_px; v < std::min(h, (br + 1) * config.block_px); ++v) {
       add_closure_row(maps, polarity, static_cast<std::size_t>(v) * width, width, config.max_residual,
                       out.work.column_sums.data());
@@ -75,9 +74,9 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
     for (std::size_t u = 0; u < width; ++u) {
       const std::size_t block =
           static_cast<std::size_t>(br * out.columns) + u / static_cast<std::size_t>(config.block_px);
-      for (std::size_t k = 0; k < kSums; ++k) {
+      for (std::size_t k = 0; k < kClosureSums; ++k) {
         const auto value = static_cast<double>(out.work.column_sums[k * width + u]);
-        out.work.block_sums[block * kSums + k] += value;
+        out.work.block_sums[block * kClosureSums + k] += value;
         all[k] += value;
       }
     }
@@ -92,10 +91,10 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
   out.block_harmonic.resize(blocks);
   out.block_pixels.resize(blocks);
   for (std::size_t k = 0; k < blocks; ++k) {
-    const Pair fit = solve(&out.work.block_sums[k * kSums], p1, p2, burst);
+    const Pair fit = solve(&out.work.block_sums[k * kClosureSums], p1, p2, burst);
     out.block_motion_rad[k] = static_cast<float>(fit.motion);
     out.block_harmonic[k] = static_cast<float>(fit.harmonic);
-    out.block_pixels[k] = static_cast<float>(out.work.block_sums[k * kSums + 5]);
+    out.block_pixels[k] = static_cast<float>(out.work.block_sums[k * kClosureSums + 5]);
   }
   for (Map<float>* map : {&out.pixel_motion_rad, &out.pixel_harmonic}) {
     if (map->width() != w || map->height() != h) *map = Map<float>(w, h);

@@ -1,7 +1,6 @@
 #include "pipeline/algo/unwrap/links.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 

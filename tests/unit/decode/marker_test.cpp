@@ -3,7 +3,6 @@
 
 #include <numbers>
 
-#include "pipeline/algo/triangulate/ray_depth.hpp"
 #include "tests/support/marker_baseline.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
@@ -15,14 +14,7 @@ struct Placed {
 };
 
 Placed count_orders(const calib::Rig& rig, const test::SyntheticBurst& scene) {
-  const auto rays = RayDepth::bake(rig, *rig.depth_range).value();
-  PhaseMaps maps;
-  LinkMaps links;
-  FloodMaps flooded;
-  compute_phase(scene.frames.view(), noise_from_rig(*rig.noise, 8), {}, maps);
-  compute_links(maps, {rays.phase_mid_rad.data(), 0.23F, 0.23F}, {}, links);
-  flood(maps.phase_rad, links, flooded);
-  const test::MarkerOrders orders = test::orders_from_marker(maps, flooded, rig.patterns.marker_fringe);
+  const test::MarkerOrders orders = test::orders_from_marker(rig, scene.frames.view());
   Placed out;
   for (std::size_t i = 0; i < orders.order.size(); ++i) {
     if (orders.order[i] < 0) continue;
