@@ -102,7 +102,7 @@ Json ours(const Problem& p) {
     maps.reject = p.maps.reject;
     algo::reject_half_lit(maps.modulation_dn, maps.reject);
     algo::compute_links(maps, {p.burst.carrier_rad.pixels().data(), kSlope_rad, kSlope_rad}, {}, links);
-    algo::reject_edges(links, maps.reject);
+    algo::reject_edges(links, maps);
     algo::flood(maps.phase_rad, links, flooded);
   });
   // In every region of the mask the largest component is the answer; the rest is left out.

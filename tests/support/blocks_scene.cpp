@@ -144,7 +144,7 @@ Result<BlocksFigures> measure_blocks(const std::string& folder) {
   algo::LinkMaps links;
   // A slope may at most stop or double the fringes' run.
   algo::compute_links(maps, {carrier.pixels().data(), std::abs(step), std::abs(step)}, {}, links);
-  algo::reject_edges(links, maps.reject);
+  algo::reject_edges(links, maps);
   algo::FloodMaps flooded;
   algo::flood(maps.phase_rad, links, flooded);
   const Map<std::int32_t> cell = decode_gray(set, 3, 5, threshold);

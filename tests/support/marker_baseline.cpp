@@ -67,7 +67,7 @@ MarkerOrders orders_from_marker(const calib::Rig& rig, const algo::BurstView& vi
   algo::compute_phase(view, algo::noise_from_rig(*rig.noise, view.bit_depth), {}, phase);
   algo::reject_half_lit(phase.modulation_dn, phase.reject);
   algo::compute_links(phase, {rays.phase_mid_rad.data(), kSlope_rad, kSlope_rad}, {}, links);
-  algo::reject_edges(links, phase.reject);
+  algo::reject_edges(links, phase);
   algo::flood(phase.phase_rad, links, flooded);
   const auto markers = find_markers(phase, flooded);
   MarkerOrders out{Map<std::int32_t>(view.width, view.height, -1), phase.phase_rad, static_cast<int>(markers.size())};

@@ -92,7 +92,7 @@ Unwrapped unwrap(const PlasterSet& set, const FrameSet& frames, double offset_ra
   algo::compute_links(b.phase,
                       algo::make_carrier(rays.phase_mid_rad.data(), slopes, kDepth_mm.near_mm, config.max_slope_deg),
                       config, links);
-  algo::reject_edges(links, b.phase.reject);
+  algo::reject_edges(links, b.phase);
   algo::flood(b.phase.phase_rad, links, b.flood);
   algo::PieceList pieces;
   algo::find_pieces(b.phase, links, b.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, {}, pieces);

@@ -205,7 +205,7 @@ bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnost
   compute_links(b.phase, carrier_, config_.links, b.links);
   diag.linked_share = b.links.pairs > 0 ? static_cast<double>(b.links.linked) / static_cast<double>(b.links.pairs) : 0;
   reject_parted(b.saturated, b.links, b.phase.reject);
-  reject_edges(b.links, b.phase.reject);
+  reject_edges(b.links, b.phase);
   if (diag.linked_share < config_.min_linked_share) return false;
   return micro_ ? diag.direction_share >= config_.min_direction_share : diag.closure_share >= config_.min_closure_share;
 }

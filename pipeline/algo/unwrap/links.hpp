@@ -38,9 +38,10 @@ struct LinkMaps {
 /// quality = (1/sigma) / (1 + (L / (3 sqrt20 sigma))^2), L = Laplacian of wrapped differences (algorithms.md §4).
 void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkConfig& config, LinkMaps& out);
 
-/// Rejects (kEdge) both pixels of every cut between two valid ones, and their links: blur makes such pixels see both
-/// sides, and a flood must not leak from one side to the other through them.
-void reject_edges(LinkMaps& links, Map<PixelReject>& reject);
+/// Rejects (kEdge) the pixels of every cut between two valid ones that do not continue their own surface in phase and
+/// modulation, and their links: blur makes such pixels see both sides, and a flood must not leak from one side to the
+/// other through them.
+void reject_edges(LinkMaps& links, PhaseMaps& phase);
 
 /// Before reject_edges: rejects (kSaturated) those of the pixels solved without a frame that are cut off from a valid
 /// neighbour. Their own phase is the likelier one to be wrong, and must not cost the neighbour's.
