@@ -135,8 +135,28 @@ void unwrap_map(const PhaseMaps& phase, const FloodMaps& flood, Map<float>& phi)
   }
 }
 
+/// Between pixel `last` and pixel `next` of a row that begins at `at`.
+Gap measure_gap(const PhaseMaps& phase, const Map<float>& phi, std::size_t at, std::int32_t last, std::int32_t next,
+                std::int8_t rise) {
+  constexpr float kBack = 0.08F, kOn = 0.22F;  // fringes: noise; pixels lost to blur at both ends and noise
+  constexpr int kDarkPixels = 2;
+  int dark = 0;
+  for (std::size_t i = at + static_cast<std::size_t>(last) + 1; i < at + static_cast<std::size_t>(next); ++i)
+    dark += phase.reject[i] == PixelReject::kDark || phase.reject[i] == PixelReject::kNoisy ? 1 : 0;
+  const float step = phi[at + static_cast<std::size_t>(next)] - phi[at + static_cast<std::size_t>(last)];
+  const float rising = static_cast<float>(rise) * step / kTwoPiF;
+  const float lean = std::ceil(-kBack - rising);
+  return {rise * static_cast<std::int32_t>(lean), rise, dark >= kDarkPixels && rising + lean <= kOn};
+}
+
+/// Whether Phi of a surface that faces the camera rises along rows.
+std::int8_t rise_of_rows(const PhaseBounds& bounds, std::size_t width, std::size_t height) {
+  const float* middle = bounds.near_rad + height / 2 * width;
+  return middle[width - 1] < middle[0] ? std::int8_t{-1} : std::int8_t{1};
+}
+
 void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const Map<std::uint8_t>& cuts,
-               int v, PieceList& out) {
+               int v, std::int8_t rise, PieceList& out) {
   const Map<float>& phi = out.work.unwrapped;
   std::vector<Piece>& pieces = out.pieces;
   const auto width = static_cast<std::size_t>(phi.width());
@@ -157,7 +177,9 @@ void split_row(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& f
     const bool kink = joined && (cut || out.work.kinks[u] != 0);
     if (!joined || kink || pieces.back().cell != cell) {
       const auto x = static_cast<std::int32_t>(u);
-      pieces.push_back({v, x, x, flood.component[i], cell, -1, -1, 0, -1, joined, kink});
+      const bool follows = !joined && !pieces.empty() && pieces.back().row == v;
+      const Gap gap = follows ? measure_gap(phase, phi, at, pieces.back().end - 1, x, rise) : Gap{};
+      pieces.push_back({v, x, x, flood.component[i], cell, -1, -1, 0, -1, joined, kink, gap});
     }
     pieces.back().end = static_cast<std::int32_t>(u) + 1;
     open = true;
@@ -180,10 +202,11 @@ void find_pieces(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps&
   unwrap_map(phase, flood, out.work.unwrapped);
   const auto width = static_cast<std::size_t>(phase.phase_rad.width());
   const int height = phase.phase_rad.height();
+  const std::int8_t rise = rise_of_rows(bounds, width, static_cast<std::size_t>(height));
   std::size_t above = 0;
   for (int v = 0; v < height; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width, first = pieces.size();
-    split_row(phase, links, flood, cuts, v, out);
+    split_row(phase, links, flood, cuts, v, rise, out);
     for (std::size_t k = first; k < pieces.size(); ++k) measure_bounds(phase, flood, bounds, at, pieces[k]);
     const bool room = v >= kContext_px && v + kContext_px <= height;
     if (v > 0)

@@ -9,6 +9,15 @@
 
 namespace enamel::algo {
 
+/// What lies between a run of pixels and the one before it in its row. Along a row, the projector's columns come in
+/// order unless something thin stands before the surface. Where the gap is a shadow, both its ends lie on one ray of
+/// light, the one that grazes the edge that casts it: Phi is the same at both.
+struct Gap {
+  std::int32_t lean = 0;  ///< least (rise > 0) or most difference of the runs' shifts that keeps the order
+  std::int8_t rise = 0;   ///< +1: Phi rises along rows; -1: it falls; 0: there is no run before
+  bool contact = false;   ///< dark, and at the difference `lean` Phi is the same at both ends
+};
+
 struct Piece {
   std::int32_t row = 0, begin = 0, end = 0;  ///< pixels begin … end-1 of the row
   std::int32_t component = -1;
@@ -17,6 +26,7 @@ struct Piece {
   std::int32_t low = 0, high = -1;  ///< shifts that the depth range allows
   bool joined = false;              ///< continues the run of the piece before it in the list ...
   bool kink = false;  ///< ... but across a step: that step plus a jump of 2 pi would look the same; or a cut
+  Gap gap;            ///< before this piece, where it is the first of its run
 };
 
 /// The part of a piece whose code is trusted, less trim_px at a run's ends, where blur and motion mix frames of two

@@ -5,34 +5,12 @@
 #include <limits>
 #include <numeric>
 
-#include "pipeline/algo/phase/poly_trig.hpp"
-
 namespace enamel::algo {
 namespace {
 
-constexpr std::size_t kStates = 16;  ///< shifts per component, from two below the lowest that any piece allows
 constexpr std::int32_t kBeyond = 2;  ///< orders beyond the depth range that a surface is followed
-constexpr float kImpossible = 60;
-using Costs = std::array<float, kStates>;
-
-float* at(std::vector<float>& v, std::size_t piece) { return &v[piece * kStates]; }
-
-/// Least of kStates costs, in four lanes.
-float least(const float* c) {
-  std::array<float, 4> m = {c[0], c[1], c[2], c[3]};
-  for (std::size_t k = 4; k < kStates; k += 4)
-    for (std::size_t j = 0; j < 4; ++j) m[j] = smaller(m[j], c[k + j]);
-  return smaller(smaller(m[0], m[1]), smaller(m[2], m[3]));
-}
-
-/// out[k] = unary[k] + min(in[k], min(in) + jump), less its own minimum so that sums stay small.
-void pass(const float* in, const float* unary, float jump, float* out) {
-  const float low = least(in);
-  Costs sum;  // apart from in and out, which may be the same: the loops vectorise
-  for (std::size_t k = 0; k < kStates; ++k) sum[k] = unary[k] + smaller(in[k] - low, jump);
-  const float base = least(sum.data());
-  for (std::size_t k = 0; k < kStates; ++k) out[k] = sum[k] - base;
-}
+constexpr Cost kImpossible = to_cost(60);
+constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
 
 class Solver {
  public:
@@ -56,24 +34,26 @@ class Solver {
       auto& base = work_.base[static_cast<std::size_t>(p.component)];
       if (p.low <= p.high) base = std::min(base, p.low - kBeyond);
     }
-    for (auto* v : {&work_.unary, &work_.row, &work_.right, &work_.up, &work_.down})
-      v->resize(pieces_.size() * kStates);
-    const std::int32_t cells = evidence_.cells();
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      const Piece& p = pieces_[i];
-      float* unary = at(work_.unary, i);
-      std::fill_n(unary, kStates, kImpossible);
-      // Shifts that the range allows, a little beyond it, as far as the states reach and within the projector's frame.
-      const std::int32_t base = base_of(p), last_state = base + static_cast<std::int32_t>(kStates) - 1;
-      const std::int32_t first = std::max({base, p.low - kBeyond, first_in_frame(p.cell)});
-      const std::int32_t last = std::min({last_state, p.high + kBeyond, (cells - 1 - p.cell) >> 1});
-      if (first > last) continue;
-      float* out = unary + (first - base);
-      evidence_.costs(i, p.cell + 2 * first, {out, static_cast<std::size_t>(last - first + 1)});
-      for (std::int32_t shift = first; shift <= last; ++shift) {
-        out[shift - first] +=
-            config_.beyond_range_cost * static_cast<float>(std::max({p.low - shift, shift - p.high, 0}));
-      }
+    for (auto* v : {&work_.unary, &work_.row, &work_.right, &work_.up, &work_.down}) v->resize(pieces_.size());
+    for (std::size_t i = 0; i < pieces_.size(); ++i) price(i);
+  }
+
+  /// The code's evidence for the shifts that the range allows, a little beyond it, as far as the states reach and within
+  /// the projector's frame.
+  void price(std::size_t i) {
+    const Piece& p = pieces_[i];
+    auto& unary = work_.unary[i].of;
+    unary.fill(kImpossible);
+    const std::int32_t base = base_of(p);
+    const std::int32_t first = std::max({base, p.low - kBeyond, first_in_frame(p.cell)});
+    const std::int32_t last = std::min({base + kStates - 1, p.high + kBeyond, (evidence_.cells() - 1 - p.cell) >> 1});
+    if (first > last) return;
+    std::array<float, kOrderStates> nats;
+    evidence_.costs(i, p.cell + 2 * first, {nats.data(), static_cast<std::size_t>(last - first + 1)});
+    for (std::int32_t shift = first; shift <= last; ++shift) {
+      const auto beyond = static_cast<float>(std::max({p.low - shift, shift - p.high, 0}));
+      const float cost = nats[static_cast<std::size_t>(shift - first)] + config_.beyond_range_cost * beyond;
+      unary[static_cast<std::size_t>(shift - base)] = std::min(to_cost(cost), kImpossible);
     }
   }
 
@@ -85,25 +65,42 @@ class Solver {
     return b == std::numeric_limits<std::int32_t>::max() ? 0 : b;
   }
 
-  float jump_cost(const Piece& p) const { return p.kink ? config_.kink_jump_cost : config_.unseen_jump_cost; }
+  Cost jump_cost(const Piece& p) const { return to_cost(p.kink ? config_.kink_jump_cost : config_.unseen_jump_cost); }
 
-  /// Forward messages of each run, in `row`, and backward ones; then row = their sum, the piece's own evidence once.
+  /// What piece i thinks of the shifts of the piece before it in the row, beyond a gap.
+  GapCosts gap_before(std::size_t i) const {
+    const Gap& gap = pieces_[i].gap;
+    const Cost skip = to_cost(gap.contact ? config_.missed_contact_cost : 0);
+    const Cost fold = to_cost(config_.fold_cost + (gap.contact ? config_.missed_contact_cost : 0));
+    const std::int32_t lean = gap.lean + base_of(pieces_[i - 1]) - base_of(pieces_[i]);
+    return gap.rise > 0 ? GapCosts{lean, skip, fold} : GapCosts{lean, fold, skip};
+  }
+
+  /// Message of piece `from` to its neighbour in the row, `to`, with that one's own evidence added.
+  void tell(const std::vector<OrderCosts>& said, std::size_t from, std::size_t to, std::vector<OrderCosts>& out) const {
+    const Piece& later = pieces_[std::max(from, to)];
+    if (later.joined) {
+      pass_joined(said[from], work_.unary[to], jump_cost(later), out[to]);
+    } else if (later.gap.rise != 0) {
+      const GapCosts g = gap_before(std::max(from, to));
+      pass_gap(said[from], work_.unary[to], from < to ? g : GapCosts{-g.lean, g.below, g.above}, out[to]);
+    } else {
+      pass_joined({}, work_.unary[to], 0, out[to]);
+    }
+  }
+
+  /// Forward messages of each row, in `row`, and backward ones; then row = their sum, the piece's own evidence once.
   void along_rows() {
-    const Costs none{};
     const std::size_t n = pieces_.size();
+    if (n == 0) return;
+    pass_joined({}, work_.unary[0], 0, work_.row[0]);
+    for (std::size_t i = 1; i < n; ++i) tell(work_.row, i - 1, i, work_.row);
+    pass_joined({}, work_.unary[n - 1], 0, work_.right[n - 1]);
+    for (std::size_t i = n - 1; i-- > 0;) tell(work_.right, i + 1, i, work_.right);
     for (std::size_t i = 0; i < n; ++i) {
-      pass(pieces_[i].joined ? at(work_.row, i - 1) : none.data(), at(work_.unary, i), jump_cost(pieces_[i]),
-           at(work_.row, i));
-    }
-    for (std::size_t i = n; i-- > 0;) {
-      pass(i + 1 < n && pieces_[i + 1].joined ? at(work_.right, i + 1) : none.data(), at(work_.unary, i),
-           i + 1 < n ? jump_cost(pieces_[i + 1]) : 0, at(work_.right, i));
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      float* __restrict row = at(work_.row, i);
-      const float* __restrict right = at(work_.right, i);
-      const float* __restrict unary = at(work_.unary, i);
-      for (std::size_t k = 0; k < kStates; ++k) row[k] = row[k] + right[k] - unary[k];
+      auto& row = work_.row[i].of;
+      for (std::size_t k = 0; k < kOrderStates; ++k)
+        row[k] = static_cast<Cost>(row[k] + work_.right[i].of[k] - work_.unary[i].of[k]);
     }
   }
 
@@ -111,40 +108,29 @@ class Solver {
   /// misleads many rows alike, so that repeating it makes it no truer.
   void between_rows() {
     const std::size_t n = pieces_.size();
-    for (std::size_t i = 0; i < n; ++i) blend(work_.up, pieces_[i].up, i);
-    for (std::size_t i = n; i-- > 0;) blend(work_.down, pieces_[i].down, i);
+    for (std::size_t i = 0; i < n; ++i) mean_of_rows(work_.up, pieces_[i].up, i);
+    for (std::size_t i = n; i-- > 0;) mean_of_rows(work_.down, pieces_[i].down, i);
   }
 
-  void blend(std::vector<float>& mean, std::int32_t neighbour, std::size_t i) {
-    const float memory = neighbour >= 0 ? config_.row_memory : 0;
-    const float* own = at(work_.row, i);
-    const float* in = neighbour >= 0 ? at(mean, static_cast<std::size_t>(neighbour)) : own;
-    const float low = least(in), own_low = least(own);
-    float* __restrict out = at(mean, i);
-    for (std::size_t k = 0; k < kStates; ++k)
-      out[k] = (1 - memory) * (own[k] - own_low) + memory * smaller(in[k] - low, 4 * config_.unseen_jump_cost);
+  void mean_of_rows(std::vector<OrderCosts>& mean, std::int32_t neighbour, std::size_t i) {
+    const OrderCosts& own = work_.row[i];
+    const bool linked = neighbour >= 0;
+    blend(linked ? mean[static_cast<std::size_t>(neighbour)] : own, own, linked ? config_.row_memory : 0,
+          to_cost(4 * config_.unseen_jump_cost), mean[i]);
   }
 
   void choose() {
+    const Cost margin = to_cost(config_.decided_margin);
     out_.pieces.assign(pieces_.size(), {});
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      Costs total;
-      const float* up = at(work_.up, i);
-      const float* down = at(work_.down, i);
-      for (std::size_t k = 0; k < kStates; ++k) total[k] = 0.5F * (up[k] + down[k]);
-      float first = kImpossible, second = kImpossible;
-      std::size_t best = 0;
-      for (std::size_t k = 0; k < kStates; ++k) {
-        if (total[k] < first) {
-          second = first;
-          first = total[k];
-          best = k;
-        } else {
-          second = smaller(second, total[k]);
-        }
-      }
-      out_.pieces[i].shift = base_of(pieces_[i]) + static_cast<std::int32_t>(best);
-      out_.pieces[i].decided = first < kImpossible && second - first >= config_.decided_margin;
+      OrderCosts total;
+      for (std::size_t k = 0; k < kOrderStates; ++k)
+        total.of[k] = static_cast<Cost>((work_.up[i].of[k] + work_.down[i].of[k]) / 2);
+      const auto best = std::min_element(total.of.begin(), total.of.end());
+      const Cost first = *best;
+      *best = kImpossible;
+      out_.pieces[i].shift = base_of(pieces_[i]) + static_cast<std::int32_t>(best - total.of.begin());
+      out_.pieces[i].decided = first < kImpossible && least(total) - first >= margin;
     }
   }
 
@@ -184,9 +170,9 @@ class Solver {
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       if (!undecided(i) || work_.size[root(i)] >= kSeveral) continue;
       const std::int32_t shift = work_.size[root(i)], state = shift - base_of(pieces_[i]);
-      if (state < 0 || state >= static_cast<std::int32_t>(kStates)) continue;
-      const float* total = at(work_.row, i);  // of its own row, not diluted by others
-      if (total[state] - least(total) > config_.inherit_cost) continue;
+      if (state < 0 || state >= kStates) continue;
+      const OrderCosts& total = work_.row[i];  // of its own row, not diluted by others
+      if (total.of[static_cast<std::size_t>(state)] - least(total) > to_cost(config_.inherit_cost)) continue;
       out_.pieces[i].shift = shift;
       out_.pieces[i].inherited = true;
     }

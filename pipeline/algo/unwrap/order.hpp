@@ -9,6 +9,7 @@
 
 #include "pipeline/algo/unwrap/cells.hpp"
 #include "pipeline/algo/unwrap/code_evidence.hpp"
+#include "pipeline/algo/unwrap/order_messages.hpp"
 
 namespace enamel::algo {
 
@@ -17,6 +18,8 @@ struct OrderConfig {
   float outlier_cost = 4.6F;      ///< 1 % of the pieces lie (edges, glints): their code may be anything
   float unseen_jump_cost = 6.9F;  ///< a 2 pi jump inside a linked surface: one in a thousand neighbours
   float kink_jump_cost = 2.3F;    ///< at a step in the phase: it may be that step, or that and 2 pi; one in ten
+  float fold_cost = 2.3F;         ///< projector columns come in the other order beyond a gap: only behind thin things
+  float missed_contact_cost = 3.0F;  ///< a dark gap whose ends could lie on one ray of light, and do not
   float decided_margin = 4.6F;    ///< second-best must be this much dearer: 1 % risk
   float beyond_range_cost = 1;  ///< a piece and order: surfaces do run on beyond the range, and must not be folded back
   float row_memory = 0.85F;     ///< weight of the rows before in the running mean: about 7 rows
@@ -39,12 +42,12 @@ struct OrderResult {
   std::size_t torn_seams = 0;      ///< … where the labelling jumps by whole fringes
 
   struct Work {
-    std::vector<float> unary, row, right, up, down;
+    std::vector<OrderCosts> unary, row, right, up, down;
     std::vector<std::int32_t> base, parent, size;
   } work;
 };
 
-/// Min-sum messages along rows (exact), running means between rows, then continuity. Fixed order, deterministic. Fills
+/// Min-sum messages along rows and across their gaps (exact), running means between rows, then continuity. Fixed order, deterministic. Fills
 /// `pieces` and the counts of seams.
 void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
                  const OrderConfig& config, OrderResult& out);
