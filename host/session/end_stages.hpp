@@ -14,6 +14,7 @@
 #include "host/ingest/ingress_gate.hpp"
 #include "host/report/stage_trace.hpp"
 #include "host/session/scan_pipeline.hpp"
+#include "pipeline/algo/track/mid_burst.hpp"
 #include "pipeline/graph/stage.hpp"
 #include "pipeline/stages/items.hpp"
 #include "pipeline/stages/preview_item.hpp"
@@ -61,7 +62,8 @@ class SinkStage final : public graph::Stage {
     if (item.ok()) {
       const stage::Digests& d = item->digests;
       row.digest = {d.input, d.decode, d.track, d.fuse};
-      poses.push_back({item.id, item.captured, item->track.T_model_cam});
+      placed.push_back(item.id);
+      poses.push_back({item.captured, item->track.T_model_cam, item->motion});
       fused_count.add();
     } else {
       ++rejected[item.rejected];
@@ -72,7 +74,8 @@ class SinkStage final : public graph::Stage {
   }
 
   StageTrace trace;
-  std::vector<PlacedPose> poses;
+  std::vector<BurstId> placed;             ///< the fused bursts, in order …
+  std::vector<algo::MeasuredPose> poses;  ///< … and where they were
   std::map<std::string, std::uint64_t> rejected;
   Counter fused_count, rejected_count;  ///< readable from any thread
   LogHistogram latency_ns;              ///< last exposure to fused; live only

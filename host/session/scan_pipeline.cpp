@@ -130,7 +130,9 @@ ScanResult ScanPipeline::take_result() {
   SinkStage& sink = *impl_->sink;
   ScanResult result;
   result.trace = std::move(sink.trace);
-  result.poses = std::move(sink.poses);
+  const std::vector<Pose> at_mid_burst = algo::poses_at_mid_burst(sink.poses, {});
+  for (std::size_t i = 0; i < sink.poses.size(); ++i)
+    result.poses.push_back({sink.placed[i], sink.poses[i].t_mid, at_mid_burst[i]});
   result.rejected = std::move(sink.rejected);
   result.accepted = impl_->pushed.load();
   result.fused = sink.fused_count.value();

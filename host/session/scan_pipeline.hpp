@@ -35,7 +35,7 @@ struct Accepted {
 struct PlacedPose {
   BurstId id;
   DeviceTime t_mid;
-  Pose T_model_cam;
+  Pose T_model_cam;  ///< at t_mid
 };
 
 /// What a run leaves behind. Everything but times is a function of the bursts, the rig and the configuration.

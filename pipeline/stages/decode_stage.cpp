@@ -5,6 +5,20 @@
 #include "pipeline/stages/burst_view.hpp"
 
 namespace enamel::stage {
+namespace {
+
+/// The surface's motion per frame as the camera's per second.
+BurstMotion motion_of(const proto::Burst& burst, const algo::RigidMotion& surface) {
+  BurstMotion out;
+  out.exposure_spread_s2 = proto::exposure_spread_s2(burst);
+  const double period_s = proto::frame_period_s(burst);
+  if (!surface.moved || !(period_s > 0)) return out;
+  out.twist = ProbeTwist{-Vec3d(surface.shift_mm.data()) / period_s, -Vec3d(surface.turn_rad.data()) / period_s,
+                         surface.about_mm};
+  return out;
+}
+
+}  // namespace
 
 Result<void> DecodeStage::step() {
   const auto item = burst.take();
@@ -18,7 +32,7 @@ Result<void> DecodeStage::step() {
     patch.emit(graph::make_rejected<Decoded>(item, algo::name_of(decoded.verdict).data()));
     return {};
   }
-  Decoded out{std::move(decoded.patch), {}};
+  Decoded out{std::move(decoded.patch), motion_of(*item, decoded.diagnostics.rigid), {}};
   out.digests.input = Digest().add(std::span<const std::uint8_t>(item->payload)).value();
   // Normals follow from depth; registration, which uses them, is digested next.
   out.digests.decode = Digest().add(out.patch.depth_mm).add(out.patch.sigma_mm).add(out.patch.texture_dn).value();

@@ -57,7 +57,7 @@ Result<void> FuseStage::step() {
   const algo::FuseStats stats = model_.integrate(item.id, patch, T_model_cam);
   last_view_ = std::make_shared<const ModelView>(model_.view(T_model_cam, patch));
 
-  Fused out{item->result, item->digests};
+  Fused out{item->result, item->decoded->motion, item->digests};
   out.digests.fuse = Digest()
                          .add(stats.surfels_used)
                          .add(stats.voxels_updated)

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "pipeline/types/patch.hpp"
+#include "pipeline/types/probe_motion.hpp"
 #include "pipeline/types/track.hpp"
 #include "protocol/types/burst.hpp"
 
@@ -17,6 +18,7 @@ struct Digests {
 
 struct Decoded {
   SurfacePatch patch;
+  BurstMotion motion;
   Digests digests;
 };
 
@@ -28,6 +30,7 @@ struct Tracked {
 
 struct Fused {
   TrackResult track;
+  BurstMotion motion;
   Digests digests;
 };
 

@@ -12,6 +12,24 @@ DeviceTime mid_burst(const Burst& burst) noexcept {
   return device_time(begin + (end - begin) / 2);
 }
 
+double frame_period_s(const Burst& burst) noexcept {
+  if (burst.meta.size() < static_cast<std::size_t>(kFramesPerBurst)) return 0;
+  return 1e-9 * static_cast<double>(burst.meta[kFramesPerBurst - 1].t_strobe_ns - burst.meta[0].t_strobe_ns) /
+         (kFramesPerBurst - 1);
+}
+
+double exposure_spread_s2(const Burst& burst) noexcept {
+  if (burst.meta.size() < static_cast<std::size_t>(kFramesPerBurst)) return 0;
+  const std::int64_t middle = mid_burst(burst).time_since_epoch().count();
+  double sum = 0;
+  for (const FrameMeta& m : burst.meta) {
+    const double exposure = 1e-6 * m.exposure_us;
+    const double away = 1e-9 * static_cast<double>(static_cast<std::int64_t>(m.t_strobe_ns) - middle) + exposure / 2;
+    sum += away * away + exposure * exposure / 12;
+  }
+  return sum / kFramesPerBurst;
+}
+
 bool is_consistent(const Burst& burst) noexcept {
   if (burst.width == 0 || burst.height == 0 || burst.frames != kFramesPerBurst) return false;
   if (burst.meta.size() != static_cast<std::size_t>(kFramesPerBurst)) return false;

@@ -74,6 +74,12 @@ struct Burst {
 /// Needs four metas.
 [[nodiscard]] DeviceTime mid_burst(const Burst& burst) noexcept;
 
+/// Mean interval between the starts of two frames, s. Needs four metas.
+[[nodiscard]] double frame_period_s(const Burst& burst) noexcept;
+
+/// Mean square distance of the light from mid-burst over all four exposures, s^2. Needs four metas.
+[[nodiscard]] double exposure_spread_s2(const Burst& burst) noexcept;
+
 /// True when sizes, codec, metas, offsets and payload CRC fit together; the first thing asked of a burst from outside.
 [[nodiscard]] bool is_consistent(const Burst& burst) noexcept;
 

@@ -277,6 +277,7 @@ RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity
     out.shift_mm[k] = theta[static_cast<Eigen::Index>(k)];
     out.turn_rad[k] = theta[static_cast<Eigen::Index>(k + 3)];
   }
+  out.about_mm = static_cast<double>(in.pivot_mm.z());
   out.moved = true;
   return out;
 }

@@ -32,6 +32,7 @@ struct RigidMotionConfig {
 struct RigidMotion {
   std::array<double, 3> shift_mm{};  ///< V, per frame interval
   std::array<double, 3> turn_rad{};  ///< W, per frame interval, about the optical axis' point at mid-range
+  double about_mm = 0;               ///< depth of that point
   bool moved = false;                ///< determined
 };
 

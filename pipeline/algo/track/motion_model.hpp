@@ -1,10 +1,14 @@
-// Where the hand will be: the last pose carried on with the mean velocity of the last few.
+// Where the hand will be: the last pose carried on with the mean of two velocities, that of the last few poses and
+// that which the last burst itself shows (rigid_motion.hpp). The one smooths tremor, the other knows of a turn at once.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
+#include "pipeline/algo/icp/normal_system.hpp"
 #include "pipeline/types/geometry.hpp"
+#include "pipeline/types/probe_motion.hpp"
 #include "protocol/base/time.hpp"
 
 namespace enamel::algo {
@@ -21,7 +25,7 @@ class MotionModel {
  public:
   explicit MotionModel(const MotionConfig& config) : config_(config) {}
 
-  void add(DeviceTime t, const Pose& T_model_cam);
+  void add(DeviceTime t, const Pose& T_model_cam, const std::optional<ProbeTwist>& twist = std::nullopt);
   /// Forgets velocities (a jump), keeps nothing.
   void clear() { count_ = 0; }
 
@@ -30,12 +34,23 @@ class MotionModel {
   [[nodiscard]] const Pose& last_pose() const noexcept { return states_[0].T; }
   /// Precondition: !empty().
   [[nodiscard]] Pose predict(DeviceTime t) const;
+  /// With the last burst's own velocity alone, where it is known. Precondition: !empty().
+  [[nodiscard]] std::optional<Pose> predict_by_twist(DeviceTime t) const;
 
  private:
   struct State {
     DeviceTime t{};
     Pose T = Pose::Identity();
+    std::optional<ProbeTwist> twist;
   };
+  struct Velocity {
+    Vector6 per_s = Vector6::Zero();  ///< about the last pose's work point, in the model's axes
+    double reach_s = 0;               ///< for which it is carried on
+  };
+  [[nodiscard]] std::optional<Velocity> mean_velocity() const;
+  [[nodiscard]] std::optional<Velocity> own_velocity() const;
+  [[nodiscard]] Pose carry_on(const Velocity& velocity, DeviceTime t) const;
+
   MotionConfig config_;
   std::array<State, 8> states_;  ///< newest first
   std::size_t count_ = 0;

@@ -53,7 +53,13 @@ Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
       motion_(config_.motion),
       keyframes_(rig.camera, config_.keyframes) {}
 
-TrackResult Tracker::track(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view) {
+TrackResult Tracker::track(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view,
+                           const std::optional<ProbeTwist>& twist) {
+  twist_ = twist;
+  return place(burst, t_mid, patch, view);
+}
+
+TrackResult Tracker::place(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view) {
   const bool in_sequence = last_seen_ && t_mid > *last_seen_ && seconds(*last_seen_, t_mid) <= config_.max_gap_s;
   last_seen_ = t_mid;
   const PatchPyramid pyramid = make_pyramid(patch, config_.icp);
@@ -79,6 +85,7 @@ std::optional<IcpResult> Tracker::align_near(const PatchPyramid& pyramid, const 
   // The model first: it averages many bursts. The last patch covers what the model, two bursts behind, does not show
   // yet.
   std::vector<Pose> starts{predicted, motion_.last_pose()};
+  if (const auto by_twist = motion_.predict_by_twist(t)) starts.insert(starts.begin() + 1, *by_twist);
   if (auto found = align_from(starts, pyramid, view, predicted, t)) return found;
   for (const Pose& turned :
        turned_about_work_point(motion_.last_pose(), config_.motion.work_distance_mm, config_.wrist_deg)) {
@@ -126,7 +133,7 @@ bool Tracker::plausible(const Pose& T_model_cam, DeviceTime t) const {
 }
 
 TrackResult Tracker::accept(TrackState state, DeviceTime t, const SurfacePatch& patch, const IcpResult& icp) {
-  motion_.add(t, icp.T_model_cam);
+  motion_.add(t, icp.T_model_cam, twist_);
   last_patch_ = view_from_patch(patch, icp.T_model_cam, lens_, config_.keyframes.view_stride);
   if (keyframes_.wants(icp.T_model_cam)) {
     keyframes_.add(patch, icp.T_model_cam, extract_features(patch, px_per_mm_, config_.features));

@@ -43,7 +43,9 @@ class Tracker {
   Tracker(const calib::Rig& rig, const TrackerConfig& config);
 
   /// view: the model as it was some bursts ago, drawn from any recent pose, or empty. t_mid: data time of mid-burst.
-  [[nodiscard]] TrackResult track(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view);
+  /// twist: what the burst itself shows of the probe's velocity; a prior for the bursts to come.
+  [[nodiscard]] TrackResult track(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view,
+                                  const std::optional<ProbeTwist>& twist = std::nullopt);
 
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const noexcept { return keyframes_.all(); }
 
@@ -56,6 +58,7 @@ class Tracker {
   [[nodiscard]] std::optional<IcpResult> find_again(BurstId burst, const SurfacePatch& patch,
                                                     const PatchPyramid& pyramid, const ModelView& view);
   [[nodiscard]] bool plausible(const Pose& T_model_cam, DeviceTime t) const;
+  [[nodiscard]] TrackResult place(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view);
   [[nodiscard]] TrackResult accept(TrackState state, DeviceTime t, const SurfacePatch& patch, const IcpResult& icp);
   [[nodiscard]] TrackResult lost() const;
 
@@ -67,6 +70,7 @@ class Tracker {
   MotionModel motion_;
   KeyframeStore keyframes_;
   std::optional<ModelView> last_patch_;  ///< of the last placed burst
+  std::optional<ProbeTwist> twist_;  ///< of the burst in hand
   std::optional<DeviceTime> last_seen_;  ///< of the last burst handed in
   std::uint64_t searches_ = 0;
 };
