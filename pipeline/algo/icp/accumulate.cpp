@@ -87,6 +87,7 @@ AlignPass accumulate(const SampleSet& samples, const Reference& reference, const
                      const Pose& T_model_cam, double rho_mm, const MatchGate& gate, const RobustKernel& kernel) {
   const Motion to_model(T_model_cam);
   const Motion to_view(reference.T_model_cam().inverse() * T_model_cam);
+  const Vec3f axis = reference.T_model_cam().linear().col(2).cast<float>();
   const Vec3f centre = (T_model_cam * samples.centroid).cast<float>();
   const auto inv_rho = static_cast<float>(1 / rho_mm);
   AlignPass pass;
@@ -108,7 +109,7 @@ AlignPass accumulate(const SampleSet& samples, const Reference& reference, const
       const float cosine = pixel.normal.dot(to_model.turn(samples.nx[i], samples.ny[i], samples.nz[i]));
       if (!(std::abs(e) < gate.distance_mm) || d.squaredNorm() > gate.distance3d_mm * gate.distance3d_mm ||
           cosine < gate.min_cos) {
-        ++pass.contradictions;
+        pass.contradictions += axis.dot(d) > gate.hidden_mm ? 0U : 1U;
         continue;
       }
       const Vec3f lever = (p - centre).cross(pixel.normal) * inv_rho;

@@ -52,6 +52,7 @@ struct MatchGate {
   float distance_mm = 0;    ///< point to plane
   float distance3d_mm = 0;  ///< point to pixel: allows for the reference's pitch
   float min_cos = 0;        ///< between normals
+  float hidden_mm = 0;      ///< so far behind the reference a sample does not contradict it: it was hidden there
 };
 
 struct AlignPass {
@@ -60,7 +61,7 @@ struct AlignPass {
   double weight = 0;  ///< of matches, without the kernel
   double weighted_e2 = 0;
   std::size_t matches = 0;
-  std::size_t contradictions = 0;  ///< fell on the reference but do not agree with it
+  std::size_t contradictions = 0;  ///< fell on the reference, or before it, but do not agree with it
   [[nodiscard]] double rms_mm() const { return weight > 0 ? std::sqrt(weighted_e2 / weight) : 0; }
 };
 

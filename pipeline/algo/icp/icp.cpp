@@ -9,10 +9,11 @@
 namespace enamel::algo {
 namespace {
 
-MatchGate make_gate(const IcpLevel& level) {
+MatchGate make_gate(const IcpLevel& level, const IcpConfig& config) {
   // The nearest pixel of the reference lies beside the point, not only above it: allow for its pitch.
   return {static_cast<float>(level.gate_mm), static_cast<float>(level.gate_mm + 0.1),
-          static_cast<float>(std::cos(level.max_normal_deg * std::numbers::pi / 180))};
+          static_cast<float>(std::cos(level.max_normal_deg * std::numbers::pi / 180)),
+          static_cast<float>(config.hidden_mm)};
 }
 
 RobustKernel make_kernel(const IcpConfig& config, bool finest, double scale_mm) {
@@ -42,7 +43,7 @@ IcpResult align(const PatchPyramid& patch, const Reference& reference, const Vie
   for (std::size_t l = 0; l < config.levels.size(); ++l) {
     const IcpLevel& level = config.levels[l];
     const SampleSet& samples = patch.levels[l];
-    const MatchGate gate = make_gate(level);
+    const MatchGate gate = make_gate(level, config);
     double scale = level.gate_mm / 3;
     double last_rms = 0;
     for (int k = 0; k < level.max_iterations; ++k) {
