@@ -74,7 +74,7 @@ class SinkStage final : public graph::Stage {
   }
 
   StageTrace trace;
-  std::vector<BurstId> placed;             ///< the fused bursts, in order …
+  std::vector<BurstId> placed;            ///< the fused bursts, in order …
   std::vector<algo::MeasuredPose> poses;  ///< … and where they were
   std::map<std::string, std::uint64_t> rejected;
   Counter fused_count, rejected_count;  ///< readable from any thread

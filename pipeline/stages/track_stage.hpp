@@ -20,8 +20,8 @@ class TrackStage final : public graph::Stage {
   Result<void> step() override {
     const auto decoded = patch.take();
     const auto view = model.take();
-    const TrackResult result = tracker_.track(decoded.id, decoded.captured, decoded->patch, *view,
-                                              decoded->motion.twist);
+    const TrackResult result =
+        tracker_.track(decoded.id, decoded.captured, decoded->patch, *view, decoded->motion.twist);
     if (result.state == TrackState::kLost) {
       tracked.emit(graph::make_rejected<Tracked>(decoded, "lost_track"));
       return {};

@@ -29,9 +29,9 @@ struct IcpConfig {
   double small_step_mm = 0.003;        ///< … below this,
   double end_translation_mm = 0.0005;  ///< or when the step is below both of these
   double end_rotation_rad = 1e-5;
-  double huber_scale = 1.345;     ///< in robust standard deviations, levels 0 and 1
-  double welsch_scale = 2.985;    ///< level 2
-  double hidden_mm = 0.5;         ///< a turned camera sees surface that lay hidden behind the reference by this and more
+  double huber_scale = 1.345;   ///< in robust standard deviations, levels 0 and 1
+  double welsch_scale = 2.985;  ///< level 2
+  double hidden_mm = 0.5;       ///< a turned camera sees surface that lay hidden behind the reference by this and more
   std::size_t min_matches = 200;  ///< at the level's stride; fewer end the alignment unconverged
 };
 

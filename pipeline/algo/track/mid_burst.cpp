@@ -74,8 +74,8 @@ std::vector<Pose> poses_at_mid_burst(std::span<const MeasuredPose> poses, const 
   std::vector<Pose> out;
   out.reserve(poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const bool between = i > 0 && i + 1 < poses.size() && near(poses[i - 1], poses[i], config) &&
-                         near(poses[i], poses[i + 1], config);
+    const bool between =
+        i > 0 && i + 1 < poses.size() && near(poses[i - 1], poses[i], config) && near(poses[i], poses[i + 1], config);
     out.push_back(between ? carried_to_mid_burst(poses.subspan(i - 1, 3), config) : poses[i].T_model_cam);
   }
   return out;

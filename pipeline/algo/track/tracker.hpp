@@ -70,7 +70,7 @@ class Tracker {
   MotionModel motion_;
   KeyframeStore keyframes_;
   std::optional<ModelView> last_patch_;  ///< of the last placed burst
-  std::optional<ProbeTwist> twist_;  ///< of the burst in hand
+  std::optional<ProbeTwist> twist_;      ///< of the burst in hand
   std::optional<DeviceTime> last_seen_;  ///< of the last burst handed in
   std::uint64_t searches_ = 0;
 };

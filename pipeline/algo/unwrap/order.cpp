@@ -38,8 +38,8 @@ class Solver {
     for (std::size_t i = 0; i < pieces_.size(); ++i) price(i);
   }
 
-  /// The code's evidence for the shifts that the range allows, a little beyond it, as far as the states reach and within
-  /// the projector's frame.
+  /// The code's evidence for the shifts that the range allows, a little beyond it, as far as the states reach and
+  /// within the projector's frame.
   void price(std::size_t i) {
     const Piece& p = pieces_[i];
     auto& unary = work_.unary[i].of;

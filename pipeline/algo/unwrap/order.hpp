@@ -20,7 +20,7 @@ struct OrderConfig {
   float kink_jump_cost = 2.3F;    ///< at a step in the phase: it may be that step, or that and 2 pi; one in ten
   float fold_cost = 2.3F;         ///< projector columns come in the other order beyond a gap: only behind thin things
   float missed_contact_cost = 3.0F;  ///< a dark gap whose ends could lie on one ray of light, and do not
-  float decided_margin = 4.6F;    ///< second-best must be this much dearer: 1 % risk
+  float decided_margin = 4.6F;       ///< second-best must be this much dearer: 1 % risk
   float beyond_range_cost = 1;  ///< a piece and order: surfaces do run on beyond the range, and must not be folded back
   float row_memory = 0.85F;     ///< weight of the rows before in the running mean: about 7 rows
   float inherit_cost = 2.3F;    ///< an undecided piece takes its surroundings' shift unless its code is 10 : 1 against
@@ -47,8 +47,8 @@ struct OrderResult {
   } work;
 };
 
-/// Min-sum messages along rows and across their gaps (exact), running means between rows, then continuity. Fixed order, deterministic. Fills
-/// `pieces` and the counts of seams.
+/// Min-sum messages along rows and across their gaps (exact), running means between rows, then continuity. Fixed order,
+/// deterministic. Fills `pieces` and the counts of seams.
 void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
                  const OrderConfig& config, OrderResult& out);
 

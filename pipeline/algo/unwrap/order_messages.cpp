@@ -44,8 +44,7 @@ void pass_gap(const OrderCosts& in, const OrderCosts& own, const GapCosts& gap, 
     const bool inside = fit >= 0 && fit < kStates;
     const Cost same = inside ? cost(in.of[static_cast<std::size_t>(fit)] - low) : most;
     const Cost apart = std::min(cost(up_to[below] + gap.above), cost(from[above] + gap.below));
-    sum.of[static_cast<std::size_t>(j)] =
-        cost(own.of[static_cast<std::size_t>(j)] + std::min({same, apart, most}));
+    sum.of[static_cast<std::size_t>(j)] = cost(own.of[static_cast<std::size_t>(j)] + std::min({same, apart, most}));
   }
   subtract(least(sum), sum);
   out = sum;

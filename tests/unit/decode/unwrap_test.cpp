@@ -16,9 +16,10 @@ struct Outcome {
   DecodedBurst burst;
 };
 
-Outcome decode(const calib::Rig& rig, const std::function<double(int, int)>& depth, const test::SceneOptions& o) {
+Outcome decode(const calib::Rig& rig, const std::function<double(int, int)>& depth, const test::SceneOptions& o,
+               const DecodeConfig& config = {}) {
   const auto scene = test::render(rig, depth, o);
-  const BurstDecoder decoder = BurstDecoder::make(rig).value();
+  const BurstDecoder decoder = BurstDecoder::make(rig, config).value();
   Outcome out;
   out.burst = decoder.decode(scene.frames.view());
   for (int v = 0; v < rig.camera.height; ++v) {
@@ -97,6 +98,69 @@ TEST(Unwrap, patch_of_half_a_fringe_is_rejected_as_undecided_not_guessed) {
   for (int v = 51; v < 61; ++v)
     for (int u = 251; u < 261; ++u) ASSERT_TRUE(std::isnan(r.burst.patch.depth_mm(u, v))) << u << "," << v;
   EXPECT_GT(r.burst.counts[static_cast<std::size_t>(PixelReject::kRelative)], 20U);
+}
+
+/// Phi of a facing plane.
+double phase_at(const calib::Rig& rig, int u, int v, double z_mm) {
+  const auto ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
+  return 2 * std::numbers::pi * calib::project_to_projector(rig, ray, z_mm).x / rig.patterns.period_px;
+}
+
+/// A rib of a fringe's width stands 3 mm before a plane, alone in the dark but for the shadow that it casts there.
+Outcome decode_rib(int first, const DecodeConfig& config) {
+  const calib::Rig rig = test::cropped_rig(400, 60);
+  constexpr int kWidth = 27;
+  test::SceneOptions o = noisy();
+  o.light = [=](int u, int v) {
+    if (u >= first) return u < first + kWidth ? 1.0 : 0.0;
+    return phase_at(rig, u, v, 50) < phase_at(rig, first, v, 47) ? 1.0 : 0.0;
+  };
+  return decode(
+      rig, [=](int u, int) { return u >= first ? 47.0 : 50.0; }, o, config);
+}
+
+std::size_t undecided(const Outcome& r) { return r.burst.counts[static_cast<std::size_t>(PixelReject::kRelative)]; }
+
+TEST(Unwrap, both_ends_of_a_shadow_lie_on_one_ray_of_light) {
+  DecodeConfig blind;
+  blind.order.fold_cost = blind.order.missed_contact_cost = 0;
+  std::size_t with = 0, without = 0;
+  for (int first = 240; first < 348; first += 9) {
+    const Outcome seen = decode_rib(first, {}), unseen = decode_rib(first, blind);
+    EXPECT_EQ(seen.wrong, 0U) << first;
+    EXPECT_EQ(unseen.wrong, 0U) << first;
+    with += undecided(seen);
+    without += undecided(unseen);
+  }
+  EXPECT_GT(without, 2000U);  // two signs of the code are not enough for every rib ...
+  EXPECT_LT(with, without / 4);
+}
+
+TEST(Unwrap, pixels_beside_a_sharp_step_are_measured_and_mixed_ones_are_not) {
+  const calib::Rig rig = test::cropped_rig(320, 200);
+  const auto depth = [](int u, int) { return u < 160 ? 49.0 : 48.0; };
+  auto scene = test::render(rig, depth, noisy());
+  const BurstDecoder decoder = BurstDecoder::make(rig).value();
+  const auto measured = [&](int column) {
+    const DecodedBurst burst = decoder.decode(scene.frames.view());
+    int count = 0;
+    for (int v = 0; v < 200; ++v) {
+      const auto z = static_cast<double>(burst.patch.depth_mm(column, v));
+      if (std::isnan(z)) continue;
+      ++count;
+      EXPECT_LT(std::min(std::abs(z - 49), std::abs(z - 48)), 0.15) << column << ',' << v;
+    }
+    return count;
+  };
+  EXPECT_GT(measured(159), 180);
+  EXPECT_GT(measured(160), 180);
+  for (auto& frame : scene.frames.frames) {
+    for (std::size_t row = 0; row < 200; ++row) {
+      const std::size_t i = row * 320 + 160;
+      frame[i] = static_cast<std::uint8_t>((frame[i - 1] + frame[i + 1]) / 2);
+    }
+  }
+  EXPECT_LT(measured(160), 20);
 }
 
 TEST(Unwrap, surface_that_leaves_the_depth_range_is_not_folded_back_into_it) {

@@ -47,6 +47,20 @@ TEST(Burst, MidIsBetweenFirstStartAndLastEnd) {
   EXPECT_EQ(to_ns(mid_burst(b)), (1000 + 1300 + 3000) / 2);
 }
 
+TEST(Burst, PeriodAndSpreadOfTheLight) {
+  Burst b = test::camera_burst(0, 4, 4);
+  for (std::size_t k = 0; k < 4; ++k) {
+    b.meta[k].t_strobe_ns = 1'000'000 + 4'000'000 * k;
+    b.meta[k].exposure_us = 2000;
+  }
+  EXPECT_NEAR(frame_period_s(b), 4e-3, 1e-15);
+  // Exposures centred 6, 2, 2, 6 ms from the middle, each 2 ms long.
+  EXPECT_NEAR(exposure_spread_s2(b), (36 + 4) / 2 * 1e-6 + 4e-6 / 12, 1e-12);
+  b.meta.pop_back();
+  EXPECT_EQ(frame_period_s(b), 0);
+  EXPECT_EQ(exposure_spread_s2(b), 0);
+}
+
 TEST(Burst, FramesLieBehindOneAnother) {
   const Burst b = test::camera_burst(0, 4, 3);
   for (int k = 0; k < 4; ++k) {

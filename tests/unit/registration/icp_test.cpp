@@ -161,6 +161,31 @@ TEST(Icp, AnotherSurfaceContradicts) {
   }
 }
 
+/// Two fifths of the patch lie `behind_mm` farther from the camera than the reference shows.
+SurfacePatch with_a_part_behind(SurfacePatch patch, float behind_mm) {
+  for (int v = 0; v < patch.points.height(); ++v) {
+    for (int u = 0; u < patch.points.width() * 2 / 5; ++u) {
+      Vec3f& p = patch.points(u, v);
+      p *= (p.z() + behind_mm) / p.z();
+      patch.depth_mm(u, v) += behind_mm;
+    }
+  }
+  return patch;
+}
+
+TEST(Icp, WhatTheReferenceHidesDoesNotContradictItAndWhatStandsBeforeItDoes) {
+  const Scene& s = scene();
+  const SurfacePatch patch = ts::make_patch(s.surface, s.lens, s.view.T_model_cam, {0.01, 0.03, 5});
+  const auto consistency = [&](float behind_mm, double hidden_mm) {
+    Scene other = s;
+    other.config.hidden_mm = hidden_mm;
+    return align_to(other, with_a_part_behind(patch, behind_mm), s.view.T_model_cam).consistency;
+  };
+  EXPECT_GT(consistency(1.5F, IcpConfig{}.hidden_mm), 0.95);
+  EXPECT_LT(consistency(1.5F, 100), 0.7);                     // taken for contradictions
+  EXPECT_LT(consistency(-1.5F, IcpConfig{}.hidden_mm), 0.7);  // nothing was there a moment ago
+}
+
 TEST(Icp, SameArgumentsSameBits) {
   const Scene& s = scene();
   const Pose truth = displaced(s.view.T_model_cam, 3, 0.2, 0.01);

@@ -244,6 +244,32 @@ TEST(MotionModel, CarriesMeanVelocityOnAndStopsInTime) {
   EXPECT_NEAR(x_at(20), 10 * (seconds_of(3) + 0.1), 1e-9);
 }
 
+TEST(MotionModel, TheBurstsOwnVelocityIsThePriorOfTheNext) {
+  const ProbeTwist twist{{4, 0, 0}, {0, 0, 0.5}, 40};  // turns about the optical axis: the work point only shifts
+  MotionModel fresh({});
+  fresh.add(time_of(0), ts::looking_down(0, 0));
+  EXPECT_FALSE(fresh.predict_by_twist(time_of(1)).has_value());
+  fresh.clear();
+  fresh.add(time_of(0), ts::looking_down(0, 0), twist);
+  const Pose one = ts::looking_down(0, 0).inverse() * fresh.predict(time_of(1));
+  EXPECT_NEAR((one * Vec3d(0, 0, 48)).x(), 4 * seconds_of(1), 1e-9);
+  EXPECT_NEAR(Eigen::AngleAxisd(one.linear()).angle(), 0.5 * seconds_of(1), 1e-9);
+  // With a history, half of each; alone where it is asked for.
+  MotionModel moving({});
+  for (int n = 0; n < 4; ++n) moving.add(time_of(n), ts::looking_down(0, 0), twist);
+  const auto ahead = [&](const Pose& T) { return (ts::looking_down(0, 0).inverse() * T * Vec3d(0, 0, 48)).x(); };
+  EXPECT_NEAR(ahead(moving.predict(time_of(4))), 2 * seconds_of(1), 1e-9);
+  EXPECT_NEAR(ahead(*moving.predict_by_twist(time_of(4))), 4 * seconds_of(1), 1e-9);
+}
+
+TEST(MotionModel, ATwistAboutAnotherPointMovesTheWorkPointByItsLever) {
+  MotionModel motion({});
+  motion.add(time_of(0), Pose::Identity(), ProbeTwist{{0, 0, 0}, {0, 0.1, 0}, 40});
+  const Vec3d moved = *motion.predict_by_twist(time_of(1)) * Vec3d(0, 0, 48);
+  EXPECT_NEAR(moved.x(), 8 * 0.1 * seconds_of(1), 1e-4);
+  EXPECT_NEAR((*motion.predict_by_twist(time_of(1)) * Vec3d(0, 0, 40) - Vec3d(0, 0, 40)).norm(), 0, 1e-4);
+}
+
 TEST(MotionModel, TimeThatStandsStillOrRunsBackwardsPredictsTheLastPose) {
   MotionModel motion({});
   for (int n = 0; n < 4; ++n) motion.add(time_of(n), ts::looking_down(10 * seconds_of(n), 0));
