@@ -1,29 +1,14 @@
-// Four frames, for tests; read from an exchange folder where they have 8 bits.
+// The four frames of a burst of an exchange folder, where they have 8 bits.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "pipeline/algo/phase/burst_view.hpp"
+#include "tests/unit/decode/frame_set.hpp"
 
 namespace enamel::test {
-
-struct FrameSet {
-  int width = 0, height = 0;
-  std::array<std::vector<std::uint8_t>, 4> frames;
-  int bit_depth = 8;
-
-  [[nodiscard]] algo::BurstView view() const {
-    algo::BurstView v{width, height, bit_depth, {}};
-    for (std::size_t k = 0; k < 4; ++k) v.frames[k] = frames[k];
-    return v;
-  }
-};
 
 inline std::optional<FrameSet> load_folder_burst(const std::string& folder, int burst) {
   FrameSet set;

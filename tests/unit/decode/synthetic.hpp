@@ -11,7 +11,7 @@
 #include "calib/model/lens.hpp"
 #include "pipeline/types/map.hpp"
 #include "tests/unit/calib/rig_text.hpp"
-#include "tests/unit/decode/folder_burst.hpp"
+#include "tests/unit/decode/frame_set.hpp"
 
 namespace enamel::test {
 

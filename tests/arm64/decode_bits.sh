@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Cross-compiles the decoder and a burst for arm64, runs them under qemu-user, and asks for the bits that x86-64 gives.
+# Loops stay NEON's: Highway's one static target there. usage: decode_bits.sh SOURCE_DIR WORK_DIR; exit 77: skipped.
+set -euo pipefail
+source_dir=$1 work_dir=$2
+compiler=aarch64-linux-gnu-g++
+for tool in "$compiler" qemu-aarch64; do
+  if ! command -v "$tool" >/dev/null; then
+    echo "skipped: $tool is missing; install g++-aarch64-linux-gnu and qemu-user"
+    exit 77
+  fi
+done
+
+# Header-only libraries, apart from this machine's own headers, which are another architecture's.
+mkdir -p "$work_dir/include"
+for headers in nlohmann tl hwy eigen3/Eigen; do
+  ln -sfn "/usr/include/$headers" "$work_dir/include/${headers##*/}"
+done
+
+cd "$source_dir"
+sources=(tests/arm64/decode_bits.cpp calib/model/*.cpp protocol/base/{result,check,crc32,file}.cpp
+  pipeline/algo/{phase,unwrap,triangulate}/*.cpp
+  pipeline/algo/decode/{burst_decoder,burst_gates,rigid_motion,surface}.cpp)
+flags=(-std=c++20 -O2 -DNDEBUG -ffp-contract=off -fno-fast-math -fno-math-errno -fno-trapping-math
+  -DHWY_COMPILE_ONLY_STATIC -I. -isystem "$work_dir/include")
+export compiler work_dir
+printf '%s\n' "${sources[@]}" |
+  xargs -P "$(nproc)" -I{} bash -c '"$compiler" "$@" -c {} -o "$work_dir/$(tr / _ <<<{}).o"' _ "${flags[@]}"
+objects=()
+for s in "${sources[@]}"; do objects+=("$work_dir/${s//\//_}.o"); done
+"$compiler" -static "${objects[@]}" -o "$work_dir/decode_bits"
+qemu-aarch64 "$work_dir/decode_bits"
