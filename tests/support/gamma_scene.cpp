@@ -128,14 +128,10 @@ double repeating(const std::vector<Rendered>& bursts, std::vector<float> Burst::
 GammaRipple measure_gamma(const GammaScene& scene, int bursts) {
   std::vector<Rendered> all;
   algo::PhaseMoments moments;
-  double a1 = 0, pixels = 0;
   for (int k = 0; k < bursts; ++k) {
     all.push_back(render_burst(scene, k));
     const Rendered& r = all.back();
     moments.add(algo::phase_moments(r.spans, r.maps));
-    const algo::FourthHarmonic fourth = algo::estimate_fourth_harmonic(r.spans, r.maps);
-    a1 += static_cast<double>(fourth.a1_rad) * fourth.pixels;
-    pixels += fourth.pixels;
   }
   GammaRipple out;
   out.three_step = repeating(all, &Burst::three);
@@ -143,7 +139,7 @@ GammaRipple measure_gamma(const GammaScene& scene, int bursts) {
   out.four_step = repeating(all, &Burst::four);
   const std::vector<Rendered> raw = all;
   algo::PhaseRipple one;
-  one.sine[0] = pixels > 0 ? a1 / pixels : 0;
+  one.sine[0] = algo::level(moments, 1).sine[0];
   for (Rendered& r : all) algo::correct_phase(one, r.burst.four);
   out.one_term = repeating(all, &Burst::four);
   all = raw;

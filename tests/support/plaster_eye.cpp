@@ -193,7 +193,7 @@ Result<PlasterFigures> measure_plaster(const PlasterSet& set, std::size_t burst)
 
   const Map<float> uncorrected = b.phase.phase_rad;
   algo::PhaseRipple one;
-  one.sine[0] = static_cast<double>(algo::estimate_fourth_harmonic(b.spans, b.phase).a1_rad);
+  one.sine[0] = algo::level(algo::phase_moments(b.spans, b.phase), 1).sine[0];
   correct_all(b, one, b.phase);
   out.fourth = compare(set, b, set.twelve.phase_rad, offset_rad, nullptr);
 

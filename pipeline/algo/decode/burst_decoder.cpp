@@ -183,7 +183,10 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     correct_saturated(b.saturated, b.raw_phase, motion, b.closure.pixel_harmonic, b.phase);
     step("motion");
   }
-  if (config_.correct_fourth) diag.fourth_rad = estimate_fourth_harmonic(b.spans, b.phase).a1_rad;
+  if (config_.correct_ripple) {
+    const PhaseMoments moments = phase_moments(b.spans, b.phase);
+    diag.ripple = shrink(level(moments), moments);
+  }
 }
 
 void BurstDecoder::solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const {
@@ -252,7 +255,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
   };
   if (micro_) {
     place_spans(b.spans, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
-    if (config_.correct_fourth) {
+    if (config_.correct_ripple) {
       diag.third_rad = estimate_third_harmonic(b.spans, b.phase).a1_rad;
       correct_third_harmonic(b.spans, diag.third_rad, b.phase);
     }
@@ -294,7 +297,7 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   if (diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest)
     return BurstVerdict::kPatternMismatch;
   out.reject = b.phase.reject;
-  make_surface(b.phase, turn, *rays_, diag.fourth_rad, b.inverse_depth, out);
+  make_surface(b.phase, turn, *rays_, diag.ripple, b.inverse_depth, out);
   step("triangulate");
   compute_normals(*rays_, b.inverse_depth, out.patch.sigma_mm, config_.normals, b.scratch, out.patch.normals);
   step("normals");

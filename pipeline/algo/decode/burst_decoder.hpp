@@ -31,7 +31,7 @@ struct DecodeConfig {
   /// Undo in-burst motion and the projector's second harmonic, both seen in the closure, which mode M does not have.
   bool correct_closure = true;
   /// Undo the ripple that the projector's harmonics leave, self-calibrated per burst: sin 4phi, in mode M sin 3phi.
-  bool correct_fourth = true;
+  bool correct_ripple = true;
   /// Used when the rig states none. A depth range is never assumed.
   std::optional<calib::DepthRange> depth_range_mm;
   std::size_t min_points = 1000;   ///< fewer cannot be registered

@@ -8,6 +8,7 @@
 
 #include "pipeline/algo/decode/rigid_motion.hpp"
 #include "pipeline/algo/phase/noise_model.hpp"
+#include "pipeline/algo/phase/phase_ripple.hpp"
 #include "pipeline/algo/phase/pixel_reject.hpp"
 #include "pipeline/types/map.hpp"
 #include "pipeline/types/patch.hpp"
@@ -46,7 +47,7 @@ struct DecodeDiagnostics {
   float motion_rad = 0;        ///< mean phase change per frame interval; mode M does not see it
   float harmonic = 0;          ///< projector's B2/B1, from the closure; not in mode M
   RigidMotion rigid;           ///< of the surface in the camera's frame, per frame interval; not in mode M
-  float fourth_rad = 0;        ///< a1 of the sin 4phi correction that was subtracted
+  PhaseRipple ripple;          ///< of four steps, as it was subtracted; not in mode M
   float third_rad = 0;         ///< mode M: a1 of the sin 3phi correction that was subtracted
   float code_turn_rad = 0;     ///< mode M: mean angle of the code against its orders
   NoiseModel noise;

@@ -1,5 +1,6 @@
 #include "pipeline/algo/decode/surface.hpp"
 
+#include <array>
 #include <limits>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
@@ -15,14 +16,38 @@ struct RowOut {
   PixelReject* reject;
 };
 
-/// sin 4phi from the unit vector of phi, which needs no trigonometry.
-inline float sin_four(float c, float s) noexcept {
-  const float inv2 = 1.0F / (c * c + s * s + 1e-6F);
-  return 4 * c * s * inv2 * ((c - s) * (c + s) * inv2);
-}
+/// The ripple's error in float, for Clenshaw's recursion over the angle 4 phi.
+struct Ripple {
+  std::array<float, kRippleTerms> cosine{}, sine{};
 
-void solve_row(const PhaseMaps& m, const Map<std::int16_t>& turns_of, const RayDepth& rays, float fourth,
+  explicit Ripple(const PhaseRipple& r) {
+    for (std::size_t m = 0; m < kRippleTerms; ++m) {
+      cosine[m] = static_cast<float>(r.cosine[m]);
+      sine[m] = static_cast<float>(r.sine[m]);
+    }
+  }
+
+  /// From the vector (c, s) of phi, which needs no trigonometry.
+  [[nodiscard]] float error_rad(float c, float s) const noexcept {
+    static_assert(kRippleTerms == 4);
+    const float inv2 = 1.0F / (c * c + s * s + 1e-6F);
+    const float cos2 = (c - s) * (c + s) * inv2, sin2 = 2 * c * s * inv2;
+    const float cos4 = 2 * cos2 * cos2 - 1, sin4 = 2 * sin2 * cos2, twice = 2 * cos4;
+    const auto clenshaw = [twice](const std::array<float, kRippleTerms>& k, float& b1, float& b2) {
+      const float b3 = k[2] + twice * k[3];
+      b2 = k[1] + twice * b3 - k[3];
+      b1 = k[0] + twice * b2 - b3;
+    };
+    float c1 = 0, c2 = 0, s1 = 0, s2 = 0;
+    clenshaw(cosine, c1, c2);
+    clenshaw(sine, s1, s2);
+    return cos4 * c1 - c2 + sin4 * s1;
+  }
+};
+
+void solve_row(const PhaseMaps& m, const Map<std::int16_t>& turns_of, const RayDepth& rays, const Ripple& ripple_of,
                std::size_t at, std::size_t width, const RowOut& o) {
+  const Ripple ripple = ripple_of;  // a copy cannot alias what is written
   const float q_near = 1.0F / rays.near_mm, q_far = 1.0F / rays.far_mm;
   const float phase_low = rays.min_phase_rad, phase_high = rays.max_phase_rad;
   const float* __restrict phase = &m.phase_rad[at], * __restrict cosine = &m.cosine_dn[at];
@@ -36,7 +61,7 @@ void solve_row(const PhaseMaps& m, const Map<std::int16_t>& turns_of, const RayD
   PixelReject* __restrict reject = o.reject;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const float raw = phase[u] - fourth * sin_four(cosine[u], sine[u]);
+    const float raw = phase[u] - ripple.error_rad(cosine[u], sine[u]);
     const int turns = turn[u] + static_cast<int>(raw >= kPiF) - static_cast<int>(raw < -kPiF);
     const float phi = select(raw >= kPiF, raw - kTwoPiF, select(raw < -kPiF, raw + kTwoPiF, raw));
     const float absolute = phi + kTwoPiF * static_cast<float>(turns);
@@ -62,12 +87,12 @@ void solve_row(const PhaseMaps& m, const Map<std::int16_t>& turns_of, const RayD
 
 }  // namespace
 
-void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, float fourth_rad,
+void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, const PhaseRipple& ripple,
                   Map<float>& inverse_depth, DecodedBurst& out) {
   const auto width = static_cast<std::size_t>(rays.width);
   for (std::size_t v = 0; v < static_cast<std::size_t>(rays.height); ++v) {
     const std::size_t at = v * width;
-    solve_row(maps, turn, rays, fourth_rad, at, width,
+    solve_row(maps, turn, rays, Ripple(ripple), at, width,
               {&inverse_depth[at], &out.patch.depth_mm[at], &out.patch.sigma_mm[at], &out.phase_rad[at], &out.order[at],
                &out.reject[at]});
     for (std::size_t i = at; i < at + width; ++i) {

@@ -9,7 +9,7 @@ namespace enamel::algo {
 
 /// turn: Phi = phase_rad + 2 pi turn. Pixels that are still kNone get depth or kOutOfRange; all others NaN.
 /// inverse_depth as 1/z, NaN = none.
-void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, float fourth_rad,
+void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, const PhaseRipple& ripple,
                   Map<float>& inverse_depth, DecodedBurst& out);
 
 /// 1/z alone, for whoever needs slopes before the phase is final; NaN where a pixel is rejected or out of range.

@@ -10,7 +10,6 @@
 namespace enamel::algo {
 namespace {
 
-constexpr int kFourthRowStep = 3;  ///< a third of a burst's pixels gives a1 to 1e-3 rad
 using Sums = std::array<double, kClosureSums>;
 
 struct Pair {
@@ -130,29 +129,6 @@ void correct_phase(const PolarityMaps& polarity, const MotionField* field, float
     correct_phase_row(maps, {&polarity.weight[at], &rate[at], &fit.pixel_harmonic[at], light}, black_dn, at, width,
                       &maps.phase_rad[at]);
   }
-}
-
-FourthHarmonic estimate_fourth_harmonic(std::span<const CellSpan> spans, const PhaseMaps& maps) {
-  double sum = 0;
-  FourthHarmonic out;
-  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  for (const CellSpan& span : spans) {
-    if (!span.whole || span.row % kFourthRowStep != 0) continue;
-    const std::size_t at = static_cast<std::size_t>(span.row) * width;
-    float part = 0;
-    for (std::size_t i = at + static_cast<std::size_t>(span.begin); i < at + static_cast<std::size_t>(span.end); ++i) {
-      const float c = maps.cosine_dn[i], s = maps.sine_dn[i];
-      const float inv2 = 1.0F / (c * c + s * s + 1e-6F);
-      const float cos2 = (c - s) * (c + s) * inv2, sin2 = 2 * c * s * inv2;
-      // cos 4(phi + e) for the corrected phase phi + e, e small.
-      const float e = wrap_once(maps.phase_rad[i] - atan2_poly(s, c));
-      part += 2 * cos2 * cos2 - 1 - 8 * e * sin2 * cos2;
-    }
-    sum += static_cast<double>(part);
-    out.pixels += span.end - span.begin;
-  }
-  if (out.pixels > 0) out.a1_rad = static_cast<float>(-0.5 * sum / out.pixels);
-  return out;
 }
 
 }  // namespace enamel::algo

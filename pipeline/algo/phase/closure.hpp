@@ -69,12 +69,4 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
 void correct_phase(const PolarityMaps& polarity, const MotionField* field, float black_dn, const ClosureFit& fit,
                    PhaseMaps& maps);
 
-/// a1 of the phase error a1 sin 4phi that a third harmonic makes, from the fact that true phase is spread evenly over
-/// whole half fringes: a1 = -<cos 4phi>/2 over `whole` spans (§3). Standard error 1/(2 sqrt(2 N)).
-struct FourthHarmonic {
-  float a1_rad = 0;
-  double pixels = 0;
-};
-[[nodiscard]] FourthHarmonic estimate_fourth_harmonic(std::span<const CellSpan> spans, const PhaseMaps& maps);
-
 }  // namespace enamel::algo

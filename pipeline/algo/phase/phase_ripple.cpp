@@ -6,10 +6,13 @@
 #include <numbers>
 #include <vector>
 
+#include "pipeline/algo/phase/poly_trig.hpp"
+
 namespace enamel::algo {
 namespace {
 
 using Complex = std::complex<double>;
+constexpr std::int32_t kRowStep = 3;  ///< a third of a burst's pixels gives an amplitude to 1e-3 rad
 
 /// e^{i N m phi} for m = 1 … kRippleTerms by repeated multiplication.
 void add_phase(double phase_rad, int steps, PhaseMoments& sums) {
@@ -44,12 +47,34 @@ double PhaseRipple::error_rad(double phase_rad) const noexcept {
   return error;
 }
 
-PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps, int steps) {
+PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps) {
   PhaseMoments sums;
-  sums.steps = steps;
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   for (const CellSpan& s : spans) {
-    if (!s.whole) continue;
-    for (int u = s.begin; u < s.end; ++u) add_phase(static_cast<double>(maps.phase_rad(u, s.row)), steps, sums);
+    if (!s.whole || s.row % kRowStep != 0) continue;
+    const std::size_t at = static_cast<std::size_t>(s.row) * width;
+    std::array<float, kRippleTerms> cosines{}, sines{};
+    for (std::size_t i = at + static_cast<std::size_t>(s.begin); i < at + static_cast<std::size_t>(s.end); ++i) {
+      const float c = maps.cosine_dn[i], d = maps.sine_dn[i];
+      const float inv2 = 1.0F / (c * c + d * d + 1e-6F);
+      const float cos2 = (c - d) * (c + d) * inv2, sin2 = 2 * c * d * inv2;
+      const float e = 4 * wrap_once(maps.phase_rad[i] - atan2_poly(d, c));
+      const float cos4 = 2 * cos2 * cos2 - 1, sin4 = 2 * sin2 * cos2;
+      const float base_c = cos4 - e * sin4, base_s = sin4 + e * cos4;
+      float power_c = base_c, power_s = base_s;
+      for (std::size_t m = 0; m < kRippleTerms; ++m) {
+        cosines[m] += power_c;
+        sines[m] += power_s;
+        const float next = power_c * base_c - power_s * base_s;
+        power_s = power_s * base_c + power_c * base_s;
+        power_c = next;
+      }
+    }
+    for (std::size_t m = 0; m < kRippleTerms; ++m) {
+      sums.cosines[m] += static_cast<double>(cosines[m]);
+      sums.sines[m] += static_cast<double>(sines[m]);
+    }
+    sums.pixels += s.end - s.begin;
   }
   return sums;
 }
@@ -71,6 +96,16 @@ PhaseRipple level(const PhaseMoments& moments, std::size_t terms) {
     ripple.sine[m] = -scale * moments.cosines[m];
   }
   return ripple;
+}
+
+PhaseRipple shrink(const PhaseRipple& ripple, const PhaseMoments& moments) {
+  PhaseRipple out = ripple;
+  for (std::size_t m = 0; m < kRippleTerms; ++m) {
+    const double order = static_cast<double>(m + 1);
+    const double variance = moments.pixels > 0 ? 1 / (8 * order * order * moments.pixels) : 1;
+    for (double* a : {&out.cosine[m], &out.sine[m]}) *a *= *a * *a / (*a * *a + variance);
+  }
+  return out;
 }
 
 void correct_phase(const PhaseRipple& ripple, std::span<float> phase_rad) {

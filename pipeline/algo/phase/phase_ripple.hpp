@@ -34,14 +34,19 @@ struct PhaseRipple {
   [[nodiscard]] double error_rad(double phase_rad) const noexcept;
 };
 
-/// Spans that cover their half fringe from end to end only: part of a fringe is not evenly spread.
-[[nodiscard]] PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps, int steps = 4);
+/// Of four-step phase, over spans that cover their half fringe from end to end: part of a fringe is not evenly spread.
+/// Every third row. From C and S, and phase_rad's small distance from their angle to first order: no trigonometry.
+[[nodiscard]] PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps);
 
-/// The same for bare phases that cover whole fringes.
+/// For bare phases that cover whole fringes.
 [[nodiscard]] PhaseMoments phase_moments(std::span<const float> phase_rad, int steps = 4);
 
 /// terms <= kRippleTerms. No pixels: no ripple.
 [[nodiscard]] PhaseRipple level(const PhaseMoments& moments, std::size_t terms = kRippleTerms);
+
+/// Each term less what noise alone may show in so few pixels: times a^2/(a^2 + s^2), s = 1/(2 m sqrt(2 pixels)) for
+/// phases at random and four steps.
+[[nodiscard]] PhaseRipple shrink(const PhaseRipple& ripple, const PhaseMoments& moments);
 
 /// Subtracts the error. Phases may leave [-pi, pi) a little.
 void correct_phase(const PhaseRipple& ripple, std::span<float> phase_rad);

@@ -136,7 +136,7 @@ TEST(BurstDecoder, motion_within_the_burst_leaves_no_ripple_and_no_steps_at_flip
   EXPECT_NEAR(corrected.diagnostics.motion_rad, 0.1, 0.01);  // the model is first order: relative error of order eps
   EXPECT_LT(errors_of(corrected, scene).rms_um(), 4.0);
   DecodeConfig raw;
-  raw.correct_closure = raw.correct_fourth = false;
+  raw.correct_closure = raw.correct_ripple = false;
   const DecodedBurst plain = BurstDecoder::make(small_rig(), raw).value().decode(scene.frames.view());
   EXPECT_GT(errors_of(plain, scene).rms_um(), 15.0);  // the control: without correction the ripple is there
 }

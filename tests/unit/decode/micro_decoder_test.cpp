@@ -130,7 +130,7 @@ TEST(MicroDecoder, second_harmonic_is_undone) {
   ASSERT_TRUE(r.burst.accepted());
   EXPECT_NEAR(r.burst.diagnostics.third_rad, -0.02, 0.001);
   DecodeConfig raw;
-  raw.correct_fourth = false;
+  raw.correct_ripple = false;
   const Outcome plain = decode(kSlant, o, BurstDecoder::make(wide_rig(), raw).value());
   EXPECT_GT(plain.rms_um(), 7.0);  // the control: 0.02 rad / sqrt 2 is 8 um
   EXPECT_LT(r.rms_um(), 2.0);      // rounding to whole DN
