@@ -133,6 +133,14 @@ Json at_rest(const char* rig_name, double fill) {
           {"contrast", contrast}, {"valid_pct", 100 * valid}};
 }
 
+/// Along the axis, per frame interval: of the rigid motion, or, where a mode fits none, by the mean rate of the phase.
+double shift_mm(const algo::DecodeDiagnostics& seen, const algo::RayDepth& rays) {
+  if (seen.rigid.moved) return std::abs(seen.rigid.shift_mm[2]);
+  const std::size_t centre = static_cast<std::size_t>(rays.height / 2 * rays.width + rays.width / 2);
+  const double inverse_per_rad = static_cast<double>(rays.c1[centre]);
+  return std::abs(static_cast<double>(seen.motion_rad) * inverse_per_rad) * kDistance_mm * kDistance_mm;
+}
+
 Json in_motion(const char* rig_name, double frame_period_ms) {
   twin::SceneConfig scene = plane_scene();
   scene.timing.frame_period_ms = frame_period_ms;
@@ -151,7 +159,7 @@ Json in_motion(const char* rig_name, double frame_period_ms) {
     accepted = accepted && a.accepted();
     with = std::max(with, ripple_um(off_plane(a.patch), a.phase_rad));
     without = std::max(without, ripple_um(off_plane(b.patch), b.phase_rad));
-    const double seen_mm_s = std::abs(a.diagnostics.rigid.shift_mm[2]) / (1e-3 * frame_period_ms);
+    const double seen_mm_s = shift_mm(a.diagnostics, ours.rays()) / (1e-3 * frame_period_ms);
     off_mm_s = std::max(off_mm_s, std::abs(seen_mm_s - kSpeed_mm_s));
   }
   return {{"frame_period_ms", frame_period_ms}, {"speed_mm_s", kSpeed_mm_s}, {"accepted", accepted},
