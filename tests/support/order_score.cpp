@@ -49,8 +49,9 @@ std::size_t largest_region(const Map<std::uint8_t>& marked) {
   for (std::size_t seed = 0; seed < left.size(); ++seed) {
     queue.clear();
     take(seed);
-    for (std::size_t k = 0; k < queue.size(); ++k) {
-      const std::size_t i = queue[k];
+    std::size_t taken = 0;
+    while (taken < queue.size()) {  // it grows as its pixels find their neighbours
+      const std::size_t i = queue[taken++];
       if (i % width > 0) take(i - 1);
       if ((i + 1) % width > 0) take(i + 1);
       if (i >= width) take(i - width);

@@ -100,9 +100,10 @@ class Fitter {
       double* row =
           &out_.work
                .sums[static_cast<std::size_t>(v / config_.block_px) * static_cast<std::size_t>(columns_) * kRefitSums];
-      for (std::size_t k = 0; k < kRefitSums; ++k)
+      for (std::size_t k = 0; k < kRefitSums; ++k) {
         for (std::size_t u = 0; u < width; ++u)
           row[(u / block_px) * kRefitSums + k] += static_cast<double>(columns[k * width + u]);
+      }
     });
   }
 

@@ -127,13 +127,15 @@ class ProjectedPatterns {
     const double total = std::accumulate(weight.begin(), weight.end(), 0.0);
     for (int k = 0; k < 4; ++k) {
       std::vector<double> sharp;
-      for (int i = -reach; i < points + reach; ++i)
+      for (int i = -reach; i < points + reach; ++i) {
         sharp.push_back(frame_wave(pattern_, k, std::max(0, i) * kStep_rad + 1e-9, harmonic_));
+      }
       auto& t = table_[static_cast<std::size_t>(k)];
-      for (std::size_t i = 0; i < static_cast<std::size_t>(points); ++i)
+      for (std::size_t i = 0; i < static_cast<std::size_t>(points); ++i) {
         t.push_back(
             std::inner_product(weight.begin(), weight.end(), sharp.begin() + static_cast<std::ptrdiff_t>(i), 0.0) /
             total);
+      }
     }
   }
 
