@@ -178,9 +178,10 @@ class Builder {
   }
 
   void mark_around(int u0, int v0) {
-    for (int v = std::max(0, v0 - kJumpBand_px); v <= std::min(height_ - 1, v0 + kJumpBand_px); ++v)
+    for (int v = std::max(0, v0 - kJumpBand_px); v <= std::min(height_ - 1, v0 + kJumpBand_px); ++v) {
       for (int u = std::max(0, u0 - kJumpBand_px); u <= std::min(width_ - 1, u0 + kJumpBand_px); ++u)
         out_.near_jump(u, v) = 1;
+    }
   }
 
   const calib::Rig& rig_;

@@ -19,6 +19,7 @@ inline double wrap(double a) { return std::remainder(a, 2 * kPi); }
 /// Phases that cover a fringe evenly, none of them on a multiple of pi/4.
 inline std::vector<double> even_phases(int n) {
   std::vector<double> out;
+  out.reserve(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) out.push_back(-kPi + 2 * kPi * (i + 0.5) / n);
   return out;
 }
@@ -76,6 +77,7 @@ inline algo::NoiseModel noise16(double noise) {
 inline void solve_four(const FrameSet& frames, double noise, algo::PhaseMaps& maps, algo::PolarityMaps& polarity) {
   algo::compute_phase(frames.view(), noise16(noise), {}, maps);
   std::vector<algo::CellSpan> rows;
+  rows.reserve(static_cast<std::size_t>(frames.height));
   for (int v = 0; v < frames.height; ++v) rows.push_back({v, 0, frames.width, 0, false});
   algo::apply_polarity(rows, {std::vector<float>(8, 1.0F), false}, noise16(noise), {}, maps, polarity);
 }

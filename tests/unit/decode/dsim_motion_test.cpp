@@ -24,9 +24,11 @@ test::FrameSet moving(int width, int height, double motion_rad, double noise, st
 
 double rms_error(const Map<float>& phase_rad) {
   std::vector<double> errors;
-  for (int v = 0; v < phase_rad.height(); ++v)
+  errors.reserve(phase_rad.size());
+  for (int v = 0; v < phase_rad.height(); ++v) {
     for (int u = 0; u < phase_rad.width(); ++u)
       errors.push_back(wrap(static_cast<double>(phase_rad(u, v)) - phase_of(u, v)));
+  }
   return rms(errors);
 }
 

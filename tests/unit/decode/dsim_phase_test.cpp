@@ -171,6 +171,7 @@ TEST(DsimRipple, statistical_floor_of_a1) {
   double squares = 0;
   for (int run = 0; run < kRuns; ++run) {
     std::vector<float> phases;
+    phases.reserve(kPixels);
     // A normal of 40 rad is even modulo 2 pi to far below what is asked here.
     for (int i = 0; i < kPixels; ++i) phases.push_back(static_cast<float>(wrap(40 * normal())));
     squares += std::pow(level(phase_moments(phases), 1).sine[0], 2) / kRuns;
@@ -184,6 +185,7 @@ TEST(DsimRipple, residual_of_self_calibration_falls_with_the_pixels) {
   const auto residual = [&](int pixels, std::uint64_t seed) {
     test::Normals normal(seed);
     std::vector<float> seen;
+    seen.reserve(static_cast<std::size_t>(pixels));
     for (int i = 0; i < pixels; ++i) seen.push_back(static_cast<float>(n_step(wave, 4, wrap(40 * normal()))));
     const PhaseRipple two = level(phase_moments(seen), 2);
     return ripple([&](double p) {

@@ -21,7 +21,10 @@ struct Options {
   std::uint64_t seed = 1;
 };
 
-double phase_of(int i) { return 2 * kPi * ((i % kWidth) + 0.37 + 0.2 * (i / kWidth)) / 27; }
+double phase_of(int i) {
+  const int row = i / kWidth;
+  return 2 * kPi * ((i % kWidth) + 0.37 + 0.2 * row) / 27;
+}
 
 /// A burst through the refit; every row's spans are its half fringes, as the decoder would have placed them.
 struct Refit {
