@@ -18,7 +18,7 @@ namespace {
 struct Hashes {
   std::uint32_t frames = 0, decoded = 0;
 };
-constexpr Hashes kModeT{792273796, 3396956344}, kModeM{1792794405, 3841955324};
+constexpr Hashes kModeT{792273796, 3396956344}, kModeM{1792794405, 4121219479};
 
 template <class T>
 std::uint32_t add(const Map<T>& m, std::uint32_t crc) {
