@@ -11,6 +11,7 @@ import numpy as np
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import decode_peers as peers  # noqa: E402
 import decode_pictures as pictures  # noqa: E402
+import order_sections as orders  # noqa: E402
 
 SHARED = os.environ.get("ENAMEL_SHARED", "../shared")
 
@@ -206,6 +207,9 @@ def main(work, out, program):
     t = study["triangulation"]
     page.row(f"baked cubic against iteration, {t['points']} points over the whole volume", "≤ 0.1 µm", f"{t['worst_um']:.3f} µm",
              t["worst_um"] <= 0.1)
+    orders.orders_section(page, study)
+    orders.modes_section(page, study)
+    orders.twin_section(page, study)
     captured_rows(page, study, out, work)
     oracle = peers.oracle_rows(SHARED, program, work)
     oracle_section(page, oracle, out, work)

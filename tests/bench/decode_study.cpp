@@ -1,9 +1,12 @@
-// bench_study OUT: measures what the decode page shows beside times of whole bursts, writes OUT/study.json and maps.
+// bench_study [--bursts N] [--only PART]... OUT: measures what the decode page shows beside times of whole bursts,
+// writes OUT/study.json and maps. N: random rows of teeth whose orders are counted.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
+#include <set>
+#include <string>
 
 #include "pipeline/algo/decode/decode_maps.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
@@ -167,20 +170,33 @@ Json captured_study(const std::string& folder) {
 
 int main(int argc, char** argv) {
   using namespace enamel::bench;
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: %s OUT_FOLDER\n", argv[0]);
+  int bursts = 500, next = 1;
+  std::set<std::string> only;
+  for (; next + 1 < argc && argv[next][0] == '-'; next += 2) {
+    if (std::string(argv[next]) == "--bursts") bursts = std::atoi(argv[next + 1]);
+    if (std::string(argv[next]) == "--only") only.insert(argv[next + 1]);
+  }
+  if (next + 1 != argc || bursts < 1) {
+    std::fprintf(stderr, "usage: %s [--bursts N] [--only PART]... OUT_FOLDER\n", argv[0]);
     return 1;
   }
-  const std::string folder = argv[1];
+  const std::string folder = argv[next];
   std::error_code ec;
   std::filesystem::create_directories(folder, ec);
   Json out;
-  const auto step = [](const char* name) { std::fprintf(stderr, "study: %s ...\n", name); };
-  step("noise"), out["phase_noise"] = noise_study();
-  step("ripple of gamma"), out["gamma_ripple"] = ripple_study();
-  step("triangulation"), out["triangulation"] = baked_study();
-  step("unwrapping"), out["unwrapping"] = unwrap_study(folder);
-  step("captured fringes"), out["captured"] = captured_study(folder);
+  const auto part = [&](const char* name, auto study) {
+    if (!only.empty() && only.count(name) == 0) return;
+    std::fprintf(stderr, "study: %s ...\n", name);
+    out[name] = study();
+  };
+  part("phase_noise", noise_study);
+  part("gamma_ripple", ripple_study);
+  part("triangulation", baked_study);
+  part("unwrapping", [&] { return unwrap_study(folder); });
+  part("modes", modes_study);
+  part("orders", [&] { return orders_study(bursts); });
+  part("twin", twin_study);
+  part("captured", [&] { return captured_study(folder); });
   if (const auto written = enamel::write_file(folder + "/study.json", out.dump(1) + "\n"); !written) {
     std::fprintf(stderr, "%s\n", written.error().message().c_str());
     return enamel::exit_code(written.error().code);

@@ -26,5 +26,10 @@ void save(const std::string& path, const Map<float>& map);
 [[nodiscard]] Json baked_study();
 [[nodiscard]] Json unwrap_study(const std::string& folder);
 [[nodiscard]] Json captured_study(const std::string& folder);
+[[nodiscard]] Json modes_study();
+/// bursts: of mode T; a tenth as many of mode M and of the marker.
+[[nodiscard]] Json orders_study(int bursts);
+/// Empty where the twin is not built.
+[[nodiscard]] Json twin_study();
 
 }  // namespace enamel::bench

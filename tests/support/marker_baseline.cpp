@@ -60,7 +60,10 @@ std::map<std::int32_t, Found> find_markers(const algo::PhaseMaps& phase, const a
 }  // namespace
 
 MarkerOrders orders_from_marker(const calib::Rig& rig, const algo::BurstView& view) {
-  const auto rays = algo::RayDepth::bake(rig, *rig.depth_range).value();
+  return orders_from_marker(rig, algo::RayDepth::bake(rig, *rig.depth_range).value(), view);
+}
+
+MarkerOrders orders_from_marker(const calib::Rig& rig, const algo::RayDepth& rays, const algo::BurstView& view) {
   algo::PhaseMaps phase;
   algo::LinkMaps links;
   algo::FloodMaps flooded;

@@ -110,6 +110,7 @@ struct DecodeWorkspace::Buffers {
   ClosureFit closure;
   RigidMotionWork rigid;
   MotionField field;
+  MicroMotion micro_motion;
   Map<float> raw_phase;
   std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame
   Map<float> inverse_depth;
@@ -260,6 +261,14 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
       correct_third_harmonic(b.spans, diag.third_rad, b.phase);
     }
     step("harmonic");
+    if (!config_.correct_closure) return b.polarity.turn;
+    const auto& turn = b.polarity.turn;
+    fit_micro_motion(b.spans, turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
+    diag.motion_rad = b.micro_motion.motion_rad;
+    step("motion");
+    undo_micro_motion(b.spans, turn, *micro_, b.micro_motion, b.phase);
+    join_code_frame(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase);
+    step("refit");
     return b.polarity.turn;
   }
   apply_polarity(b.spans, signs_, diag.noise, config_.polarity, b.phase, b.polarity);

@@ -11,6 +11,7 @@
 #include "pipeline/algo/phase/burst_view.hpp"
 #include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/phase/micro_code.hpp"
+#include "pipeline/algo/phase/micro_refit.hpp"
 #include "pipeline/algo/phase/phase.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 #include "pipeline/algo/triangulate/normals.hpp"
@@ -26,9 +27,11 @@ struct DecodeConfig {
   PolarityConfig polarity;
   ClosureConfig closure;
   RigidMotionConfig rigid;
+  MicroRefitConfig micro_refit;
   int motion_passes = 2;  ///< the second sees slopes without the ripple that the first took off
   NormalConfig normals;
-  /// Undo in-burst motion and the projector's second harmonic, both seen in the closure, which mode M does not have.
+  /// Undo in-burst motion and the projector's second harmonic, both seen in the closure; in mode M undo motion, seen by
+  /// the code frame, and let that frame join the phase.
   bool correct_closure = true;
   /// Undo the ripple that the projector's harmonics leave, self-calibrated per burst: sin 4phi, in mode M sin 3phi.
   bool correct_ripple = true;

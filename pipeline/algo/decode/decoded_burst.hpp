@@ -44,7 +44,7 @@ struct DecodeDiagnostics {
   double direction_share = 0;  ///< mode M: neighbours whose phase changes in the carrier's direction
   double code_agreement = 0;   ///< of pixels in decided cells: code as labelled
   double torn_share = 0;       ///< of smooth borders between cells: labelling jumps there
-  float motion_rad = 0;        ///< mean phase change per frame interval; mode M does not see it
+  float motion_rad = 0;        ///< mean phase change per frame interval
   float harmonic = 0;          ///< projector's B2/B1, from the closure; not in mode M
   RigidMotion rigid;           ///< of the surface in the camera's frame, per frame interval; not in mode M
   PhaseRipple ripple;          ///< of four steps, as it was subtracted; not in mode M

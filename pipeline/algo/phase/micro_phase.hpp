@@ -13,10 +13,10 @@
 namespace enamel::algo {
 
 /// Three-step solution and the same physical mask as compute_phase, from frames 0, 2 and 3; code_dn is NaN where frame
-/// 1 is saturated. view must be consistent and of the maps' size. The three frames being all that the phase has, this
-/// is final but for correct_third_harmonic: motion in the burst is not seen (no closure) and not undone. A phase that
-/// moves by eps a frame interval comes out late by eps/6 (the three frames' mean time) with a ripple of 0.88 eps at
-/// twice the fringe frequency (§9's derivation for frame times -1.5, 0.5, 1.5).
+/// 1 is saturated. view must be consistent and of the maps' size. Three frames for three unknowns have no closure:
+/// motion in the burst is not seen here (micro_refit.hpp sees it by the code frame). A phase that moves by eps a frame
+/// interval comes out late by eps/6 (the three frames' mean time) with a ripple of 0.88 eps at twice the fringe
+/// frequency (§9's derivation for frame times -1.5, 0.5, 1.5).
 void compute_micro_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps);
 
 /// a1 of the phase error a1 sin 3phi that a second harmonic B2 makes in three steps (a1 = -B2/B), self-calibrated: true

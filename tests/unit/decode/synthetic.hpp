@@ -3,10 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
 #include <numbers>
+#include <numeric>
+#include <vector>
 
 #include "calib/model/lens.hpp"
 #include "pipeline/types/map.hpp"
@@ -46,13 +49,17 @@ class Normals {
 struct SceneOptions {
   double mean_dn = 104;  ///< above black
   double modulation_dn = 80;
-  double motion_rad = 0;  ///< phase change per frame interval, zero at mid-burst
-  double harmonic = 0;    ///< projector's B2/B1
+  double motion_rad = 0;   ///< phase change per frame interval, zero at mid-burst
+  double harmonic = 0;     ///< projector's B2/B1
+  double blur_fringe = 0;  ///< sigma of the projector's Gaussian blur; takes exp(-(2 pi sigma)^2 / 2) of the modulation
+  double psf_px = 0;       ///< sigma of the camera's Gaussian point spread
   bool noise = false;
   int bits = 8;  ///< of the frames; levels stay those of 8 bits, finer steps between
   std::uint64_t seed = 1;
   /// Light on the pixel, 0…1; depth may be anything where it is 0.
   std::function<double(int u, int v)> light = [](int, int) { return 1.0; };
+  /// Times modulation_dn: what translucent matter leaves of it.
+  std::function<double(int u, int v)> contrast = [](int, int) { return 1.0; };
 };
 
 /// Sensor noise on, at a contrast of 0.8 above a pedestal of 3 DN.
@@ -91,6 +98,73 @@ inline double frame_wave(const calib::PatternValues& pattern, int k, double p, d
   return wave(p + shift * std::numbers::pi / 2, harmonic);
 }
 
+/// The patterns over absolute phase as they reach the surface, behind the projector's blur.
+class ProjectedPatterns {
+ public:
+  ProjectedPatterns(const calib::Rig& rig, double harmonic, double blur_fringe)
+      : pattern_(rig.patterns), harmonic_(harmonic) {
+    if (blur_fringe > 0) tabulate(rig.projector.width / rig.patterns.period_px, blur_fringe);
+  }
+
+  double operator()(int k, double phi) const {
+    if (table_[0].empty()) return frame_wave(pattern_, k, phi, harmonic_);
+    const auto& t = table_[static_cast<std::size_t>(k)];
+    const double x = std::clamp(phi / kStep_rad, 0.0, static_cast<double>(t.size() - 2));
+    const auto i = static_cast<std::size_t>(x);
+    return t[i] + (x - static_cast<double>(i)) * (t[i + 1] - t[i]);
+  }
+
+ private:
+  static constexpr int kPerFringe = 256;  ///< linear interpolation to 1e-4 of the amplitude
+  static constexpr double kStep_rad = 2 * std::numbers::pi / kPerFringe;
+
+  void tabulate(double fringes, double blur_fringe) {
+    const int points = static_cast<int>(std::ceil(fringes + 1)) * kPerFringe;
+    const int reach = static_cast<int>(std::ceil(4 * blur_fringe * kPerFringe));
+    std::vector<double> weight;
+    for (int j = -reach; j <= reach; ++j)
+      weight.push_back(std::exp(-0.5 * std::pow(j / (blur_fringe * kPerFringe), 2)));
+    const double total = std::accumulate(weight.begin(), weight.end(), 0.0);
+    for (int k = 0; k < 4; ++k) {
+      std::vector<double> sharp;
+      for (int i = -reach; i < points + reach; ++i) {
+        sharp.push_back(frame_wave(pattern_, k, std::max(0, i) * kStep_rad + 1e-9, harmonic_));
+      }
+      auto& t = table_[static_cast<std::size_t>(k)];
+      for (std::size_t i = 0; i < static_cast<std::size_t>(points); ++i) {
+        t.push_back(
+            std::inner_product(weight.begin(), weight.end(), sharp.begin() + static_cast<std::ptrdiff_t>(i), 0.0) /
+            total);
+      }
+    }
+  }
+
+  const calib::PatternValues& pattern_;
+  double harmonic_;
+  std::array<std::vector<double>, 4> table_;
+};
+
+/// Separable Gaussian, values beyond the border as on it.
+inline void blur_image(Map<double>& image, double sigma_px) {
+  const int w = image.width(), h = image.height(), reach = static_cast<int>(std::ceil(4 * sigma_px));
+  std::vector<double> weight;
+  for (int j = -reach; j <= reach; ++j) weight.push_back(std::exp(-0.5 * j * j / (sigma_px * sigma_px)));
+  const double total = std::accumulate(weight.begin(), weight.end(), 0.0);
+  for (const bool along : {true, false}) {
+    const Map<double> sharp = image;
+    for (int v = 0; v < h; ++v) {
+      for (int u = 0; u < w; ++u) {
+        double sum = 0;
+        for (int j = -reach; j <= reach; ++j) {
+          sum += weight[static_cast<std::size_t>(j + reach)] *
+                 sharp(along ? std::clamp(u + j, 0, w - 1) : u, along ? v : std::clamp(v + j, 0, h - 1));
+        }
+        image(u, v) = sum / total;
+      }
+    }
+  }
+}
+
 /// The same rig projecting mode M.
 inline calib::Rig micro_rig(int width, int height, double code_ratio = 6) {
   calib::Rig rig = cropped_rig(width, height);
@@ -101,34 +175,53 @@ inline calib::Rig micro_rig(int width, int height, double code_ratio = 6) {
   return rig;
 }
 
-/// depth: camera z of the pixel's ray, mm. Needs mode T, M or plain4 and rig.noise.
+/// Mean light of the four frames, DN above black, and the truth beside it.
+inline std::array<Map<double>, 4> mean_light(const calib::Rig& rig, const std::function<double(int, int)>& depth,
+                                             const SceneOptions& o, SyntheticBurst& truth) {
+  const int w = rig.camera.width, h = rig.camera.height;
+  const ProjectedPatterns patterns(rig, o.harmonic, o.blur_fringe);
+  std::array<Map<double>, 4> signal;
+  for (auto& map : signal) map = Map<double>(w, h);
+  for (int v = 0; v < h; ++v) {
+    for (int u = 0; u < w; ++u) {
+      const double z = depth(u, v), light = o.light(u, v), modulation_dn = o.modulation_dn * o.contrast(u, v);
+      const calib::PlanePoint ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
+      const double phi = 2 * std::numbers::pi * calib::project_to_projector(rig, ray, z).x / rig.patterns.period_px;
+      truth.phase_rad(u, v) = phi;
+      truth.depth_mm(u, v) = z;
+      for (int k = 0; k < 4; ++k) {
+        const double p = phi + o.motion_rad * (k - 1.5);
+        signal[static_cast<std::size_t>(k)](u, v) = light * (o.mean_dn + modulation_dn * patterns(k, p));
+      }
+    }
+  }
+  if (o.psf_px > 0) {
+    for (auto& map : signal) blur_image(map, o.psf_px);
+  }
+  return signal;
+}
+
+/// depth: camera z of the pixel's ray, mm. Needs mode T, M, single or plain4 and rig.noise.
 inline SyntheticBurst render(const calib::Rig& rig, const std::function<double(int, int)>& depth,
                              const SceneOptions& o = {}) {
   const int w = rig.camera.width, h = rig.camera.height;
   SyntheticBurst out{{w, h, {}, o.bits}, Map<double>(w, h), Map<double>(w, h)};
+  const auto light = mean_light(rig, depth, o, out);
   const double steps = std::pow(2.0, o.bits - 8);
   Normals normal(o.seed);
   const auto& n = *rig.noise;
-  for (int v = 0; v < h; ++v) {
-    for (int u = 0; u < w; ++u) {
-      const double z = depth(u, v), light = o.light(u, v);
-      const calib::PlanePoint ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
-      const double phi = 2 * std::numbers::pi * calib::project_to_projector(rig, ray, z).x / rig.patterns.period_px;
-      out.phase_rad(u, v) = phi;
-      out.depth_mm(u, v) = z;
-      for (int k = 0; k < 4; ++k) {
-        const double p = phi + o.motion_rad * (k - 1.5);
-        const double signal = light * (o.mean_dn + o.modulation_dn * frame_wave(rig.patterns, k, p, o.harmonic));
-        double dn = n.black_dn + signal;
-        if (o.noise) {
-          const double electrons = std::max(0.0, signal) * n.gain_e_per_dn;
-          dn += (std::sqrt(electrons) * normal() + n.read_noise_e * normal()) / n.gain_e_per_dn;
-        }
-        const auto level = std::clamp(std::lround(dn * steps), 0L, std::lround(256 * steps) - 1);
-        auto& bytes = out.frames.frames[static_cast<std::size_t>(k)];
-        bytes.push_back(static_cast<std::uint8_t>(level & 255));
-        if (o.bits > 8) bytes.push_back(static_cast<std::uint8_t>(level >> 8));
+  for (std::size_t i = 0; i < out.depth_mm.size(); ++i) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double signal = light[k][i];
+      double dn = n.black_dn + signal;
+      if (o.noise) {
+        const double electrons = std::max(0.0, signal) * n.gain_e_per_dn;
+        dn += (std::sqrt(electrons) * normal() + n.read_noise_e * normal()) / n.gain_e_per_dn;
       }
+      const auto level = std::clamp(std::lround(dn * steps), 0L, std::lround(256 * steps) - 1);
+      auto& bytes = out.frames.frames[k];
+      bytes.push_back(static_cast<std::uint8_t>(level & 255));
+      if (o.bits > 8) bytes.push_back(static_cast<std::uint8_t>(level >> 8));
     }
   }
   return out;

@@ -1,0 +1,182 @@
+#include "pipeline/algo/phase/micro_refit.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "pipeline/algo/phase/closure.hpp"
+#include "pipeline/algo/phase/micro_refit_rows.hpp"
+
+namespace enamel::algo {
+namespace {
+
+/// Calls visit(v, order_cos, order_sin) for every row of the image that has spans.
+template <class Visit>
+void each_row(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+              const Visit& visit) {
+  const auto width = static_cast<std::size_t>(turn.width());
+  const int last = static_cast<int>(code.cosine.size()) - 1;
+  std::vector<float> cosine(width), sine(width);
+  for (std::size_t k = 0; k < spans.size();) {
+    const std::int32_t row = spans[k].row;
+    std::fill(cosine.begin(), cosine.end(), 0.0F);
+    std::fill(sine.begin(), sine.end(), 0.0F);
+    for (; k < spans.size() && spans[k].row == row; ++k) {
+      const auto order = static_cast<std::size_t>(std::clamp<int>(turn(spans[k].begin, row), 0, last));
+      std::fill(cosine.begin() + spans[k].begin, cosine.begin() + spans[k].end, code.cosine[order]);
+      std::fill(sine.begin() + spans[k].begin, sine.begin() + spans[k].end, code.sine[order]);
+    }
+    visit(row, cosine.data(), sine.data());
+  }
+}
+
+CodeRow row_of(const MicroMotion& motion, const MicroCode& code, float third_rad, std::size_t at, const float* cosine,
+               const float* sine) {
+  return {cosine, sine, &motion.pixel_motion_rad[at], &motion.pixel_gain[at], code.inverse_ratio, -third_rad};
+}
+
+struct Step {
+  double gain = 0, motion = 0;
+};
+
+/// Least squares of sums {gg, gm, mm, gr, mr}, held to 0 by the precisions given.
+Step solve(const double* s, double gain_precision, double motion_precision) {
+  const double gg = s[0] + gain_precision, mm = s[2] + motion_precision, det = gg * mm - s[1] * s[1];
+  if (!(det > 1e-12 * gg * mm)) return {};
+  return {(-s[3] * mm + s[4] * s[1]) / det, (-s[4] * gg + s[3] * s[1]) / det};
+}
+
+class Fitter {
+ public:
+  Fitter(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code, float third_rad,
+         const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out)
+      : spans_(spans),
+        turn_(turn),
+        code_(code),
+        third_rad_(third_rad),
+        noise_(noise),
+        config_(config),
+        maps_(maps),
+        out_(out) {
+    const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
+    columns_ = (w + config.block_px - 1) / config.block_px;
+    rows_ = (h + config.block_px - 1) / config.block_px;
+    const auto blocks = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+    out.motion_rad = 0, out.gain = 1;
+    out.work.block_motion_rad.assign(blocks, 0.0F);
+    out.work.block_gain.assign(blocks, 1.0F);
+    for (Map<float>* map : {&out.pixel_motion_rad, &out.pixel_gain})
+      if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
+    spread();
+  }
+
+  /// All passes but the last move every block with the burst: its estimate must rest on residuals about itself.
+  void run() {
+    for (int pass = 0; pass < config_.passes; ++pass) {
+      sum(config_.row_step << (config_.passes - 1 - pass));
+      advance_burst();
+      if (pass + 1 < config_.passes) {
+        std::fill(out_.work.block_gain.begin(), out_.work.block_gain.end(), out_.gain);
+        std::fill(out_.work.block_motion_rad.begin(), out_.work.block_motion_rad.end(), out_.motion_rad);
+      } else {
+        advance_blocks();
+      }
+      spread();
+    }
+  }
+
+ private:
+  /// Each pass asks twice as many rows as the one before: the first finds the burst's motion, the last the blocks'.
+  void sum(int row_step) {
+    const auto width = static_cast<std::size_t>(maps_.phase_rad.width()),
+               block_px = static_cast<std::size_t>(config_.block_px);
+    out_.work.sums.assign(out_.work.block_gain.size() * kRefitSums, 0.0);
+    auto& columns = out_.work.column_sums;
+    each_row(spans_, turn_, code_, [&](std::int32_t v, const float* cosine, const float* sine) {
+      if (v % row_step != 0) return;
+      const std::size_t at = static_cast<std::size_t>(v) * width;
+      columns.assign(kRefitSums * width, 0.0F);
+      add_refit_row(maps_, row_of(out_, code_, third_rad_, at, cosine, sine), noise_, config_.max_residual, at, width,
+                    columns.data());
+      double* row =
+          &out_.work
+               .sums[static_cast<std::size_t>(v / config_.block_px) * static_cast<std::size_t>(columns_) * kRefitSums];
+      for (std::size_t k = 0; k < kRefitSums; ++k) {
+        for (std::size_t u = 0; u < width; ++u)
+          row[(u / block_px) * kRefitSums + k] += static_cast<double>(columns[k * width + u]);
+      }
+    });
+  }
+
+  void advance_burst() {
+    std::array<double, kRefitSums> all{};
+    for (std::size_t k = 0; k < out_.work.sums.size(); ++k) all[k % kRefitSums] += out_.work.sums[k];
+    const Step step = solve(all.data(), 1, 1);
+    out_.gain += static_cast<float>(step.gain);
+    out_.motion_rad = held(out_.motion_rad + static_cast<float>(step.motion));
+  }
+
+  /// Each block's step, held to the burst's new values by the priors.
+  void advance_blocks() {
+    const auto gain_spread = static_cast<double>(config_.gain_prior),
+               motion_spread = static_cast<double>(config_.motion_prior_rad);
+    const double pg = 1 / (gain_spread * gain_spread), pm = 1 / (motion_spread * motion_spread);
+    for (std::size_t k = 0; k < out_.work.block_gain.size(); ++k) {
+      float &gain = out_.work.block_gain[k], &motion = out_.work.block_motion_rad[k];
+      const double to_gain = static_cast<double>(out_.gain - gain),
+                   to_motion = static_cast<double>(out_.motion_rad - motion);
+      double* s = &out_.work.sums[k * kRefitSums];
+      s[3] -= pg * to_gain, s[4] -= pm * to_motion;  // the prior pulls to the burst's values, not to the block's last
+      const Step step = solve(s, pg, pm);
+      gain += static_cast<float>(step.gain);
+      motion = held(motion + static_cast<float>(step.motion));
+    }
+  }
+
+  [[nodiscard]] float held(float motion_rad) const {
+    return std::clamp(motion_rad, -config_.largest_motion_rad, config_.largest_motion_rad);
+  }
+
+  void spread() {
+    interpolate_grid(out_.work.block_motion_rad.data(), columns_, rows_, config_.block_px, out_.pixel_motion_rad);
+    interpolate_grid(out_.work.block_gain.data(), columns_, rows_, config_.block_px, out_.pixel_gain);
+  }
+
+  std::span<const CellSpan> spans_;
+  const Map<std::int16_t>& turn_;
+  const MicroCode& code_;
+  float third_rad_;
+  const NoiseModel& noise_;
+  const MicroRefitConfig& config_;
+  const PhaseMaps& maps_;
+  MicroMotion& out_;
+  int columns_ = 0, rows_ = 0;
+};
+
+}  // namespace
+
+void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
+                      MicroMotion& out) {
+  Fitter(spans, turn, code, third_rad, noise, config, maps, out).run();
+}
+
+void undo_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                       const MicroMotion& motion, PhaseMaps& maps) {
+  const auto width = static_cast<std::size_t>(turn.width());
+  each_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
+    const std::size_t at = static_cast<std::size_t>(v) * width;
+    undo_motion_row(row_of(motion, code, 0, at, cosine, sine), at, width, maps);
+  });
+}
+
+void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
+                     const MicroRefitConfig& config, PhaseMaps& maps) {
+  const auto width = static_cast<std::size_t>(turn.width());
+  each_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
+    const std::size_t at = static_cast<std::size_t>(v) * width;
+    join_code_row(row_of(motion, code, third_rad, at, cosine, sine), noise, config.outlier_sigmas, at, width, maps);
+  });
+}
+
+}  // namespace enamel::algo

@@ -1,0 +1,65 @@
+// Mode M once orders are known: its code frame tells the motion within the burst, and joins the phase as a fourth
+// frame.
+//
+// Frame k is taken t_k = -3/2, -1/2, 1/2, 3/2 intervals after mid-burst; a phase that moves by eps an interval makes
+// the three phase frames A + B cos(phi + 2 pi j/3 + eps t), which three equations undo exactly where eps is known. The
+// code frame, slot 1, is A + g B cos(r (Phi + eps t_1)) with r = 1 + 1/L and g what blur leaves of the finer fringe
+// beside the coarser. Mode M thus has a residual of its own, first order in eps (A_e, B_e, phi_e: what eps did to the
+// three-frame solution, per eps):
+//   R = I_1 - A - g B cos r Phi    =  eps B (...)    dR/deps = -A_e - g B_e cos r Phi + g r B sin(r Phi) (phi_e + t_1)
+// Least squares over blocks of the image, g beside eps, give the motion; after that the code frame is a measurement of
+// phi with slope -g r B sin r Phi, which brings sigma from 0.816 to 0.726 sigma_n/B on average (algorithms.md §1).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pipeline/algo/phase/cell_span.hpp"
+#include "pipeline/algo/phase/micro_code.hpp"
+#include "pipeline/algo/phase/phase.hpp"
+
+namespace enamel::algo {
+
+struct MicroRefitConfig {
+  int block_px = 32;
+  int row_step = 4;                 ///< of the rows that the last pass asks for the motion; twice that the one before
+  int passes = 2;                   ///< of the fit, each to first order about the motion found before
+  float max_residual = 0.6F;        ///< of B; beyond it the pixel sees an edge or a glint, not motion
+  float motion_prior_rad = 0.01F;   ///< spread of a block's eps about the burst's
+  float gain_prior = 0.05F;         ///< spread of a block's g about the burst's
+  float largest_motion_rad = 0.4F;  ///< estimates are held to this
+  float outlier_sigmas = 4;         ///< a code frame further off does not join
+};
+
+/// Motion and gain for the burst and at each pixel, bilinear between blocks.
+struct MicroMotion {
+  float motion_rad = 0;  ///< eps
+  float gain = 1;        ///< g
+  Map<float> pixel_motion_rad, pixel_gain;
+
+  struct Work {
+    std::vector<double> sums;
+    std::vector<float> column_sums;
+    std::vector<float> block_motion_rad, block_gain;
+  } work;
+};
+
+/// maps: of compute_micro_phase and correct_third_harmonic, whose a1 is third_rad. turn: place_spans of the same spans.
+/// Without spans: no motion, g = 1.
+void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
+                      MicroMotion& out);
+
+/// Rewrites mean, cosine, sine, modulation, code and phase of the spans' pixels as they were at mid-burst. Phases may
+/// leave
+/// [-pi, pi) a little; their turns stay.
+void undo_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                       const MicroMotion& motion, PhaseMaps& maps);
+
+/// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
+/// outlier, keep their three-frame solution.
+void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
+                     const MicroRefitConfig& config, PhaseMaps& maps);
+
+}  // namespace enamel::algo

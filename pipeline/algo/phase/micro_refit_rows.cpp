@@ -1,0 +1,172 @@
+#include "pipeline/algo/phase/micro_refit_rows.hpp"
+
+#include <cmath>
+
+#include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/types/simd.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pipeline/algo/phase/micro_refit_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace enamel::algo::HWY_NAMESPACE {
+
+constexpr float kHalfRoot3 = 0.8660254F, kInvRoot3 = 0.57735027F, kThird = 1.0F / 3;
+constexpr float kCodeTime = -0.5F, kFirstTime = -1.5F, kSecondTime = 0.5F, kThirdTime = 1.5F;
+/// Variance of R over that of a frame: the code frame, A/3, and 2/3 each of the parts of B cos and B sin, on average.
+constexpr float kResidualVariance = 2.1F;
+
+struct Turn {
+  float cos = 1, sin = 0;
+};
+
+/// |a| <= pi and a little: by the half angle, which the polynomials cover.
+[[gnu::always_inline]] inline Turn turn_of(float a) {
+  const float s = sin_poly(0.5F * a), c = cos_poly(0.5F * a);
+  return {1 - 2 * s * s, 2 * s * c};
+}
+
+[[gnu::always_inline]] inline Turn operator*(Turn a, Turn b) {
+  return {a.cos * b.cos - a.sin * b.sin, a.sin * b.cos + a.cos * b.sin};
+}
+
+struct Pixel {
+  float mean = 0, cosine = 0, sine = 0;
+};
+
+/// The three-frame solution with each frame at its own time.
+[[gnu::always_inline]] inline Pixel at_mid_burst(const Pixel& p, float motion_rad) {
+  const float i0 = p.mean + p.cosine, half = p.mean - 0.5F * p.cosine;
+  const float i2 = half - kHalfRoot3 * p.sine, i3 = half + kHalfRoot3 * p.sine;
+  const Turn a0 = turn_of(kFirstTime * motion_rad);
+  const Turn a1 = Turn{-0.5F, kHalfRoot3} * turn_of(kSecondTime * motion_rad);
+  const Turn a2 = Turn{-0.5F, -kHalfRoot3} * turn_of(kThirdTime * motion_rad);
+  const float c1 = a0.cos - a1.cos, s1 = a1.sin - a0.sin, c2 = a0.cos - a2.cos, s2 = a2.sin - a0.sin;
+  const float inverse = 1 / (c1 * s2 - s1 * c2);  // sqrt(27)/2 at rest, positive for any motion below a radian
+  const float c = ((i0 - i2) * s2 - s1 * (i0 - i3)) * inverse, s = (c1 * (i0 - i3) - (i0 - i2) * c2) * inverse;
+  return {i0 - c * a0.cos + s * a0.sin, c, s};
+}
+
+/// The code frame's model about a phase within its turn: cos and sin of r (Phi + eps t_1), with the second harmonic
+/// B2/B of the projector, which also beats with three steps.
+struct CodeModel {
+  Turn angle;
+  float light = 0;       ///< over g B
+  float modulation = 1;  ///< B of the fundamental over that of the three-frame solution
+};
+
+[[gnu::always_inline]] inline CodeModel code_model(Turn order, float inverse_ratio, float phase_rad, float motion_rad,
+                                                   float harmonic) {
+  const Turn once = turn_of(phase_rad);
+  const float moved = (1 + inverse_ratio) * motion_rad * kCodeTime;
+  const Turn a = once * turn_of(phase_rad * inverse_ratio + moved) * order;
+  const float cos3 = once.cos * (4 * once.cos * once.cos - 3);
+  return {a, a.cos + harmonic * (2 * a.cos * a.cos - 1), 1 - harmonic * cos3};
+}
+
+void add_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, float limit, std::size_t at,
+              std::size_t width, float* sums) {
+  const NoiseModel noise = model;  // a copy cannot alias what is written
+  const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic;
+  const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
+  const float* __restrict code = &m.code_dn[at], * __restrict phase = &m.phase_rad[at];
+  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain;
+  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
+  float* __restrict s0 = sums, * __restrict s1 = s0 + width, * __restrict s2 = s1 + width;
+  float* __restrict s3 = s2 + width, * __restrict s4 = s3 + width;
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const Pixel raw{mean[u], cosine[u], sine[u]}, p = at_mid_burst(raw, rate[u]);
+    const float b3 = root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), c = p.cosine / b3, s = p.sine / b3;
+    const float moved = phase[u] + wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
+    const CodeModel k = code_model({oc[u], os[u]}, inverse_ratio, moved, rate[u], harmonic);
+    // What a unit of motion did to the frames, then to A, B cos and B sin, over B.
+    const float f0 = -kFirstTime * s, f2 = kSecondTime * (0.5F * s - kHalfRoot3 * c);
+    const float f3 = kThirdTime * (0.5F * s + kHalfRoot3 * c);
+    const float da = -kThird * (f0 + f2 + f3), dc = -kThird * (2 * f0 - f2 - f3), ds = -kInvRoot3 * (f3 - f2);
+    const float turning = c * ds - s * dc, growth = c * dc + s * ds, b = b3 * k.modulation, gb = gain[u] * b;
+    const float y = raw.mean + code[u] - p.mean - gb * k.light;
+    const float by_gain = -b * k.light;
+    const float by_motion =
+        -b * da - gb * growth * k.angle.cos + gb * (1 + inverse_ratio) * k.angle.sin * (turning + kCodeTime);
+    const bool used = (std::abs(y) < limit * b) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
+    const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), r = select(used, y, 0);
+    s0[u] += w * by_gain * by_gain;
+    s1[u] += w * by_gain * by_motion;
+    s2[u] += w * by_motion * by_motion;
+    s3[u] += w * by_gain * r;
+    s4[u] += w * by_motion * r;
+  }
+}
+
+void undo_loop(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps& m) {
+  float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
+  float* __restrict code = &m.code_dn[at], * __restrict modulation = &m.modulation_dn[at], * __restrict phase = &m.phase_rad[at];
+  const float* __restrict rate = row.motion_rad, * __restrict oc = row.order_cos, * __restrict os = row.order_sin;
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const bool inside = oc[u] * oc[u] + os[u] * os[u] > 0.5F;
+    const Pixel raw{mean[u], cosine[u], sine[u]}, p = at_mid_burst(raw, rate[u]);
+    const float step = wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
+    phase[u] += select(inside, step, 0);
+    code[u] += select(inside, raw.mean - p.mean, 0);
+    mean[u] = select(inside, p.mean, raw.mean);
+    cosine[u] = select(inside, p.cosine, raw.cosine);
+    sine[u] = select(inside, p.sine, raw.sine);
+    modulation[u] = select(inside, root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), modulation[u]);
+  }
+}
+
+void join_loop(const CodeRow& row, const NoiseModel& model, float outlier_sigmas, std::size_t at, std::size_t width,
+               PhaseMaps& m) {
+  const NoiseModel noise = model;  // a copy cannot alias what is written
+  const float inverse_ratio = row.inverse_ratio, r = 1 + inverse_ratio, harmonic = row.harmonic;
+  const float gate = outlier_sigmas * outlier_sigmas;
+  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain;
+  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
+  const float* __restrict mean = &m.mean_dn[at], * __restrict d = &m.code_dn[at], * __restrict modulation = &m.modulation_dn[at];
+  float* __restrict phase = &m.phase_rad[at], * __restrict sigma = &m.sigma_rad[at];
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const CodeModel k = code_model({oc[u], os[u]}, inverse_ratio, phase[u], rate[u], harmonic);
+    const float gb = gain[u] * modulation[u] * k.modulation, off = d[u] - gb * k.light, slope = -gb * r * k.angle.sin;
+    // The code frame's own noise, and that of A and B in what it is compared with.
+    const float fitted = gain[u] * k.angle.cos;
+    const float own =
+        noise.variance(mean[u] + gb * k.light) + noise.variance(mean[u]) * kThird * (1 + 2 * fitted * fitted);
+    const float variance = sigma[u] * sigma[u], total = own + slope * slope * variance;
+    const bool joins = (off * off < gate * total) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
+    const float share = select(joins, variance * slope / total, 0);
+    phase[u] += share * select(joins, off, 0);
+    sigma[u] = root(variance * (1 - share * slope));
+  }
+}
+
+}  // namespace enamel::algo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace enamel::algo {
+
+HWY_EXPORT(add_loop);
+HWY_EXPORT(undo_loop);
+HWY_EXPORT(join_loop);
+
+void add_refit_row(const PhaseMaps& maps, const CodeRow& row, const NoiseModel& noise, float max_residual,
+                   std::size_t at, std::size_t width, float* sums) {
+  HWY_DYNAMIC_DISPATCH(add_loop)(maps, row, noise, max_residual, at, width, sums);
+}
+
+void undo_motion_row(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps& maps) {
+  HWY_DYNAMIC_DISPATCH(undo_loop)(row, at, width, maps);
+}
+
+void join_code_row(const CodeRow& row, const NoiseModel& noise, float outlier_sigmas, std::size_t at, std::size_t width,
+                   PhaseMaps& maps) {
+  HWY_DYNAMIC_DISPATCH(join_loop)(row, noise, outlier_sigmas, at, width, maps);
+}
+
+}  // namespace enamel::algo
+#endif

@@ -1,0 +1,31 @@
+// Rows of micro_refit.hpp, compiled per instruction set. Private to algo/phase.
+#pragma once
+
+#include <cstddef>
+
+#include "pipeline/algo/phase/micro_refit.hpp"
+
+namespace enamel::algo {
+
+/// What a row of the image needs beside its maps, all from its first pixel on.
+struct CodeRow {
+  const float* order_cos;  ///< of the angle by which the pixel's order turns the code; both 0 outside all spans
+  const float* order_sin;
+  const float* motion_rad;
+  const float* gain;
+  float inverse_ratio = 0;  ///< 1/L
+  float harmonic = 0;       ///< B2/B
+};
+
+inline constexpr std::size_t kRefitSums = 5;  ///< gg, gm, mm, gR, mR with the slopes g = dR/dgain, m = dR/deps
+
+/// Adds the row's normal equations to sums[k * width + u], weighted by 1/variance of R.
+void add_refit_row(const PhaseMaps& maps, const CodeRow& row, const NoiseModel& noise, float max_residual,
+                   std::size_t at, std::size_t width, float* sums);
+
+void undo_motion_row(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps& maps);
+
+void join_code_row(const CodeRow& row, const NoiseModel& noise, float outlier_sigmas, std::size_t at, std::size_t width,
+                   PhaseMaps& maps);
+
+}  // namespace enamel::algo

@@ -1,0 +1,77 @@
+// Wrong orders over many random rows of teeth: the code of modes T and M, and the single marker beside them.
+#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "tests/bench/study.hpp"
+#include "tests/support/marker_baseline.hpp"
+#include "tests/support/order_score.hpp"
+#include "tests/support/tooth_steps.hpp"
+
+namespace enamel::bench {
+namespace {
+
+constexpr int kWidth = 400, kHeight = 300;
+constexpr int kEvery = 10;  ///< bursts of mode T for one of mode M and of the marker
+
+test::SyntheticBurst render(const calib::Rig& rig, const test::ToothSteps& steps, std::uint64_t seed) {
+  return test::render(
+      rig, [&steps](int u, int v) { return steps.depth_mm(u, v); }, steps.options(seed));
+}
+
+/// The baseline's orders in the form of a decoded burst: what it does not place is undecided.
+test::OrderCounts score_marker(const calib::Rig& rig, const algo::RayDepth& rays, const test::ToothSteps& steps,
+                               const algo::DecodedBurst& by_code, std::uint64_t seed) {
+  const auto burst = render(rig, steps, seed);
+  const test::MarkerOrders orders = test::orders_from_marker(rig, rays, burst.frames.view());
+  algo::DecodedBurst as_decoded = by_code;  // same mask, same noise
+  as_decoded.verdict = algo::BurstVerdict::kAccepted;
+  as_decoded.phase_rad = orders.phase_rad;
+  for (std::size_t i = 0; i < orders.order.size(); ++i) {
+    algo::PixelReject& why = as_decoded.reject[i];
+    const bool left_out = why == algo::PixelReject::kDark || why == algo::PixelReject::kSaturated ||
+                          why == algo::PixelReject::kNoisy || why == algo::PixelReject::kEdge;
+    if (!left_out) why = orders.order[i] < 0 ? algo::PixelReject::kRelative : algo::PixelReject::kNone;
+    as_decoded.order[i] = static_cast<std::uint8_t>(std::max(0, orders.order[i]));
+  }
+  return test::score_orders(as_decoded, burst, steps.light, steps.near_jump);
+}
+
+Json counts_json(const test::OrderCounts& c) {
+  return {{"bursts", c.bursts},
+          {"rejected_bursts", c.rejected_bursts},
+          {"wrong_pct", c.wrong_pct()},
+          {"band_wrong_pct", c.band_wrong_pct()},
+          {"undecided_pct", c.undecided_pct()},
+          {"edge_pct", c.edge_pct()},
+          {"masked_pct", c.masked_pct()},
+          {"accepted_px", c.accepted},
+          {"largest_wrong_px", c.largest_wrong_px},
+          {"bursts_with_large_wrong", c.bursts_with_large_wrong}};
+}
+
+}  // namespace
+
+Json orders_study(int bursts) {
+  const calib::Rig t = test::cropped_rig(kWidth, kHeight), m = test::micro_rig(kWidth, kHeight);
+  calib::Rig marked = t;
+  marked.patterns.mode = calib::PatternMode::kSingle;
+  marked.patterns.polarity_code.clear();
+  marked.patterns.marker_fringe = 17;  // in the middle of the field, half way through the depth range
+  const auto by_t = algo::BurstDecoder::make(t).value(), by_m = algo::BurstDecoder::make(m).value();
+  algo::DecodeWorkspace workspace;
+  algo::DecodedBurst decoded;
+  test::OrderCounts with_t, with_m, with_marker;
+  for (int k = 0; k < bursts; ++k) {
+    const auto seed = static_cast<std::uint64_t>(1000 + k);
+    const test::ToothSteps steps = test::make_tooth_steps(t, seed);
+    const auto burst = render(t, steps, seed);
+    by_t.decode(burst.frames.view(), workspace, decoded);
+    with_t += test::score_orders(decoded, burst, steps.light, steps.near_jump);
+    if (k % kEvery != 0) continue;
+    with_marker += score_marker(marked, by_t.rays(), steps, decoded, seed);
+    const auto other = render(m, steps, seed);
+    by_m.decode(other.frames.view(), workspace, decoded);
+    with_m += test::score_orders(decoded, other, steps.light, steps.near_jump);
+  }
+  return {{"T", counts_json(with_t)}, {"M", counts_json(with_m)}, {"marker", counts_json(with_marker)}};
+}
+
+}  // namespace enamel::bench
