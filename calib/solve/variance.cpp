@@ -1,0 +1,53 @@
+#include "calib/solve/variance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace enamel::calib {
+namespace {
+
+constexpr double kMinFactor = 0.05;  // an instrument is never trusted beyond this against its own figures
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+VarianceFactors estimate_variance(const std::vector<PoseView>& poses, const TargetDesign& target,
+                                  const BundleOptions& options, const RigState& state) {
+  const BundleResult now = evaluate(poses, target, options, state);
+  std::vector<double> camera, projector;
+  for (const DotResidual& r : now.residuals) {
+    camera.push_back(r.camera_chi2);
+    projector.push_back(r.projector_chi2);
+  }
+  // Median of chi² with two degrees of freedom: 2 ln 2. The fit itself took a share of the freedom away.
+  const double share = std::max(0.1, 1 - static_cast<double>(now.parameters) / std::max(1, now.observations));
+  const double expected = 2 * std::numbers::ln2 * share;
+  return {std::max(kMinFactor, options.variance.camera * median(camera) / expected),
+          std::max(kMinFactor, options.variance.projector * median(projector) / expected)};
+}
+
+std::optional<WorstPose> worst_pose(const std::vector<PoseView>& poses, const BundleResult& residuals) {
+  std::vector<std::array<double, 2>> sum(poses.size(), {0, 0});
+  for (const DotResidual& r : residuals.residuals) {
+    sum[r.pose][0] += r.camera_chi2;
+    sum[r.pose][1] += r.projector_chi2;
+  }
+  std::vector<double> mean;
+  for (std::size_t j = 0; j < poses.size(); ++j)
+    mean.push_back((sum[j][0] + sum[j][1]) / std::max<double>(1, static_cast<double>(poses[j].dots.size())));
+  if (mean.empty()) return {};
+  const auto worst = static_cast<std::size_t>(std::max_element(mean.begin(), mean.end()) - mean.begin());
+  const double typical = median(mean);
+  if (!(typical > 0)) return {};
+  return WorstPose{worst, mean[worst] / typical, sum[worst][1] > sum[worst][0]};
+}
+
+}  // namespace enamel::calib
