@@ -39,7 +39,14 @@ std::optional<AxisFit> fit_axis(std::span<const ProjectorSample> samples, const 
   }
   const Eigen::LDLT<Matrix6d> ldlt(h);
   if (ldlt.info() != Eigen::Success || !(ldlt.rcond() > 1e-10)) return {};
-  return AxisFit{ldlt.solve(b), ldlt.solve(Vector6d::Unit(0))[0]};
+  const Vector6d x = ldlt.solve(b);
+  double chi2 = 0;
+  for (const ProjectorSample& s : samples) {
+    const double r = s.projector_px[axis] - quadratic((s.camera_px - at) / scale).dot(x);
+    chi2 += r * r / s.variance_px2[axis];
+  }
+  const double misfit = chi2 / static_cast<double>(samples.size() - 6);
+  return AxisFit{x, ldlt.solve(Vector6d::Unit(0))[0] * std::max(1.0, misfit)};
 }
 
 Eigen::Vector4d harmonics(double phase) {

@@ -24,7 +24,8 @@ struct ProjectorSample {
 [[nodiscard]] std::vector<ProjectorSample> disc_samples(const CoordinateMap& u, const CoordinateMap& v,
                                                         const Ellipse& disc, double margin_px);
 
-/// Weighted quadratic fit at a camera place: projector coordinates there, their derivative and variances.
+/// Weighted quadratic fit at a camera place: projector coordinates there, their derivative and variances. The variances
+/// grow with the misfit: images noisier than they claim to be do not pass for good ones.
 struct LocalMap {
   Eigen::Vector2d projector_px{0, 0};
   Eigen::Matrix2d jacobian = Eigen::Matrix2d::Zero();  ///< d(projector px) / d(camera px)

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/solve/disc_bias.hpp"
+#include "calib/solve/disc_centres.hpp"
 #include "calib/solve/lens_start.hpp"
 #include "calib/solve/sanity.hpp"
 #include "calib/solve/variance.hpp"
 
 namespace enamel::calib {
 namespace {
-
-using Eigen::Vector2d;
 
 constexpr double kOutlierChi2 = 40;  // four degrees of freedom: one good dot in 20 million
 constexpr double kBadPoseRatio = 4;  // of a pose's chi² per observation to the median pose's
@@ -50,22 +48,6 @@ Pose mean_relative(const std::vector<Pose>& T_cam_target, const std::vector<Pose
   mean.linear() = Eigen::Quaterniond(sum.normalized()).toRotationMatrix();
   mean.translation() = shift;
   return mean;
-}
-
-/// Moves each centre from the ellipse's middle to the image of the disc's middle; the largest change, px.
-double unbias(std::vector<PoseView>& poses, const TargetDesign& target, const RigState& state) {
-  double largest = 0;
-  for (std::size_t j = 0; j < poses.size(); ++j) {
-    for (DotView& dot : poses[j].dots) {
-      const Vec3d place = target.place(dot.dot) + state.dot_offsets_mm[static_cast<std::size_t>(dot.dot)];
-      const Vector2d centre =
-          dot.ellipse.centre - disc_bias(state.camera, state.T_cam_target[j], place, target.radius_mm);
-      largest = std::max(largest, (centre - dot.camera_px).norm());
-      dot.camera_px = centre;
-      if (const auto map = fit_local_map(dot.samples, centre)) dot.map = *map;
-    }
-  }
-  return largest;
 }
 
 class Solver {
@@ -133,7 +115,7 @@ class Solver {
   void settle() {
     for (int round = 0; round < kMaxBiasRounds; ++round) {
       s_.result = bundle(s_.poses, target_, s_.options, s_.state);
-      const double moved = unbias(s_.poses, target_, s_.state);
+      const double moved = refine_centres(s_.poses, target_, s_.state);
       s_.options.variance = estimate_variance(s_.poses, target_, s_.options, s_.state);
       mark_outliers();
       if (moved < kBiasSettled_px && round > 1) break;
@@ -177,8 +159,8 @@ class Solver {
     }
   }
 
-  /// The target's shape is solved when that explains more than its own freedom does by chance: the fall of chi² against
-  /// the number of parameters, at five sigma.
+  /// The target's shape is solved when that explains more than its own freedom does by chance: an F test of the fall of
+  /// chi², at five sigma of the F distribution's normal approximation.
   void choose_shape() {
     if (options_.shape == ShapeChoice::kPerfect) return;
     step("shape of the target");
@@ -192,9 +174,13 @@ class Solver {
     same_scale.solve_shape = false;
     const BundleResult without = evaluate(perfect.poses, target_, same_scale, perfect.state);
     const double freedom = with.parameters - without.parameters;
-    if (without.chi2 - with.chi2 > freedom + 5 * std::sqrt(2 * freedom)) {
-      s_.notes.emplace_back("the target's dots are off their design: its shape was solved too");
-      return;
+    const double left = with.observations - with.parameters;
+    if (left > 0) {
+      const double f = ((without.chi2 - with.chi2) / freedom) / (with.chi2 / left);
+      if (f > 1 + 5 * std::sqrt(2 / freedom + 2 / left)) {
+        s_.notes.emplace_back("the target's dots are off their design: its shape was solved too");
+        return;
+      }
     }
     s_ = perfect;
   }

@@ -77,7 +77,7 @@ bool is_in_view(const CalibScene& s, const Pose& T_cam_target) {
 CalibScene make_calib_scene(std::uint64_t seed, int poses) {
   Rng rng(seed, 0, 1);
   CalibScene s;
-  s.target = {.type = calib::TargetType::kCircleGrid, .cols = 9, .rows = 7, .pitch_mm = 1.8, .radius_mm = 0.33};
+  s.target = {.type = calib::TargetType::kCircleGrid, .cols = 9, .rows = 7, .pitch_mm = 1.8, .radius_mm = 0.33, .marks = {}};
   s.nominal.camera = {640, 480, 1707, 1707, 319.5, 239.5, {}};
   s.nominal.projector = {854, 480, 1605, 1605, 426.5, 239.5, {}};
   s.nominal.depth_range = calib::DepthRange{40, 56};
@@ -270,7 +270,10 @@ RigError rig_error(const calib::RigState& solved, const calib::RigState& truth) 
     }
   }
   Vec3d mean_from = Vec3d::Zero(), mean_to = Vec3d::Zero();
-  for (std::size_t i = 0; i < from.size(); ++i) mean_from += from[i], mean_to += to[i];
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    mean_from += from[i];
+    mean_to += to[i];
+  }
   mean_from /= static_cast<double>(from.size());
   mean_to /= static_cast<double>(from.size());
   Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
@@ -279,7 +282,7 @@ RigError rig_error(const calib::RigState& solved, const calib::RigState& truth) 
     cross += (from[i] - mean_from) * (to[i] - mean_to).transpose();
     spread += (from[i] - mean_from).squaredNorm();
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d r = svd.matrixV() * svd.matrixU().transpose();
   std::vector<double> off;
   for (std::size_t i = 0; i < from.size(); ++i)
