@@ -5,8 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "calib/model/lens.hpp"
-#include "calib/solve/bundle.hpp"
+#include "calib/judge/triangulate.hpp"
 #include "protocol/base/rng.hpp"
 
 namespace enamel::calib {
@@ -14,31 +13,6 @@ namespace {
 
 constexpr int kDepths = 9, kRows = 13, kCols = 17;
 constexpr double kHalfPlane_mm = 8;
-constexpr int kNewtonSteps = 12;
-constexpr double kSettled_mm = 1e-10;
-
-Vec3d ray_of(const LensValues& lens, double u, double v) {
-  const PlanePoint p = undistort(lens, {u, v});
-  return {p.x, p.y, 1};
-}
-
-double projector_u(const RigState& s, const Vec3d& p) {
-  const Vec3d q = s.T_proj_cam * p;
-  return project(s.projector, {q.x() / q.z(), q.y() / q.z()}).x;
-}
-
-/// Point on a ray that the projector sees at u; Newton from `z_mm`.
-Vec3d triangulate(const RigState& s, const Vec3d& ray, double u, double z_mm) {
-  constexpr double kStep_mm = 1e-4;
-  double z = z_mm;
-  for (int i = 0; i < kNewtonSteps; ++i) {
-    const double slope = (projector_u(s, ray * (z + kStep_mm)) - projector_u(s, ray * (z - kStep_mm))) / (2 * kStep_mm);
-    const double dz = std::clamp((u - projector_u(s, ray * z)) / slope, -5.0, 5.0);
-    z += dz;
-    if (std::abs(dz) < kSettled_mm) break;
-  }
-  return ray * z;
-}
 
 struct Pairs {
   std::vector<Vec3d> solved, reference;
@@ -50,11 +24,11 @@ void add_depth(const RigState& solved, const RigState& reference, double z_mm, P
     for (int c = 0; c < kCols; ++c) {
       const double u = c * (reference.camera.width - 1.0) / (kCols - 1);
       const double v = r * (reference.camera.height - 1.0) / (kRows - 1);
-      const Vec3d p = ray_of(reference.camera, u, v) * z_mm;
+      const Vec3d p = camera_ray(reference.camera, u, v) * z_mm;
       const double up = projector_u(reference, p);
       if (!(up > -0.5 && up < reference.projector.width - 0.5)) continue;
       pairs.reference.push_back(p);
-      pairs.solved.push_back(triangulate(solved, ray_of(solved.camera, u, v), up, z_mm));
+      pairs.solved.push_back(triangulate(solved, camera_ray(solved.camera, u, v), up, z_mm));
     }
   }
 }
@@ -136,13 +110,19 @@ VolumeDifference compare_rigs(const RigState& solved, const RigState& reference,
   double scale = 1;
   const Pose motion = rigid(pairs, scale);
   out.scale_ppm = 1e6 * (scale - 1);
-  std::vector<double> off;
+  std::vector<double> off, shape;
   double squares = 0;
+  Vec3d middle_mm = Vec3d::Zero();
+  for (const Vec3d& p : pairs.reference) middle_mm += p / static_cast<double>(pairs.reference.size());
   for (std::size_t i = 0; i < pairs.solved.size(); ++i) {
-    off.push_back(1e3 * (motion * pairs.solved[i] - pairs.reference[i]).norm());
+    const Vec3d p = motion * pairs.solved[i];
+    off.push_back(1e3 * (p - pairs.reference[i]).norm());
+    shape.push_back(1e3 * (middle_mm + scale * (p - middle_mm) - pairs.reference[i]).norm());
     squares += off.back() * off.back();
   }
   std::sort(off.begin(), off.end());
+  std::sort(shape.begin(), shape.end());
+  out.shape_p95_um = shape[shape.size() * 95 / 100];
   out.rms_um = std::sqrt(squares / static_cast<double>(off.size()));
   out.p95_um = off[off.size() * 95 / 100];
   out.max_um = off.back();
@@ -171,6 +151,7 @@ VolumeDifference predict_difference(const RigState& state, const Eigen::MatrixXd
   };
   VolumeDifference out = all.front();
   out.p95_um = middle_of([](const auto& d) { return d.p95_um; });
+  out.shape_p95_um = middle_of([](const auto& d) { return d.shape_p95_um; });
   out.rms_um = middle_of([](const auto& d) { return d.rms_um; });
   out.max_um = middle_of([](const auto& d) { return d.max_um; });
   out.scale_ppm = middle_of([](const auto& d) { return d.scale_ppm; });

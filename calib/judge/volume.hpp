@@ -19,6 +19,7 @@ struct PlaneShape {
 struct VolumeDifference {
   double p95_um = 0, rms_um = 0, max_um = 0;
   double scale_ppm = 0;                ///< that a similarity would add to the rigid motion
+  double shape_p95_um = 0;             ///< p95 after that similarity: what the pitch has no part in
   std::array<double, 3> depth_mm{};    ///< 1/8, 1/2 and 7/8 of the range: 42, 48, 54 mm of 40…56
   std::array<PlaneShape, 3> planes{};  ///< at those depths
 };

@@ -35,19 +35,21 @@ VarianceFactors estimate_variance(const std::vector<PoseView>& poses, const Targ
 }
 
 std::optional<WorstPose> worst_pose(const std::vector<PoseView>& poses, const BundleResult& residuals) {
+  std::vector<std::vector<double>> dots(poses.size());
   std::vector<std::array<double, 2>> sum(poses.size(), {0, 0});
   for (const DotResidual& r : residuals.residuals) {
+    dots[r.pose].push_back(r.camera_chi2 + r.projector_chi2);
     sum[r.pose][0] += r.camera_chi2;
     sum[r.pose][1] += r.projector_chi2;
   }
-  std::vector<double> mean;
-  for (std::size_t j = 0; j < poses.size(); ++j)
-    mean.push_back((sum[j][0] + sum[j][1]) / std::max<double>(1, static_cast<double>(poses[j].dots.size())));
-  if (mean.empty()) return {};
-  const auto worst = static_cast<std::size_t>(std::max_element(mean.begin(), mean.end()) - mean.begin());
-  const double typical = median(mean);
-  if (!(typical > 0)) return {};
-  return WorstPose{worst, mean[worst] / typical, sum[worst][1] > sum[worst][0]};
+  std::vector<double> typical;
+  typical.reserve(dots.size());
+  for (const auto& d : dots) typical.push_back(median(d));
+  if (typical.empty()) return {};
+  const auto worst = static_cast<std::size_t>(std::max_element(typical.begin(), typical.end()) - typical.begin());
+  const double middle = median(typical);
+  if (!(middle > 0)) return {};
+  return WorstPose{worst, typical[worst] / middle, sum[worst][1] > sum[worst][0]};
 }
 
 }  // namespace enamel::calib

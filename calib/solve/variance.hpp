@@ -14,11 +14,12 @@ namespace enamel::calib {
 
 struct WorstPose {
   std::size_t pose = 0;
-  double ratio = 1;  ///< of its mean chi² to that of the median pose
+  double ratio = 1;  ///< of its chi² to that of the median pose
   bool is_projector = false;
 };
 
-/// By the mean over all its dots, outliers too: a pose that moved makes outliers of its own dots.
+/// By the median over all its dots, outliers too: a pose that moved makes outliers of its own dots, and one wrong dot
+/// is no reason against its pose.
 [[nodiscard]] std::optional<WorstPose> worst_pose(const std::vector<PoseView>& poses, const BundleResult& residuals);
 
 }  // namespace enamel::calib

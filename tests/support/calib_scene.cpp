@@ -77,7 +77,8 @@ bool is_in_view(const CalibScene& s, const Pose& T_cam_target) {
 CalibScene make_calib_scene(std::uint64_t seed, int poses) {
   Rng rng(seed, 0, 1);
   CalibScene s;
-  s.target = {.type = calib::TargetType::kCircleGrid, .cols = 9, .rows = 7, .pitch_mm = 1.8, .radius_mm = 0.33, .marks = {}};
+  s.target = {
+      .type = calib::TargetType::kCircleGrid, .cols = 9, .rows = 7, .pitch_mm = 1.8, .radius_mm = 0.33, .marks = {}};
   s.nominal.camera = {640, 480, 1707, 1707, 319.5, 239.5, {}};
   s.nominal.projector = {854, 480, 1605, 1605, 426.5, 239.5, {}};
   s.nominal.depth_range = calib::DepthRange{40, 56};
@@ -284,11 +285,16 @@ RigError rig_error(const calib::RigState& solved, const calib::RigState& truth) 
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d r = svd.matrixV() * svd.matrixU().transpose();
-  std::vector<double> off;
-  for (std::size_t i = 0; i < from.size(); ++i)
-    off.push_back(1e3 * (r * (from[i] - mean_from) + mean_to - to[i]).norm());
+  const double scale = svd.singularValues().sum() / spread;
+  std::vector<double> off, scaled;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Vec3d turned_point = r * (from[i] - mean_from), goal = to[i] - mean_to;
+    off.push_back(1e3 * (turned_point - goal).norm());
+    scaled.push_back(1e3 * (scale * turned_point - goal).norm());
+  }
   std::sort(off.begin(), off.end());
-  return {off[off.size() * 95 / 100], off.back(), 1e6 * (svd.singularValues().sum() / spread - 1)};
+  std::sort(scaled.begin(), scaled.end());
+  return {off[off.size() * 95 / 100], off.back(), 1e6 * (scale - 1), scaled[scaled.size() * 95 / 100]};
 }
 
 }  // namespace enamel::test

@@ -54,6 +54,7 @@ struct SensorModel {
 /// rigid motion; relative scale; um.
 struct RigError {
   double p95_um = 0, max_um = 0, scale_ppm = 0;
+  double without_scale_p95_um = 0;  ///< after the best similarity
 };
 [[nodiscard]] RigError rig_error(const calib::RigState& solved, const calib::RigState& truth);
 
