@@ -26,6 +26,7 @@ Judgement judge(const Solution& solution, std::vector<PlaneCheck> planes, bool a
                 const JudgementLimits& limits) {
   Judgement j;
   j.predicted = predict_difference(solution.state, solution.result.covariance, range);
+  j.bound = predict_difference(solution.state, solution.result.covariance, range, 0.95);
   j.planes = std::move(planes);
   j.are_planes_held_out = are_planes_held_out;
   j.shapes = shapes_over_depth(j.planes, range);

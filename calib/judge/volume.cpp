@@ -76,10 +76,11 @@ PlaneShape plane_shape(const RigState& solved, const RigState& reference, const 
   return {x[3], x[5], x[4]};
 }
 
-double middle(std::vector<double> values) {
+/// Nearest-rank quantile of the magnitudes.
+double quantile_of(std::vector<double> values, double quantile) {
   for (double& v : values) v = std::abs(v);
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(quantile * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
 RigState moved(RigState s, const Eigen::VectorXd& d) {
@@ -134,7 +135,7 @@ VolumeDifference compare_rigs(const RigState& solved, const RigState& reference,
 }
 
 VolumeDifference predict_difference(const RigState& state, const Eigen::MatrixXd& covariance, DepthRange range,
-                                    int draws) {
+                                    double quantile, int draws) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
   const Eigen::MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
   Rng rng(1, 0, 1);
@@ -147,7 +148,7 @@ VolumeDifference predict_difference(const RigState& state, const Eigen::MatrixXd
   const auto middle_of = [&](auto value) {
     std::vector<double> values;
     for (const auto& d : all) values.push_back(value(d));
-    return middle(std::move(values));
+    return quantile_of(std::move(values), quantile);
   };
   VolumeDifference out = all.front();
   out.p95_um = middle_of([](const auto& d) { return d.p95_um; });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "calib/target/dot_grid.hpp"
 
@@ -15,8 +16,8 @@ constexpr double kSaturatedLevel = 0.98;  // of full scale
 constexpr double kMaxSaturated = 0.02;    // of the discs' pixels
 constexpr double kMinUsable = 0.7;        // of the dots of the design
 constexpr double kMarginSigmas = 4;       // of the edge's blur: no light from beyond the contour inside
-constexpr double kMarginExtra_px = 0.5;
-constexpr double kMaxResidual = 0.08;  // of the step between disc and ground: what is seen is no whole disc
+constexpr double kMarginExtra_px = 1.0;   // half the pixel's diagonal, and some
+constexpr double kMaxResidual = 0.08;     // of the step between disc and ground: what is seen is no whole disc
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -67,6 +68,13 @@ double saturated_share(const Map<float>& white, const DotGrid& grid, double satu
   return all == 0 ? 0 : static_cast<double>(full) / static_cast<double>(all);
 }
 
+std::optional<DiscFit> fit_dot(const LitImage& lit, const DotGrid& grid, const GridDot& dot, EdgeModel edges) {
+  const double reach_px = std::min(8.0, 0.5 * (grid.spacing_px - 2 * dot.blob.half_axes().x()));
+  const auto start = disc_moments(lit.image, dot.blob, reach_px);
+  if (!start) return {};
+  return fit_disc(lit.image, lit.noise, *start, reach_px, edges);
+}
+
 Result<void> check_sharp(const PoseView& pose, std::size_t fitted, const TargetDesign& target) {
   if (pose.blur_px > kMaxBlur_px)
     return fail(
@@ -84,7 +92,7 @@ Result<void> check_sharp(const PoseView& pose, std::size_t fitted, const TargetD
 }  // namespace
 
 Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& target, const PixelNoise& image_noise,
-                              double saturation_dn, std::array<int, 2> projector_size_px) {
+                              double saturation_dn, std::array<int, 2> projector_size_px, EdgeModel edges) {
   const LitImage lit = lit_image(frames, image_noise);
   ENAMEL_TRY_ASSIGN(const DotGrid grid, find_dot_grid(lit.image, target));
   const double saturated = saturated_share(frames.white, grid, saturation_dn);
@@ -97,10 +105,7 @@ Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& targ
   PoseView pose{.name = frames.name, .dots = {}, .blur_px = 0};
   std::vector<double> blurs;
   for (const GridDot& dot : grid.dots) {
-    const double reach_px = std::min(8.0, 0.5 * (grid.spacing_px - 2 * dot.blob.half_axes().x()));
-    const auto start = disc_moments(lit.image, dot.blob, reach_px);
-    if (!start) continue;
-    const auto fit = fit_disc(lit.image, lit.noise, *start, reach_px);
+    const auto fit = fit_dot(lit, grid, dot, edges);
     if (!fit || fit->residual_share > kMaxResidual) continue;
     blurs.push_back(fit->blur_px);
     DotView view{
@@ -115,6 +120,21 @@ Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& targ
   pose.blur_px = median(blurs);
   ENAMEL_TRY(check_sharp(pose, pose.dots.size(), target));
   return pose;
+}
+
+Result<EdgeModel> choose_edge_model(const PoseFrames& frames, const TargetDesign& target,
+                                    const PixelNoise& image_noise) {
+  const LitImage lit = lit_image(frames, image_noise);
+  ENAMEL_TRY_ASSIGN(const DotGrid grid, find_dot_grid(lit.image, target));
+  double lens = 0, taps = 0;
+  for (const GridDot& dot : grid.dots) {
+    const auto by_lens = fit_dot(lit, grid, dot, EdgeModel::kLensThenPixel);
+    const auto by_taps = fit_dot(lit, grid, dot, EdgeModel::kPixelThenTaps);
+    if (!by_lens || !by_taps) continue;
+    lens += by_lens->misfit;
+    taps += by_taps->misfit;
+  }
+  return taps < lens ? EdgeModel::kPixelThenTaps : EdgeModel::kLensThenPixel;
 }
 
 PixelNoise estimate_noise(const PoseFrames& frames) {

@@ -13,6 +13,7 @@ Result<MeasuredFolder> measure_folder(const CalibFolder& folder, const std::func
   MeasuredFolder out;
   std::optional<PixelNoise> noise = folder.noise;
   std::optional<Error> first;
+  std::optional<EdgeModel> edges;
   if (!folder.has_response)
     out.notes.emplace_back("no response images: the projector is taken as linearised (step 0 skipped)");
   for (const std::string& pose : folder.poses) {
@@ -21,9 +22,14 @@ Result<MeasuredFolder> measure_folder(const CalibFolder& folder, const std::func
       noise = estimate_noise(*frames);
       out.notes.push_back("rig.json states no noise: estimated from pose " + pose);
     }
+    // The lens is the same in all poses: the first one with a target tells.
+    if (frames && !edges) {
+      if (const auto chosen = choose_edge_model(*frames, folder.target, *noise)) edges = *chosen;
+    }
     auto view = !frames ? Result<PoseView>(tl::unexpected<Error>(frames.error()))
                         : measure_pose(*frames, folder.target, *noise, folder.saturation_dn,
-                                       {folder.nominal.projector.width, folder.nominal.projector.height});
+                                       {folder.nominal.projector.width, folder.nominal.projector.height},
+                                       edges.value_or(EdgeModel::kLensThenPixel));
     if (view) {
       out.views.push_back(std::move(*view));
     } else {

@@ -16,8 +16,8 @@ constexpr int kMaxSteps = 25;
 constexpr double kConverged_px = 1e-6;
 constexpr double kConvergedBlur_px = 1e-4;
 constexpr double kMaxDamping = 1e6;
-constexpr double kFirstBlur_px = 0.8;
-constexpr double kMinBlur_px = 0.2;  // a sharper edge cannot be told from this one on a pixel grid
+constexpr double kFirstBlur_px = 0.6;
+constexpr double kMinBlur_px = 0.15;  // a sharper edge cannot be told from this one on a pixel grid
 
 using Params = Eigen::Matrix<double, kParameters, 1>;
 using Normal = Eigen::Matrix<double, kParameters, kParameters>;
@@ -62,51 +62,50 @@ std::vector<Sample> samples_of(const Map<float>& image, const Ellipse& e, const 
   return out;
 }
 
-/// Model value at p and its derivatives. Intensity = (1 + g·q)(ground + step·C(d/blur)), C the normal distribution.
-double model(const Params& x, const Eigen::Vector2d& p, Params& derivative) {
+/// Model value at p and its derivatives. Intensity = (1 + g·q)(ground + step·cover), cover by edge_spread.
+double model(EdgeModel edges, const Params& x, const Eigen::Vector2d& p, Params& derivative) {
   const Eigen::Vector2d q = p - x.head<2>();
   const Eigen::Vector2d mq(x[2] * q.x() + x[3] * q.y(), x[3] * q.x() + x[4] * q.y());
   const double f = std::sqrt(std::max(q.dot(mq), 1e-12));
   const double n = std::max(mq.norm(), 1e-9);
-  const double d = inside_px(f, n);
-  const double blur = x[5];
-  const double cover = 0.5 * std::erfc(-d / (blur * std::numbers::sqrt2));
-  const double density = std::exp(-0.5 * d * d / (blur * blur)) / (blur * std::sqrt(2 * std::numbers::pi));
+  const double curvature = (x[2] * x[4] - x[3] * x[3]) * f * f / (n * n * n);  // of the level curve through p
+  const EdgeSpread edge = edge_spread(edges, inside_px(f, n), mq / n, x[5], curvature);
   const double light = 1 + x[8] * q.x() + x[9] * q.y();
-  const double level = x[6] + x[7] * cover;
-  const double edge = light * x[7] * density;
-  derivative[0] = edge * mq.x() / n - x[8] * level;
-  derivative[1] = edge * mq.y() / n - x[9] * level;
-  derivative[2] = -edge * q.x() * q.x() / (2 * n);
-  derivative[3] = -edge * q.x() * q.y() / n;
-  derivative[4] = -edge * q.y() * q.y() / (2 * n);
-  derivative[5] = -edge * d / blur;
+  const double level = x[6] + x[7] * edge.cover;
+  const double slope = light * x[7] * edge.by_distance;
+  derivative[0] = slope * mq.x() / n - x[8] * level;
+  derivative[1] = slope * mq.y() / n - x[9] * level;
+  derivative[2] = -slope * q.x() * q.x() / (2 * n);
+  derivative[3] = -slope * q.x() * q.y() / n;
+  derivative[4] = -slope * q.y() * q.y() / (2 * n);
+  derivative[5] = light * x[7] * edge.by_blur;
   derivative[6] = light;
-  derivative[7] = light * cover;
+  derivative[7] = light * edge.cover;
   derivative[8] = level * q.x();
   derivative[9] = level * q.y();
   return light * level;
 }
 
 /// Weighted sum of squares at x with the weights that stand.
-double chi2_at(const std::vector<Sample>& samples, const Params& x) {
+double chi2_at(EdgeModel edges, const std::vector<Sample>& samples, const Params& x) {
   double chi2 = 0;
   Params unused;
   for (const Sample& s : samples) {
-    const double r = s.value - model(x, s.p, unused);
+    const double r = s.value - model(edges, x, s.p, unused);
     chi2 += s.weight * r * r;
   }
   return chi2;
 }
 
 /// Renews the weights at x, fills the normal equations and returns the sum of squares.
-double assemble(std::vector<Sample>& samples, const PixelNoise& noise, const Params& x, Normal& h, Params& b) {
+double assemble(EdgeModel edges, std::vector<Sample>& samples, const PixelNoise& noise, const Params& x, Normal& h,
+                Params& b) {
   double chi2 = 0;
   Params j;
   h.setZero();
   b.setZero();
   for (Sample& s : samples) {
-    const double predicted = model(x, s.p, j);
+    const double predicted = model(edges, x, s.p, j);
     s.weight = 1.0 / noise.variance(predicted);
     const double r = s.value - predicted;
     chi2 += s.weight * r * r;
@@ -121,10 +120,11 @@ bool is_plausible(const Params& x) {
 }
 
 /// Levenberg and Marquardt with the diagonal as its scale.
-bool minimise(std::vector<Sample>& samples, const PixelNoise& noise, Params& x, Normal& h, double& chi2) {
+bool minimise(EdgeModel edges, std::vector<Sample>& samples, const PixelNoise& noise, Params& x, Normal& h,
+              double& chi2) {
   double damping = 1e-4;
   Params b;
-  chi2 = assemble(samples, noise, x, h, b);
+  chi2 = assemble(edges, samples, noise, x, h, b);
   for (int step = 0; step < kMaxSteps; ++step) {
     Normal damped = h.selfadjointView<Eigen::Lower>();
     damped.diagonal() *= 1 + damping;
@@ -132,14 +132,14 @@ bool minimise(std::vector<Sample>& samples, const PixelNoise& noise, Params& x, 
     Params next = x + dx;
     next[5] = std::max(next[5], kMinBlur_px);
     const bool is_small = dx.head<2>().norm() < kConverged_px && std::abs(dx[5]) < kConvergedBlur_px;
-    if (!is_plausible(next) || chi2_at(samples, next) > chi2) {
+    if (!is_plausible(next) || chi2_at(edges, samples, next) > chi2) {
       if (is_small) return true;
       damping = std::max(damping * 10, 1e-4);
       if (damping > kMaxDamping) return false;
       continue;
     }
     x = next;
-    chi2 = assemble(samples, noise, x, h, b);
+    chi2 = assemble(edges, samples, noise, x, h, b);
     damping *= 0.1;
     if (is_small) return true;
   }
@@ -196,8 +196,8 @@ std::optional<Ellipse> disc_moments(const Map<float>& image, const Ellipse& seed
   return Ellipse{seed.centre + first, second.inverse() / 4};
 }
 
-std::optional<DiscFit> fit_disc(const Map<float>& image, const PixelNoise& noise, const Ellipse& start,
-                                double reach_px) {
+std::optional<DiscFit> fit_disc(const Map<float>& image, const PixelNoise& noise, const Ellipse& start, double reach_px,
+                                EdgeModel edges) {
   const auto window = window_around(image, start, reach_px);
   if (!window) return {};
   std::vector<Sample> samples = samples_of(image, start, *window, reach_px);
@@ -207,7 +207,7 @@ std::optional<DiscFit> fit_disc(const Map<float>& image, const PixelNoise& noise
   x << start.centre, start.shape(0, 0), start.shape(0, 1), start.shape(1, 1), kFirstBlur_px, ground, step, 0, 0;
   Normal h;
   double chi2 = 0;
-  if (!minimise(samples, noise, x, h, chi2)) return {};
+  if (!minimise(edges, samples, noise, x, h, chi2)) return {};
   DiscFit fit;
   fit.ellipse.centre = x.head<2>();
   fit.ellipse.shape << x[2], x[3], x[3], x[4];
@@ -218,7 +218,7 @@ std::optional<DiscFit> fit_disc(const Map<float>& image, const PixelNoise& noise
   fit.misfit = chi2 / dof;
   double squares = 0;
   Params unused;
-  for (const Sample& s : samples) squares += std::pow(s.value - model(x, s.p, unused), 2);
+  for (const Sample& s : samples) squares += std::pow(s.value - model(edges, x, s.p, unused), 2);
   fit.residual_share = std::sqrt(squares / dof) / std::abs(x[7]);
   const Normal full = h.selfadjointView<Eigen::Lower>();
   const Normal covariance = full.ldlt().solve(Normal::Identity());

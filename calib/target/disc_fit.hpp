@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "calib/target/edge_spread.hpp"
 #include "calib/target/pixel_noise.hpp"
 #include "pipeline/types/map.hpp"
 
@@ -28,7 +29,7 @@ struct Ellipse {
 struct DiscFit {
   Ellipse ellipse;
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the centre, px²; scaled by the misfit
-  double blur_px = 0;                                    ///< Gaussian sigma of the edge
+  double blur_px = 0;                                    ///< Gaussian sigma of the edge, the pixel's square apart
   double ground_dn = 0, step_dn = 0;                     ///< level outside; inside minus outside
   double misfit = 0;                                     ///< chi² / degrees of freedom
   double residual_share = 0;                             ///< rms residual over the step: the shape of what is no disc
@@ -38,7 +39,7 @@ struct DiscFit {
 /// the gap to a neighbour. `image` is above black, DN. Empty: the disc leaves the image, has no contrast, or the fit
 /// does not converge.
 [[nodiscard]] std::optional<DiscFit> fit_disc(const Map<float>& image, const PixelNoise& noise, const Ellipse& start,
-                                              double reach_px);
+                                              double reach_px, EdgeModel edges);
 
 /// Ellipse with the grey-level area moments of the disc around `seed` (soft mask between the two levels). Empty as
 /// above.

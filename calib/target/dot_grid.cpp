@@ -123,8 +123,10 @@ Result<Layout> choose_layout(const std::vector<LatticePoint>& lattice, const Ext
   if (!target.marks.empty() && (e.across_a() == target.cols || e.across_b() == target.cols))
     return fail(ErrorCode::kTargetNotFound,
                 "a grid of the right size is in view but its rings are not where the key 'marks' of target.json says");
+  const int few = std::min(e.across_a(), e.across_b()), many = std::max(e.across_a(), e.across_b());
+  const bool wide = target.cols >= target.rows;
   return fail(ErrorCode::kTargetNotFound, fmt::format("a grid of {} x {} dots is in view, target.json says {} x {}",
-                                                      e.across_a(), e.across_b(), target.cols, target.rows));
+                                                      wide ? many : few, wide ? few : many, target.cols, target.rows));
 }
 
 }  // namespace

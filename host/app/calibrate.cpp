@@ -81,6 +81,7 @@ Json verdict_json(const calib::Solution& s, const calib::Judgement& j) {
   json["planes_held_out"] = j.are_planes_held_out;
   json["planes"] = planes_json(j.planes);
   json["expected"] = {{"p95_um", j.predicted.p95_um},
+                      {"p95_bound_um", j.bound.p95_um},
                       {"p95_without_scale_um", j.predicted.shape_p95_um},
                       {"scale_ppm", j.predicted.scale_ppm}};
   json["target_shape_solved"] = s.is_shape_solved;
@@ -93,8 +94,9 @@ void print(const Json& json) {
   for (const auto& reason : json["reasons"]) std::printf("  because %s\n", reason.get<std::string>().c_str());
   std::printf("reprojection rms   camera %.4f px, projector %.4f px\n", json["rms_camera_px"].get<double>(),
               json["rms_projector_px"].get<double>());
-  std::printf("expected error     %.2f um (95 %% of the volume), scale %.0f ppm\n",
-              json["expected"]["p95_um"].get<double>(), json["expected"]["scale_ppm"].get<double>());
+  std::printf("expected error     %.2f um (95 %% of the volume), at most %.2f um, scale %.0f ppm\n",
+              json["expected"]["p95_um"].get<double>(), json["expected"]["p95_bound_um"].get<double>(),
+              json["expected"]["scale_ppm"].get<double>());
   std::printf("planes, rms        %.2f um%s\n", json["plane_rms_um"].get<double>(),
               json["planes_held_out"].get<bool>() ? "" : " (took part in the solution)");
   for (std::size_t k = 0; k < json["sag_um"].size(); ++k)

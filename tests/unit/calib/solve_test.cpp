@@ -59,21 +59,31 @@ void slip(PoseView& view, double by_px) {
   }
 }
 
-TEST(Solve, names_the_pose_that_slipped_and_no_other) {
-  for (std::uint64_t seed = 30; seed < 36; ++seed) {
+TEST(Solve, thirty_rigs_stay_within_their_own_bound_and_name_the_slipped_pose) {
+  constexpr int kRigs = 30;
+  int within = 0, named = 0;
+  for (std::uint64_t seed = 100; seed < 100 + kRigs; ++seed) {
     const auto scene = test::make_calib_scene(seed, 10);
     Rng rng(seed, 1, 1);
     auto views = test::make_views(scene, {.centre_px = 0.005}, rng);
-    const auto clean = solve_views(scene, views);
-    ASSERT_TRUE(clean) << clean.error().message();
-    EXPECT_TRUE(clean->rejected.empty()) << clean->rejected[0].pose << " " << clean->rejected[0].reason;
-    slip(views[4], 0.5);
+    slip(views[seed % 10], 0.5);
     const auto solved = solve_views(scene, views);
     ASSERT_TRUE(solved) << solved.error().message();
-    ASSERT_EQ(solved->rejected.size(), 1U) << seed;
-    EXPECT_EQ(solved->rejected[0].pose, "4");
-    EXPECT_LT(test::rig_error(solved->state, scene.truth).p95_um,
-              4 * predict_difference(solved->state, solved->result.covariance, kRange, 20).p95_um);
+    named += solved->rejected.size() == 1 && solved->rejected[0].pose == std::to_string(seed % 10) ? 1 : 0;
+    const double bound = predict_difference(solved->state, solved->result.covariance, kRange, 0.95, 40).p95_um;
+    within += test::rig_error(solved->state, scene.truth).p95_um < 1.2 * bound ? 1 : 0;
+  }
+  EXPECT_EQ(named, kRigs);
+  EXPECT_GE(within, 27);
+}
+
+TEST(Solve, no_pose_is_named_when_none_slipped) {
+  for (std::uint64_t seed = 30; seed < 36; ++seed) {
+    const auto scene = test::make_calib_scene(seed, 10);
+    Rng rng(seed, 1, 1);
+    const auto solved = solve_views(scene, test::make_views(scene, {.centre_px = 0.005}, rng));
+    ASSERT_TRUE(solved) << solved.error().message();
+    EXPECT_TRUE(solved->rejected.empty()) << solved->rejected[0].pose << " " << solved->rejected[0].reason;
   }
 }
 
