@@ -76,7 +76,8 @@ void store(const Blocks& b, RigState& s) {
 }
 
 DotCost cost_of(const DotView& dot, const TargetDesign& target, const VarianceFactors& variance) {
-  const Matrix2d information = (dot.covariance_px2 * variance.camera).inverse();
+  const Matrix2d information =
+      (dot.covariance_px2 * variance.camera + variance.camera_floor_px2 * Matrix2d::Identity()).inverse();
   return {target.place(dot.dot),
           dot.camera_px,
           dot.map.projector_px,

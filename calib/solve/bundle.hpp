@@ -17,9 +17,11 @@ struct ShapePrior {
   double out_of_plane_mm = 0.05;
 };
 
-/// Factors by which the variances of the two instruments are multiplied (variance component estimation).
+/// What the residuals say about the stated variances (variance component estimation). The camera's become
+/// camera * stated + camera_floor_px2: what a renderer's or a sensor's pixels add does not shrink with a disc's own
+/// noise.
 struct VarianceFactors {
-  double camera = 1, projector = 1;
+  double camera = 1, camera_floor_px2 = 0, projector = 1;
 };
 
 struct BundleOptions {

@@ -8,7 +8,7 @@
 namespace enamel::calib {
 
 /// Factors that bring each instrument's chi² to its redundancy, by the median of the dots' chi² (deaf to a bad pose).
-/// Cumulative with those in `options`.
+/// The camera gets a floor where its residuals are larger than stated, a factor where they are smaller.
 [[nodiscard]] VarianceFactors estimate_variance(const std::vector<PoseView>& poses, const TargetDesign& target,
                                                 const BundleOptions& options, const RigState& state);
 
