@@ -44,6 +44,14 @@ EdgeSpread through_boxes(double d, double a, double b, double sigma) {
           sigma * (i0.once - i1.once - i2.once + i3.once) / ab};
 }
 
+/// No blur at all: most taps lie wholly on one side.
+EdgeSpread sharp_edge(double d, double a, double b) {
+  constexpr double kHalfDiagonal_px = 0.7072;
+  if (d > kHalfDiagonal_px) return {1, 0, 0};
+  if (d < -kHalfDiagonal_px) return {0, 0, 0};
+  return through_boxes(d, a, b, kSharp_px);
+}
+
 /// Samples of a Gaussian at whole pixels, normalised, and their derivative with respect to sigma.
 struct Taps {
   int reach = 0;
@@ -88,7 +96,7 @@ EdgeSpread edge_spread(EdgeModel model, double distance_px, const Eigen::Vector2
     for (int i = -taps.reach; i <= taps.reach; ++i) {
       const auto iu = static_cast<std::size_t>(i + taps.reach), iv = static_cast<std::size_t>(j + taps.reach);
       const double across = i * normal.x() + j * normal.y(), along = j * normal.x() - i * normal.y();
-      const EdgeSpread one = through_boxes(within_pixel - across - bend * along * along, a, b, kSharp_px);
+      const EdgeSpread one = sharp_edge(within_pixel - across - bend * along * along, a, b);
       out.cover += taps.weight[iu] * taps.weight[iv] * one.cover;
       out.by_distance += taps.weight[iu] * taps.weight[iv] * one.by_distance;
       out.by_blur += (taps.by_sigma[iu] * taps.weight[iv] + taps.weight[iu] * taps.by_sigma[iv]) * one.cover;
