@@ -113,7 +113,6 @@ Result<CalibFolder> open_calib_folder(const std::string& path) {
     folder.noise = image_noise(*folder.nominal.noise, averaged_frames(folder.nominal));
     folder.saturation_dn = std::exp2(folder.nominal.noise->bits) - 1;
   }
-  folder.has_response = fs::exists(path + "/response");
   return folder;
 }
 

@@ -22,7 +22,6 @@ struct CalibFolder {
   std::vector<int> cycles_u, cycles_v;  ///< rising; of v_<cycles>_* and h_<cycles>_*
   std::optional<PixelNoise> noise;      ///< of one image; absent where rig.json states none
   double saturation_dn = 255;           ///< full scale of the sensor
-  bool has_response = false;            ///< response/, dark_* or flat.png are there (step 0)
 };
 
 /// All images of one pose, DN.

@@ -57,6 +57,11 @@ Result<std::string> solved_rig_text(const Rig& nominal, const SolvedRig& solved)
   json["covariance"] = {{"parameters", solved.parameter_names}, {"matrix", matrix_json(solved.covariance)}};
   json["residuals"] = {
       {"rms_camera_px", solved.rms_camera_px}, {"rms_projector_px", solved.rms_projector_px}, {"poses", solved.poses}};
+  if (solved.response) {
+    json["response"] = {{"level", solved.response->level},
+                        {"emission", solved.response->emission},
+                        {"residual", solved.response->residual}};
+  }
   json["sha256"] = hash_of(json);
   std::string text = json.dump(kIndent) + "\n";
   ENAMEL_TRY(parse_rig(text));

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/io/response.hpp"
 #include "calib/model/rig.hpp"
 #include "pipeline/types/geometry.hpp"
 
@@ -12,9 +13,10 @@ namespace enamel::calib {
 struct SolvedRig {
   LensValues camera, projector;
   Pose T_proj_cam = Pose::Identity();
-  std::vector<std::string> parameter_names;  ///< of the covariance's rows
-  Eigen::MatrixXd covariance;                ///< px, rad, mm by parameter
-  std::string calibrated_at;                 ///< UTC, e.g. 2026-01-31T12:00:00Z
+  std::vector<std::string> parameter_names;   ///< of the covariance's rows
+  Eigen::MatrixXd covariance;                 ///< px, rad, mm by parameter
+  std::string calibrated_at;                  ///< UTC, e.g. 2026-01-31T12:00:00Z
+  std::optional<ProjectorResponse> response;  ///< where the folder has pictures of it
   double rms_camera_px = 0, rms_projector_px = 0;
   int poses = 0;
 };

@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 constexpr int kBlock_px = 5;
 constexpr std::size_t kMinPoints = 100;
 constexpr double kHalfPlane_mm = 8;
-constexpr double kGross_sigmas = 5;
+constexpr double kGrossSigmas = 5;
 constexpr double kSlopePrior_um = 0.5;  // sigma of what bow and twist change from the near to the far end
 
 /// Target places (mm) of camera pixels, by the dots.
@@ -126,7 +126,7 @@ void drop_gross(std::vector<Vec3d>& points) {
   std::vector<double> heights;
   for (const Vec3d& p : points) heights.push_back(height(p));
   std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2), heights.end());
-  const double limit = kGross_sigmas * heights[heights.size() / 2] / 0.6745;
+  const double limit = kGrossSigmas * heights[heights.size() / 2] / 0.6745;
   std::erase_if(points, [&](const Vec3d& p) { return height(p) > limit; });
 }
 

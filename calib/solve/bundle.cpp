@@ -16,7 +16,6 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr double kHuber = 4.5;  // of a dot's four whitened residuals together: 0.02 % of good dots lie beyond
-constexpr std::array<int, 8> kFreeLens{0, 1, 2, 3, 4, 5, 6, 7};
 
 /// A dot seen by both instruments. The projector's coordinate at the predicted camera place is that at the measured
 /// one, moved by the local map.
@@ -164,14 +163,13 @@ Eigen::MatrixXd rig_covariance(ceres::Problem& problem, const Blocks& b) {
   if (!covariance.Compute(rig, &problem)) return {};
   Eigen::Matrix<double, 24, 24, Eigen::RowMajor> full;
   if (!covariance.GetCovarianceMatrix(rig, full.data())) return {};
-  std::vector<Eigen::Index> keep;
-  for (const int i : kFreeLens) keep.push_back(i);
-  for (const int i : kFreeLens) keep.push_back(9 + i);
-  for (int i = 18; i < 24; ++i) keep.push_back(i);
+  // Both lenses without their k3 (places 8 and 17), then the relative pose.
+  constexpr std::array<Eigen::Index, kRigParameters> kKeep{0,  1,  2,  3,  4,  5,  6,  7,  9,  10, 11,
+                                                           12, 13, 14, 15, 16, 18, 19, 20, 21, 22, 23};
   Eigen::MatrixXd out(kRigParameters, kRigParameters);
   for (Eigen::Index r = 0; r < kRigParameters; ++r)
     for (Eigen::Index c = 0; c < kRigParameters; ++c)
-      out(r, c) = full(keep[static_cast<std::size_t>(r)], keep[static_cast<std::size_t>(c)]);
+      out(r, c) = full(kKeep[static_cast<std::size_t>(r)], kKeep[static_cast<std::size_t>(c)]);
   return out;
 }
 

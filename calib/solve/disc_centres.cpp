@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kGross_sigmas = 4;
+constexpr double kGrossSigmas = 4;
 constexpr std::size_t kMinSamples = 20;
 
 /// Camera pixel -> projector pixel by way of a dot's plane.
@@ -65,7 +65,7 @@ std::optional<Mean> robust_mean(const std::vector<ProjectorSample>& samples, con
     }
     mean.variance = std::max(1.0, chi2 / static_cast<double>(n - 1)) / weight;
     std::nth_element(each.begin(), each.begin() + static_cast<std::ptrdiff_t>(each.size() / 2), each.end());
-    limit = kGross_sigmas * kGross_sigmas * each[each.size() / 2] / 0.455;  // median of chi² with one degree of freedom
+    limit = kGrossSigmas * kGrossSigmas * each[each.size() / 2] / 0.455;  // median of chi² with one degree of freedom
   }
   return mean;
 }

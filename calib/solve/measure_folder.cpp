@@ -14,8 +14,10 @@ Result<MeasuredFolder> measure_folder(const CalibFolder& folder, const std::func
   std::optional<PixelNoise> noise = folder.noise;
   std::optional<Error> first;
   std::optional<EdgeModel> edges;
-  if (!folder.has_response)
-    out.notes.emplace_back("no response images: the projector is taken as linearised (step 0 skipped)");
+  ENAMEL_TRY_ASSIGN(out.response, read_response(folder.path, folder.saturation_dn));
+  if (out.response) ENAMEL_TRY(check_response(*out.response));
+  if (!out.response)
+    out.notes.emplace_back("no pictures of the projector's response: taken as linear (step 0 skipped)");
   for (const std::string& pose : folder.poses) {
     const auto frames = load_pose(folder, pose);
     if (frames && !noise) {

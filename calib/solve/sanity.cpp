@@ -13,7 +13,7 @@ namespace enamel::calib {
 namespace {
 
 constexpr double kMinTurn_deg = 10;
-constexpr double kDepthSlack_ratio = 3;  // beyond a third or three times the range no lens tolerance explains it
+constexpr double kDepthSlack = 3;  // beyond a third or three times the range no lens tolerance explains it
 
 /// Depth at which the target would have to be for its dots to lie as far apart as they are seen, mm.
 double implied_depth_mm(const PoseView& view, const TargetDesign& target, const LensValues& camera) {
@@ -52,8 +52,7 @@ Result<void> check_views(const std::vector<PoseView>& views, const TargetDesign&
   std::size_t mirrored = 0;
   for (const PoseView& view : views) {
     const double depth = implied_depth_mm(view, target, nominal.camera);
-    if (nominal.depth_range && depth > 0 &&
-        (depth > kDepthSlack_ratio * range.far_mm || depth < range.near_mm / kDepthSlack_ratio))
+    if (nominal.depth_range && depth > 0 && (depth > kDepthSlack * range.far_mm || depth < range.near_mm / kDepthSlack))
       return fail(ErrorCode::kCalibrationUnits,
                   fmt::format("pitch_mm {} puts the target of pose {} at {:.3g} mm, the rig measures from {} to {} mm",
                               target.pitch_mm, view.name, depth, range.near_mm, range.far_mm));

@@ -151,13 +151,15 @@ Result<std::vector<calib::PoseView>> take_held_out(const Options& o, calib::Meas
   return held;
 }
 
-Result<void> write_rig(const Options& o, const calib::CalibFolder& folder, const calib::Solution& solution) {
+Result<void> write_rig(const Options& o, const calib::CalibFolder& folder, const calib::MeasuredFolder& measured,
+                       const calib::Solution& solution) {
   calib::SolvedRig solved{.camera = solution.state.camera,
                           .projector = solution.state.projector,
                           .T_proj_cam = solution.state.T_proj_cam,
                           .parameter_names = {},
                           .covariance = solution.result.covariance,
                           .calibrated_at = calib::capture_time_utc(o.folder),
+                          .response = measured.response,
                           .rms_camera_px = solution.result.rms_camera_px,
                           .rms_projector_px = solution.result.rms_projector_px,
                           .poses = static_cast<int>(solution.poses.size())};
@@ -197,7 +199,7 @@ Result<int> run_solve(const Options& o) {
   ENAMEL_TRY_ASSIGN(auto planes,
                     check_planes(folder, held_out.empty() ? solution->poses : held_out, solution->state, measured));
   const auto judgement = calib::judge(*solution, std::move(planes), !held_out.empty(), range_of(folder.nominal));
-  if (judgement.is_accepted) ENAMEL_TRY(write_rig(o, folder, *solution));
+  if (judgement.is_accepted) ENAMEL_TRY(write_rig(o, folder, measured, *solution));
   Json json = verdict_json(*solution, judgement);
   json["seconds"] = seconds();
   show(json, o.json);

@@ -117,6 +117,27 @@ TEST_F(Calibrate, five_poses_are_accepted_and_one_without_a_fringe_image_is_name
   EXPECT_TRUE(calib::is_rig_intact(text));
 }
 
+/// Pictures of eight grey levels of a projector with an exponent.
+void write_response(const std::string& folder, double gamma) {
+  fs::create_directories(folder + "/response");
+  for (int level = 0; level <= 255; level += 51)
+    write_png(folder + "/response/grey_" + std::to_string(level) + ".png",
+              Map<float>(640, 480, static_cast<float>(std::round(4 + 200 * std::pow(level / 255.0, gamma)))));
+}
+
+TEST_F(Calibrate, projector_that_is_not_linear_is_refused_before_anything_is_solved) {
+  const std::string folder = copy();
+  write_response(folder, 2.0);
+  const auto bent = solve(folder);
+  EXPECT_EQ(bent.code, 6);
+  EXPECT_THAT(bent.err, testing::HasSubstr("off a straight line by 24 % of full scale, limit 5 %"));
+  EXPECT_FALSE(fs::exists(rig()));
+  write_response(folder, 1.08);
+  const auto straight = solve(folder);
+  EXPECT_EQ(straight.code, 0) << straight.err;
+  EXPECT_THAT(read_file(rig()).value(), testing::HasSubstr("\"emission\""));
+}
+
 TEST_F(Calibrate, metres_for_millimetres_are_refused) {
   const std::string folder = copy();
   edit(folder + "/target.json", R"("pitch_mm": 1.8, "radius_mm": 0.33)", R"("pitch_mm": 0.0018, "radius_mm": 0.00033)");
