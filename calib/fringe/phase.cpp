@@ -30,10 +30,12 @@ Result<CoordinateMap> decode_coordinate(std::span<const FringeLevel> levels, int
   if (levels.empty() || levels.front().cycles != 1)
     return fail(ErrorCode::kCalibrationFolder, "the fringes must begin with one period across the projector");
   const int width = levels.front().frames[0].width(), height = levels.front().frames[0].height();
-  for (const FringeLevel& level : levels)
-    for (const auto& frame : level.frames)
+  for (const FringeLevel& level : levels) {
+    for (const auto& frame : level.frames) {
       if (frame.width() != width || frame.height() != height)
         return fail(ErrorCode::kCalibrationFolder, "the fringe frames differ in size");
+    }
+  }
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   CoordinateMap out{Map<float>(width, height, kNone), Map<float>(width, height, kNone)};
   for (std::size_t i = 0; i < out.value_px.size(); ++i) {

@@ -49,9 +49,10 @@ int averaged_frames(const Rig& rig) {
 Result<Map<float>> load_sized(const CalibFolder& folder, const std::string& path) {
   ENAMEL_TRY_ASSIGN(Map<float> image, load_grey(path));
   const LensValues& camera = folder.nominal.camera;
-  if (image.width() != camera.width || image.height() != camera.height)
+  if (image.width() != camera.width || image.height() != camera.height) {
     return fail(ErrorCode::kImageInvalid, fmt::format("{}: {} x {} px, rig.json says {} x {}", path, image.width(),
                                                       image.height(), camera.width, camera.height));
+  }
   return image;
 }
 
@@ -103,7 +104,8 @@ Result<CalibFolder> open_calib_folder(const std::string& path) {
   if (folder.poses.empty()) return fail(ErrorCode::kCalibrationFolder, path + "/poses holds no pose");
   // A pose that lacks a frequency shall be told as such: the set is what most poses have, here the largest.
   for (const std::string& pose : folder.poses) {
-    const auto u = cycles_in(path + "/poses/" + pose, 'v'), v = cycles_in(path + "/poses/" + pose, 'h');
+    const fs::path images = fs::path(path) / "poses" / pose;
+    const auto u = cycles_in(images, 'v'), v = cycles_in(images, 'h');
     if (u.size() > folder.cycles_u.size()) folder.cycles_u = u;
     if (v.size() > folder.cycles_v.size()) folder.cycles_v = v;
   }

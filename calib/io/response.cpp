@@ -36,14 +36,16 @@ Result<std::optional<ProjectorResponse>> read_response(const std::string& folder
     mean[level] = middle_mean(image);
   }
   if (mean.empty()) return std::nullopt;
-  if (mean.size() < kMinLevels)
+  if (mean.size() < kMinLevels) {
     return fail(ErrorCode::kCalibrationFolder, fmt::format("{}/response holds {} grey levels, at least {} are needed",
                                                            folder, mean.size(), kMinLevels));
+  }
   const auto [first_level, first] = *mean.begin();
   const auto [last_level, last] = *mean.rbegin();
-  if (!(last < kSaturatedLevel * saturation_dn))
+  if (!(last < kSaturatedLevel * saturation_dn)) {
     return fail(ErrorCode::kCalibrationFolder,
                 folder + "/response: the brightest level is saturated; lower the exposure");
+  }
   if (!(last - first > 1))
     return fail(ErrorCode::kCalibrationFolder, folder + "/response: the levels do not differ; was the projector on?");
   ProjectorResponse response;

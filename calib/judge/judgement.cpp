@@ -45,9 +45,10 @@ Judgement judge(const Solution& solution, std::vector<PlaneCheck> planes, bool a
   reasons.limit("expected error over the volume (95 %)", j.predicted.shape_p95_um, limits.p95_um, "um", more);
   if (!solution.is_shape_solved)
     reasons.limit("expected scale error", j.predicted.scale_ppm, limits.scale_ppm, "ppm", more);
-  if (!j.planes.empty())
+  if (!j.planes.empty()) {
     reasons.limit("planes are seen with an rms of", j.plane_rms_um, limits.plane_rms_um, "um",
                   "more light or averaging; keep the target clean");
+  }
   for (const DepthShape& s : j.shapes) {
     const auto bow = [&](const char* what, double PlaneShape::*part) {
       const double beyond = std::max(0.0, std::abs(s.shape.*part) - 2 * (s.sigma.*part));

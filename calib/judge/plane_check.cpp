@@ -76,11 +76,12 @@ std::vector<GroundPoint> ground_points(const CoordinateMap& u, const Ground& gro
       const double cu = u0 + 0.5 * (kBlock_px - 1), cv = v0 + 0.5 * (kBlock_px - 1);
       if (!ground.contains(cu, cv)) continue;
       double sum = 0;
-      for (int y = v0; y < v0 + kBlock_px; ++y)
+      for (int y = v0; y < v0 + kBlock_px; ++y) {
         for (int x = u0; x < u0 + kBlock_px; ++x) {
           const double value = static_cast<double>(u.value_px(x, y));
           sum += value - ripple.at(0, value);
         }
+      }
       const double mean = sum / (kBlock_px * kBlock_px);
       if (!std::isfinite(mean)) continue;
       points.push_back({triangulate(rig, camera_ray(rig.camera, cu, cv), mean, start_mm),
@@ -124,6 +125,7 @@ void drop_gross(std::vector<Vec3d>& points) {
   const Flat flat = best_plane(points);
   const auto height = [&](const Vec3d& p) { return std::abs(flat.axes.col(2).dot(p - flat.middle)); };
   std::vector<double> heights;
+  heights.reserve(points.size());
   for (const Vec3d& p : points) heights.push_back(height(p));
   std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2), heights.end());
   const double limit = kGrossSigmas * heights[heights.size() / 2] / 0.6745;
@@ -138,9 +140,10 @@ Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, c
   ENAMEL_TRY_ASSIGN(const CoordinateMap u, decode_coordinate(frames.along_u, rig.projector.width, image_noise));
   std::vector<Vec3d> points = flattened(ground_points(u, Ground(dots, target, clearance_mm), rig, ripple));
   if (points.size() >= kMinPoints) drop_gross(points);
-  if (points.size() < kMinPoints)
+  if (points.size() < kMinPoints) {
     return fail(ErrorCode::kCalibrationPoses,
                 fmt::format("pose {}: {} usable places on the ground between the dots", frames.name, points.size()));
+  }
   const Flat flat = best_plane(points);
   Eigen::Matrix<double, 6, 6> h = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();

@@ -80,7 +80,7 @@ PlaneShape plane_shape(const RigState& solved, const RigState& reference, const 
 double quantile_of(std::vector<double> values, double quantile) {
   for (double& v : values) v = std::abs(v);
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(quantile * static_cast<double>(values.size() - 1) + 0.5)];
+  return values[static_cast<std::size_t>(std::lround(quantile * static_cast<double>(values.size() - 1)))];
 }
 
 RigState moved(RigState s, const Eigen::VectorXd& d) {
@@ -112,6 +112,8 @@ VolumeDifference compare_rigs(const RigState& solved, const RigState& reference,
   const Pose motion = rigid(pairs, scale);
   out.scale_ppm = 1e6 * (scale - 1);
   std::vector<double> off, shape;
+  off.reserve(pairs.solved.size());
+  shape.reserve(pairs.solved.size());
   double squares = 0;
   Vec3d middle_mm = Vec3d::Zero();
   for (const Vec3d& p : pairs.reference) middle_mm += p / static_cast<double>(pairs.reference.size());
@@ -140,6 +142,7 @@ VolumeDifference predict_difference(const RigState& state, const Eigen::MatrixXd
   const Eigen::MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
   Rng rng(1, 0, 1);
   std::vector<VolumeDifference> all;
+  all.reserve(static_cast<std::size_t>(draws));
   for (int k = 0; k < draws; ++k) {
     Eigen::VectorXd z(covariance.rows());
     for (double& value : z) value = rng.normal();
@@ -147,6 +150,7 @@ VolumeDifference predict_difference(const RigState& state, const Eigen::MatrixXd
   }
   const auto middle_of = [&](auto value) {
     std::vector<double> values;
+    values.reserve(all.size());
     for (const auto& d : all) values.push_back(value(d));
     return quantile_of(std::move(values), quantile);
   };
@@ -168,9 +172,10 @@ RigState state_of(const Rig& rig) {
   RigState s;
   s.camera = rig.camera;
   s.projector = rig.projector;
-  for (int r = 0; r < 3; ++r)
+  for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 4; ++c)
       s.T_proj_cam.matrix()(r, c) = rig.T_proj_cam[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
+  }
   return s;
 }
 

@@ -34,9 +34,10 @@ struct DotCost {
     const std::array<T, 2> d{T(camera_px.x()) - c[0], T(camera_px.y()) - c[1]};
     residual[0] = camera_whitener(0, 0) * d[0] + camera_whitener(0, 1) * d[1];
     residual[1] = camera_whitener(1, 0) * d[0] + camera_whitener(1, 1) * d[1];
-    for (int k = 0; k < 2; ++k)
+    for (int k = 0; k < 2; ++k) {
       residual[2 + k] = projector_weight[k] * (projector_px[k] - jacobian(k, 0) * d[0] - jacobian(k, 1) * d[1] -
                                                q[static_cast<std::size_t>(k)]);
+    }
     return true;
   }
 };
@@ -167,9 +168,10 @@ Eigen::MatrixXd rig_covariance(ceres::Problem& problem, const Blocks& b) {
   constexpr std::array<Eigen::Index, kRigParameters> kKeep{0,  1,  2,  3,  4,  5,  6,  7,  9,  10, 11,
                                                            12, 13, 14, 15, 16, 18, 19, 20, 21, 22, 23};
   Eigen::MatrixXd out(kRigParameters, kRigParameters);
-  for (Eigen::Index r = 0; r < kRigParameters; ++r)
+  for (Eigen::Index r = 0; r < kRigParameters; ++r) {
     for (Eigen::Index c = 0; c < kRigParameters; ++c)
       out(r, c) = full(kKeep[static_cast<std::size_t>(r)], kKeep[static_cast<std::size_t>(c)]);
+  }
   return out;
 }
 

@@ -35,9 +35,10 @@ struct LitImage {
 
 LitImage lit_image(const PoseFrames& f, const PixelNoise& noise) {
   std::vector<const Map<float>*> frames{&f.white};
-  for (const auto* levels : {&f.along_u, &f.along_v})
+  for (const auto* levels : {&f.along_u, &f.along_v}) {
     for (const FringeLevel& level : *levels)
       for (const auto& frame : level.frames) frames.push_back(&frame);
+  }
   const int n = static_cast<int>(frames.size());
   // One number: the black frame pixel by pixel would bring more noise than all lit frames have, and what light it shows
   // has the same contours.
@@ -76,16 +77,18 @@ std::optional<DiscFit> fit_dot(const LitImage& lit, const DotGrid& grid, const G
 }
 
 Result<void> check_sharp(const PoseView& pose, std::size_t fitted, const TargetDesign& target) {
-  if (pose.blur_px > kMaxBlur_px)
+  if (pose.blur_px > kMaxBlur_px) {
     return fail(
         ErrorCode::kCalibrationPoses,
         fmt::format("blurred: edges of {:.2f} px sigma, limit {:.1f}; hold still and stay inside the depth range",
                     pose.blur_px, kMaxBlur_px));
-  if (static_cast<double>(fitted) < kMinUsable * target.size())
+  }
+  if (static_cast<double>(fitted) < kMinUsable * target.size()) {
     return fail(ErrorCode::kCalibrationPoses,
                 fmt::format("{} of {} dots can be measured in both images; show the whole target to camera and "
                             "projector",
                             fitted, target.size()));
+  }
   return {};
 }
 
@@ -96,10 +99,11 @@ Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& targ
   const LitImage lit = lit_image(frames, image_noise);
   ENAMEL_TRY_ASSIGN(const DotGrid grid, find_dot_grid(lit.image, target));
   const double saturated = saturated_share(frames.white, grid, saturation_dn);
-  if (target.is_white_on_dark && saturated > kMaxSaturated)
+  if (target.is_white_on_dark && saturated > kMaxSaturated) {
     return fail(
         ErrorCode::kCalibrationPoses,
         fmt::format("saturated: {:.0f} % of the dots' pixels are at full scale; lower the exposure", 100 * saturated));
+  }
   ENAMEL_TRY_ASSIGN(const auto u, decode_coordinate(frames.along_u, projector_size_px[0], image_noise));
   ENAMEL_TRY_ASSIGN(const auto v, decode_coordinate(frames.along_v, projector_size_px[1], image_noise));
   PoseView pose{.name = frames.name, .dots = {}, .blur_px = 0};

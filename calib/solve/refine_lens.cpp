@@ -48,11 +48,13 @@ void refine_stepwise(const std::vector<PlaneView>& views, LensStart& start) {
   const std::vector<std::vector<int>> steps{{2, 3, 4, 5, 6, 7, 8}, {2, 3, 5, 6, 7, 8}, {2, 3, 6, 7, 8}, {2, 3, 8}, {8}};
   for (const auto& fixed : steps) {
     ceres::Problem problem;
-    for (std::size_t j = 0; j < views.size(); ++j)
-      for (std::size_t i = 0; i < views[j].target_mm.size(); ++i)
+    for (std::size_t j = 0; j < views.size(); ++j) {
+      for (std::size_t i = 0; i < views[j].target_mm.size(); ++i) {
         problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PointResidual, 2, 9, 6>(
                                      new PointResidual{views[j].target_mm[i], views[j].image_px[i]}),
                                  new ceres::HuberLoss(kHuber_px), lens.data(), motions[j].data());
+      }
+    }
     problem.SetManifold(lens.data(), new ceres::SubsetManifold(9, fixed));
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_SCHUR;

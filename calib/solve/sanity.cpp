@@ -45,36 +45,41 @@ double nominal_determinant(const Rig& rig, double z_mm) {
 }  // namespace
 
 Result<void> check_views(const std::vector<PoseView>& views, const TargetDesign& target, const Rig& nominal) {
-  if (views.size() < kMinPoses)
+  if (views.size() < kMinPoses) {
     return fail(ErrorCode::kCalibrationPoses,
                 fmt::format("{} usable poses, at least {} are needed", views.size(), kMinPoses));
+  }
   const DepthRange range = nominal.depth_range.value_or(DepthRange{0, 0});
   std::size_t mirrored = 0;
   for (const PoseView& view : views) {
     const double depth = implied_depth_mm(view, target, nominal.camera);
-    if (nominal.depth_range && depth > 0 && (depth > kDepthSlack * range.far_mm || depth < range.near_mm / kDepthSlack))
+    if (nominal.depth_range && depth > 0 &&
+        (depth > kDepthSlack * range.far_mm || depth < range.near_mm / kDepthSlack)) {
       return fail(ErrorCode::kCalibrationUnits,
                   fmt::format("pitch_mm {} puts the target of pose {} at {:.3g} mm, the rig measures from {} to {} mm",
                               target.pitch_mm, view.name, depth, range.near_mm, range.far_mm));
+    }
     const double mid = nominal.depth_range ? 0.5 * (range.near_mm + range.far_mm) : depth;
     std::size_t against = 0;
     for (const DotView& dot : view.dots)
       against += dot.map.jacobian.determinant() * nominal_determinant(nominal, mid) < 0 ? 1U : 0U;
     mirrored += 2 * against > view.dots.size() ? 1U : 0U;
   }
-  if (2 * mirrored > views.size())
+  if (2 * mirrored > views.size()) {
     return fail(ErrorCode::kTargetMirrored,
                 fmt::format("in {} of {} poses the projector's u falls as the camera's rises", mirrored, views.size()));
+  }
   return {};
 }
 
 Result<void> check_tilts(const std::vector<Pose>& poses) {
   double widest = 0;
-  for (const Pose& p : poses)
+  for (const Pose& p : poses) {
     for (const Pose& q : poses) {
       const double cosine = std::clamp(p.linear().col(2).dot(q.linear().col(2)), -1.0, 1.0);
       widest = std::max(widest, std::acos(cosine) * 180 / std::numbers::pi);
     }
+  }
   if (widest >= kMinTurn_deg) return {};
   return fail(
       ErrorCode::kCalibrationPoses,

@@ -149,10 +149,11 @@ class Solver {
       const auto at = static_cast<std::ptrdiff_t>(worst->pose);
       s_.poses.erase(s_.poses.begin() + at);
       s_.state.T_cam_target.erase(s_.state.T_cam_target.begin() + at);
-      if (s_.poses.size() < kMinPoses)
+      if (s_.poses.size() < kMinPoses) {
         return fail(ErrorCode::kCalibrationPoses,
                     fmt::format("{} usable poses are left; last rejected: {}, {}", s_.poses.size(),
                                 s_.rejected.back().pose, s_.rejected.back().reason));
+      }
       for (PoseView& pose : s_.poses)
         for (DotView& dot : pose.dots) dot.is_outlier = false;
       settle();

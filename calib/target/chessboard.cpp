@@ -33,9 +33,10 @@ Result<std::vector<BoardCorner>> find_chessboard(const Map<float>& image, const 
   grey.convertTo(bytes, CV_8U, high > low ? 255 / (high - low) : 1, high > low ? -255 * low / (high - low) : 0);
   std::vector<cv::Point2f> corners;
   const cv::Size size(target.cols, target.rows);
-  if (!cv::findChessboardCorners(bytes, size, corners))
+  if (!cv::findChessboardCorners(bytes, size, corners)) {
     return fail(ErrorCode::kTargetNotFound,
                 fmt::format("no chessboard of {} x {} inner corners in view", target.cols, target.rows));
+  }
   const int window =
       std::clamp(static_cast<int>(kWindowShare * smallest_distance(corners)), kMinWindow_px, kMaxWindow_px);
   cv::cornerSubPix(grey, corners, {window, window}, {-1, -1},

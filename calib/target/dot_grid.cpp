@@ -120,9 +120,10 @@ Result<Layout> choose_layout(const std::vector<LatticePoint>& lattice, const Ext
     }
   }
   if (best) return *best;
-  if (!target.marks.empty() && (e.across_a() == target.cols || e.across_b() == target.cols))
+  if (!target.marks.empty() && (e.across_a() == target.cols || e.across_b() == target.cols)) {
     return fail(ErrorCode::kTargetNotFound,
                 "a grid of the right size is in view but its rings are not where the key 'marks' of target.json says");
+  }
   const int few = std::min(e.across_a(), e.across_b()), many = std::max(e.across_a(), e.across_b());
   const bool wide = target.cols >= target.rows;
   return fail(ErrorCode::kTargetNotFound, fmt::format("a grid of {} x {} dots is in view, target.json says {} x {}",
@@ -133,9 +134,10 @@ Result<Layout> choose_layout(const std::vector<LatticePoint>& lattice, const Ext
 
 Result<DotGrid> find_dot_grid(const Map<float>& image, const TargetDesign& target) {
   const std::vector<Blob> blobs = find_blobs(image, target.is_white_on_dark);
-  if (static_cast<int>(blobs.size()) < kMinBlobs)
+  if (static_cast<int>(blobs.size()) < kMinBlobs) {
     return fail(ErrorCode::kTargetNotFound,
                 fmt::format("{} round dots in view, target.json says {} x {}", blobs.size(), target.cols, target.rows));
+  }
   std::vector<Vector2d> points;
   Vector2d middle(0, 0);
   for (const Blob& b : blobs) {
@@ -156,9 +158,10 @@ Result<DotGrid> find_dot_grid(const Map<float>& image, const TargetDesign& targe
     grid.dots.push_back({target.index(layout.place(p, extent)), blobs[static_cast<std::size_t>(p.point)].ellipse});
   std::sort(grid.dots.begin(), grid.dots.end(), [](const GridDot& p, const GridDot& q) { return p.index < q.index; });
   grid.spacing_px = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < grid.dots.size(); ++i)
+  for (std::size_t i = 0; i < grid.dots.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j)
       grid.spacing_px = std::min(grid.spacing_px, (grid.dots[i].blob.centre - grid.dots[j].blob.centre).norm());
+  }
   return grid;
 }
 

@@ -49,13 +49,14 @@ Json notes_json(const std::vector<calib::PoseNote>& notes) {
 
 Json planes_json(const std::vector<calib::PlaneCheck>& planes) {
   Json out = Json::array();
-  for (const auto& p : planes)
+  for (const auto& p : planes) {
     out.push_back({{"pose", p.pose},
                    {"points", p.points},
                    {"depth_mm", p.depth_mm},
                    {"rms_um", p.rms_um},
                    {"sag_um", p.shape.sag_um()},
                    {"twist_um", p.shape.twist_um}});
+  }
   return out;
 }
 
@@ -99,11 +100,12 @@ void print(const Json& json) {
               json["expected"]["scale_ppm"].get<double>());
   std::printf("planes, rms        %.2f um%s\n", json["plane_rms_um"].get<double>(),
               json["planes_held_out"].get<bool>() ? "" : " (took part in the solution)");
-  for (std::size_t k = 0; k < json["sag_um"].size(); ++k)
+  for (std::size_t k = 0; k < json["sag_um"].size(); ++k) {
     std::printf("at %5.1f mm        sag %6.3f +- %.3f um, twist %6.3f +- %.3f um over 16 mm\n",
                 json["depth_mm"][k].get<double>(), json["sag_um"][k].get<double>(),
                 json["sag_sigma_um"][k].get<double>(), json["twist_um"][k].get<double>(),
                 json["twist_sigma_um"][k].get<double>());
+  }
   std::printf("poses used         %d\n", json["poses_used"].get<int>());
   for (const auto& p : json["poses_rejected"])
     std::printf("pose %s left out: %s\n", p["pose"].get<std::string>().c_str(), p["reason"].get<std::string>().c_str());
@@ -184,7 +186,7 @@ Result<int> run_solve(const Options& o) {
   auto solution = calib::solve(measured.views, folder.target, folder.nominal, options);
   if (!solution) {
     for (const auto& note : measured.rejected) log::warn("calibrate", "pose {}: {}", note.pose, note.reason);
-    if (o.json)
+    if (o.json) {
       std::puts(Json{{"verdict", "refused"},
                      {"reasons", {solution.error().detail}},
                      {"poses_used", 0},
@@ -192,6 +194,7 @@ Result<int> run_solve(const Options& o) {
                      {"seconds", seconds()}}
                     .dump(1)
                     .c_str());
+    }
     return tl::unexpected<Error>(solution.error());
   }
   solution->rejected.insert(solution->rejected.begin(), measured.rejected.begin(), measured.rejected.end());
@@ -219,9 +222,10 @@ Result<int> run_check(const Options& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, load_intact(o.rig));
   ENAMEL_TRY_ASSIGN(const calib::CalibFolder folder, calib::open_calib_folder(o.folder));
-  if (!rig.serial.empty() && !folder.nominal.serial.empty() && rig.serial != folder.nominal.serial)
+  if (!rig.serial.empty() && !folder.nominal.serial.empty() && rig.serial != folder.nominal.serial) {
     return fail(ErrorCode::kRigForeign,
                 o.rig + " is of probe " + rig.serial + ", the pictures are of probe " + folder.nominal.serial);
+  }
   ENAMEL_TRY_ASSIGN(calib::MeasuredFolder measured, measure(folder, clock));
   const std::vector<calib::PoseView> views = o.hold_out.empty() ? measured.views : std::vector<calib::PoseView>{};
   ENAMEL_TRY_ASSIGN(const auto chosen, take_held_out(o, measured));
