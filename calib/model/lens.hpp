@@ -3,6 +3,7 @@
 // thread-safe.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "calib/model/rig.hpp"
@@ -13,13 +14,21 @@ struct PlanePoint {
   double x = 0, y = 0;
 };
 
+/// The distortion formula itself for any number type (double, an automatic derivative): coefficients k1 k2 p1 p2 k3,
+/// normalised ideal (x, y) -> normalised distorted {x, y}.
+template <class T>
+[[nodiscard]] std::array<T, 2> distorted(const T* coefficients, const T& x, const T& y) {
+  const T &k1 = coefficients[0], &k2 = coefficients[1], &p1 = coefficients[2], &p2 = coefficients[3],
+          &k3 = coefficients[4];
+  const T r2 = x * x + y * y;
+  const T g = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  return {x * g + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x), y * g + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
+}
+
 /// Normalised ideal -> normalised distorted.
 [[nodiscard]] inline PlanePoint distort(const LensValues& lens, PlanePoint p) noexcept {
-  const auto& [k1, k2, p1, p2, k3] = lens.dist;
-  const double r2 = p.x * p.x + p.y * p.y;
-  const double g = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  return {p.x * g + 2 * p1 * p.x * p.y + p2 * (r2 + 2 * p.x * p.x),
-          p.y * g + p1 * (r2 + 2 * p.y * p.y) + 2 * p2 * p.x * p.y};
+  const auto [x, y] = distorted(lens.dist.data(), p.x, p.y);
+  return {x, y};
 }
 
 /// Normalised ideal -> pixel.

@@ -13,6 +13,7 @@ namespace enamel::app {
 /// Runs a chosen subcommand. The value is the exit code of a run that ended without error (0, 1, 4 or 6).
 using Run = std::function<Result<int>()>;
 
+Run add_calibrate(CLI::App& app);
 Run add_capture(CLI::App& app);
 Run add_compare(CLI::App& app);
 Run add_config(CLI::App& app);

@@ -20,12 +20,13 @@ struct Command {
   enamel::app::Run (*add)(CLI::App&);
 };
 
-constexpr std::array<Command, 9> kCommands{{
+constexpr std::array<Command, 10> kCommands{{
     {"demo", "the whole system on this machine: twin, probe, DDS, live preview, mesh, accuracy", enamel::app::add_demo},
     {"scan", "live scan of a probe on the network", enamel::app::add_scan},
     {"replay", "reprocess a recording or exchange folder: same capture, same bits", enamel::app::add_replay},
     {"decode", "one burst, every intermediate map", enamel::app::add_decode},
     {"capture", "work on recordings: import export info verify cut diff", enamel::app::add_capture},
+    {"calibrate", "from pictures of a target to rig.json: solve", enamel::app::add_calibrate},
     {"compare", "deviation of a mesh from a reference", enamel::app::add_compare},
     {"export", "mesh of a session as STL, PLY or OBJ", enamel::app::add_export},
     {"config", "the resolved configuration with every key explained", enamel::app::add_config},

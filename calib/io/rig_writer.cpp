@@ -1,0 +1,94 @@
+#include "calib/io/rig_writer.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "protocol/base/sha256.hpp"
+
+namespace enamel::calib {
+namespace {
+
+// Keeps the keys in the order they were written in, so that the nominal file and the solved one can be laid side by
+// side.
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchema = 1;
+constexpr int kIndent = 1;
+
+Json lens_json(const LensValues& l) {
+  return {{"width", l.width}, {"height", l.height}, {"fx", l.fx},    {"fy", l.fy},
+          {"cx", l.cx},       {"cy", l.cy},         {"dist", l.dist}};
+}
+
+Json matrix_json(const Eigen::MatrixXd& m) {
+  Json rows = Json::array();
+  for (Eigen::Index r = 0; r < m.rows(); ++r) {
+    Json row = Json::array();
+    for (Eigen::Index c = 0; c < m.cols(); ++c) row.push_back(m(r, c));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+std::string hash_of(Json json) {
+  json["sha256"] = "";
+  const std::string text = json.dump(kIndent) + "\n";
+  return sha256_hex(std::as_bytes(std::span<const char>(text)));
+}
+
+}  // namespace
+
+Result<std::string> solved_rig_text(const Rig& nominal, const SolvedRig& solved) {
+  Json json = Json::parse(nominal.text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return fail(ErrorCode::kRigInvalid, "the nominal rig is no JSON object");
+  json.erase("nominal");
+  json["format"] = "rig/1";
+  json["schema"] = kSchema;
+  json["units"] = "mm";
+  json["camera"] = lens_json(solved.camera);
+  json["projector"] = lens_json(solved.projector);
+  json["T_proj_cam"] = matrix_json(solved.T_proj_cam.matrix());
+  if (!json.contains("serial")) json["serial"] = nominal.serial;
+  json["calibrated_at"] = solved.calibrated_at;
+  json["covariance"] = {{"parameters", solved.parameter_names}, {"matrix", matrix_json(solved.covariance)}};
+  json["residuals"] = {
+      {"rms_camera_px", solved.rms_camera_px}, {"rms_projector_px", solved.rms_projector_px}, {"poses", solved.poses}};
+  if (solved.response) {
+    json["response"] = {{"level", solved.response->level},
+                        {"emission", solved.response->emission},
+                        {"residual", solved.response->residual}};
+  }
+  json["sha256"] = hash_of(json);
+  std::string text = json.dump(kIndent) + "\n";
+  ENAMEL_TRY(parse_rig(text));
+  return text;
+}
+
+bool is_rig_intact(const std::string& text) {
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return false;
+  if (!json.contains("sha256")) return true;
+  return json["sha256"].is_string() && json["sha256"].get<std::string>() == hash_of(json);
+}
+
+std::string capture_time_utc(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  fs::file_time_type newest = fs::file_time_type::min();
+  for (const auto& entry : fs::recursive_directory_iterator(folder + "/poses", ignored))
+    if (entry.is_regular_file(ignored)) newest = std::max(newest, entry.last_write_time(ignored));
+  if (newest == fs::file_time_type::min()) return {};
+  const auto utc = std::chrono::file_clock::to_sys(newest);
+  const std::time_t seconds = std::chrono::duration_cast<std::chrono::seconds>(utc.time_since_epoch()).count();
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  char text[32];
+  const std::size_t n = std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return {text, n};
+}
+
+}  // namespace enamel::calib

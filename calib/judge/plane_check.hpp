@@ -1,0 +1,37 @@
+// A board as a flat: how flat the rig sees the ground between its dots.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calib/io/calib_folder.hpp"
+#include "calib/judge/volume.hpp"
+#include "calib/solve/observation.hpp"
+
+namespace enamel::calib {
+
+struct PlaneCheck {
+  std::string pose;
+  std::size_t points = 0;  ///< means over 5 x 5 pixels
+  double depth_mm = 0;     ///< of the points' middle
+  double rms_um = 0;       ///< distance to the best plane
+  PlaneShape shape;        ///< bow and twist over 16 mm in the plane's own axes, positive away from the camera
+  PlaneShape sigma;        ///< standard errors of the above, from the scatter of the points
+};
+
+/// Ground at least `clearance_mm` from any dot's edge, inside the outermost dots; the finest fringes along u, ripple
+/// removed, means over 5 x 5 pixels. The board's own shape, where `rig` carries dot offsets, is taken off. Errors:
+/// kCalibrationPoses when fewer than 100 such points remain.
+[[nodiscard]] Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, const TargetDesign& target,
+                                             const RigState& rig, const PixelNoise& image_noise, const Ripple& ripple,
+                                             double clearance_mm = 0.5);
+
+/// Bow and twist at a depth from planes around it: a straight line over depth through the planes' values, weighted by
+/// their standard errors, with a prior of 0.5 um on the slope. No planes: zeros.
+struct DepthShape {
+  double depth_mm = 0;
+  PlaneShape shape, sigma;
+};
+[[nodiscard]] std::array<DepthShape, 3> shapes_over_depth(const std::vector<PlaneCheck>& planes, DepthRange range);
+
+}  // namespace enamel::calib

@@ -1,0 +1,178 @@
+// `enamel calibrate` as a process, on a set of our own making: accepted, refused, named, never half-written.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "calib/io/rig_writer.hpp"
+#include "tests/support/calib_scene.hpp"
+#include "tests/support/run.hpp"
+
+namespace enamel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPoses = 5;
+
+void write_png(const std::string& path, const Map<float>& image) {
+  cv::Mat out(image.height(), image.width(), CV_8U);
+  for (int v = 0; v < out.rows; ++v)
+    for (int u = 0; u < out.cols; ++u) out.at<unsigned char>(v, u) = static_cast<unsigned char>(image(u, v));
+  cv::imwrite(path, out);
+}
+
+void write_set(const std::string& folder) {
+  const auto scene = test::make_calib_scene(11, kPoses);
+  Rng rng(11, 3, 1);
+  for (std::size_t j = 0; j < kPoses; ++j) {
+    const auto frames = test::render_pose(scene, j, {}, rng);
+    const std::string pose = folder + "/poses/0" + std::to_string(j) + "/";
+    fs::create_directories(pose);
+    write_png(pose + "white.png", frames.white);
+    write_png(pose + "black.png", frames.black);
+    for (const bool is_v : {false, true})
+      for (const auto& level : is_v ? frames.along_v : frames.along_u)
+        for (std::size_t k = 0; k < 4; ++k)
+          write_png(pose + (is_v ? "h_" : "v_") + std::to_string(level.cycles) + "_" + std::to_string(k) + ".png",
+                    level.frames[k]);
+  }
+  const auto lens = [](const calib::LensValues& l) {
+    return nlohmann::json{{"width", l.width}, {"height", l.height}, {"fx", l.fx},    {"fy", l.fy},
+                          {"cx", l.cx},       {"cy", l.cy},         {"dist", l.dist}};
+  };
+  const nlohmann::json rig{{"format", "rig/1"},
+                           {"units", "mm"},
+                           {"nominal", true},
+                           {"serial", "EN-11"},
+                           {"camera", lens(scene.nominal.camera)},
+                           {"projector", lens(scene.nominal.projector)},
+                           {"T_proj_cam", scene.nominal.T_proj_cam},
+                           {"depth_range_mm", {40, 56}},
+                           {"patterns", {{"mode", "multi"}, {"steps", 4}, {"cycles", {1, 4, 16, 64}}}},
+                           {"noise",
+                            {{"full_well_e", 10000},
+                             {"read_noise_e", 5},
+                             {"bits", 8},
+                             {"gain_e_per_dn", 39.84},
+                             {"black_dn", 4},
+                             {"averaged_frames", 16}}}};
+  ASSERT_TRUE(write_file(folder + "/rig.json", rig.dump()));
+  ASSERT_TRUE(write_file(folder + "/target.json",
+                         R"({"type": "circle_grid", "cols": 9, "rows": 7, "pitch_mm": 1.8, "radius_mm": 0.33})"));
+}
+
+class Calibrate : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    set_ = std::make_unique<test::TempFolder>();
+    write_set(set_->path().string());
+  }
+  static void TearDownTestSuite() { set_.reset(); }
+
+  /// A copy of the set for a test to spoil.
+  std::string copy() const {
+    fs::copy(set_->path(), own_.path() / "set", fs::copy_options::recursive);
+    return own_ / "set";
+  }
+  std::string rig() const { return own_ / "rig.json"; }
+  test::Ran solve(const std::string& folder) const {
+    return test::run({test::program("enamel"), "calibrate", "solve", folder, "--out", rig(), "--json"},
+                     std::chrono::seconds(300));
+  }
+  static void edit(const std::string& path, const std::string& from, const std::string& to) {
+    std::string text = read_file(path).value();
+    ASSERT_NE(text.find(from), std::string::npos);
+    ASSERT_TRUE(write_file(path, text.replace(text.find(from), from.size(), to)));
+  }
+  void expect_refused(const test::Ran& ran, const std::string& says) const {
+    EXPECT_EQ(ran.code, 2) << ran.err;
+    EXPECT_THAT(ran.err, testing::HasSubstr(says));
+    EXPECT_THAT(ran.err, testing::HasSubstr("what to do"));
+    EXPECT_FALSE(fs::exists(rig()));
+  }
+
+  static std::unique_ptr<test::TempFolder> set_;
+  test::TempFolder own_;
+};
+std::unique_ptr<test::TempFolder> Calibrate::set_;
+
+TEST_F(Calibrate, five_poses_are_accepted_and_one_without_a_fringe_image_is_named) {
+  const std::string folder = copy();
+  fs::remove(folder + "/poses/02/v_16_3.png");
+  const auto ran = solve(folder);
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const auto json = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(json["verdict"], "accepted");
+  EXPECT_EQ(json["poses_used"], kPoses - 1);
+  ASSERT_EQ(json["poses_rejected"].size(), 1U);
+  EXPECT_EQ(json["poses_rejected"][0]["pose"], "02");
+  EXPECT_THAT(json["poses_rejected"][0]["reason"].get<std::string>(), testing::HasSubstr("v_16_3.png is missing"));
+  EXPECT_EQ(json["sag_um"].size(), 3U);
+  EXPECT_EQ(json["twist_um"].size(), 3U);
+  const std::string text = read_file(rig()).value();
+  EXPECT_TRUE(calib::parse_rig(text));
+  EXPECT_TRUE(calib::is_rig_intact(text));
+}
+
+/// Pictures of eight grey levels of a projector with an exponent.
+void write_response(const std::string& folder, double gamma) {
+  fs::create_directories(folder + "/response");
+  for (int level = 0; level <= 255; level += 51)
+    write_png(folder + "/response/grey_" + std::to_string(level) + ".png",
+              Map<float>(640, 480, static_cast<float>(std::round(4 + 200 * std::pow(level / 255.0, gamma)))));
+}
+
+TEST_F(Calibrate, projector_that_is_not_linear_is_refused_before_anything_is_solved) {
+  const std::string folder = copy();
+  write_response(folder, 2.0);
+  const auto bent = solve(folder);
+  EXPECT_EQ(bent.code, 6);
+  EXPECT_THAT(bent.err, testing::HasSubstr("off a straight line by 24 % of full scale, limit 5 %"));
+  EXPECT_FALSE(fs::exists(rig()));
+  write_response(folder, 1.08);
+  const auto straight = solve(folder);
+  EXPECT_EQ(straight.code, 0) << straight.err;
+  EXPECT_THAT(read_file(rig()).value(), testing::HasSubstr("\"emission\""));
+}
+
+TEST_F(Calibrate, metres_for_millimetres_are_refused) {
+  const std::string folder = copy();
+  edit(folder + "/target.json", R"("pitch_mm": 1.8, "radius_mm": 0.33)", R"("pitch_mm": 0.0018, "radius_mm": 0.00033)");
+  expect_refused(solve(folder), "pitch_mm 0.0018 puts the target");
+}
+
+TEST_F(Calibrate, another_target_is_refused_with_both_sizes) {
+  const std::string folder = copy();
+  edit(folder + "/target.json", R"("cols": 9)", R"("cols": 11)");
+  expect_refused(solve(folder), "a grid of 9 x 7 dots is in view, target.json says 11 x 7");
+}
+
+TEST_F(Calibrate, an_older_rig_stays_when_the_new_one_is_refused) {
+  const std::string folder = copy();
+  for (const char* pose : {"02", "03", "04"}) fs::remove_all(folder + "/poses/" + pose);
+  ASSERT_TRUE(write_file(rig(), "older"));
+  const auto ran = solve(folder);
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_THAT(ran.err, testing::HasSubstr("2 usable poses"));
+  EXPECT_EQ(read_file(rig()).value(), "older");
+}
+
+TEST_F(Calibrate, rig_of_another_serial_or_changed_by_hand_is_refused_by_check) {
+  const std::string folder = copy();
+  ASSERT_EQ(solve(folder).code, 0);
+  const std::vector<std::string> check{test::program("enamel"), "calibrate", "check", folder, "--rig", rig()};
+  edit(folder + "/rig.json", "EN-11", "EN-12");
+  const auto foreign = test::run(check);
+  EXPECT_EQ(foreign.code, 2);
+  EXPECT_THAT(foreign.err, testing::AllOf(testing::HasSubstr("EN-11"), testing::HasSubstr("EN-12")));
+  edit(rig(), "\"width\": 640", "\"width\": 641");
+  const auto changed = test::run(check);
+  EXPECT_EQ(changed.code, 2);
+  EXPECT_THAT(changed.err, testing::HasSubstr("sha256"));
+}
+
+}  // namespace
+}  // namespace enamel
