@@ -30,7 +30,7 @@ inline constexpr float kPlasterMinAmplitude_dn = 20;
 
 struct PlasterFigures {
   FoldedError raw;       ///< four frames, nothing corrected, against the raw twelve-step phase
-  FoldedError fourth;    ///< one term a1 sin 4phi (what the decoder does today), against the same
+  FoldedError fourth;    ///< one term a1 sin 4phi, against the same
   FoldedError levelled;  ///< four terms of cos and sin 4m phi, against the same
   FoldedError full;      ///< and frame errors, against the reference with its frame errors removed
   FoldedError full_raw;  ///< the same against the raw twelve-step phase, which has frame errors of its own
