@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 
 #include "pipeline/algo/icp/normal_system.hpp"
+#include "pipeline/algo/track/seconds.hpp"
 
 namespace enamel::algo {
 namespace {
@@ -38,8 +39,6 @@ class LocalMotion {
   Eigen::Matrix<double, kMost, kMost> rows_;
   Eigen::Matrix<double, kMost, 6> values_;
 };
-
-double seconds(DeviceTime from, DeviceTime to) { return 1e-9 * static_cast<double>((to - from).count()); }
 
 /// A burst's velocity as turn and shift about `centre`, in the model's axes.
 Vector6 velocity_about(const MeasuredPose& p, const Vec3d& centre) {

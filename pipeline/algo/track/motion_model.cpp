@@ -3,14 +3,9 @@
 #include <algorithm>
 
 #include "pipeline/algo/icp/normal_system.hpp"
+#include "pipeline/algo/track/seconds.hpp"
 
 namespace enamel::algo {
-namespace {
-
-double seconds(DeviceTime from, DeviceTime to) { return 1e-9 * static_cast<double>((to - from).count()); }
-
-}  // namespace
-
 void MotionModel::add(DeviceTime t, const Pose& T_model_cam, const std::optional<ProbeTwist>& twist) {
   count_ = std::min(count_ + 1, states_.size());
   for (std::size_t i = count_ - 1; i > 0; --i) states_[i] = states_[i - 1];

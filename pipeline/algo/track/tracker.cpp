@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/algo/track/seconds.hpp"
+
 namespace enamel::algo {
 namespace {
-
-double seconds(DeviceTime from, DeviceTime to) { return 1e-9 * static_cast<double>((to - from).count()); }
 
 double middle_depth(const calib::Rig& rig, double fallback_mm) {
   return rig.depth_range ? 0.5 * (rig.depth_range->near_mm + rig.depth_range->far_mm) : fallback_mm;
@@ -55,11 +55,6 @@ Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
 
 TrackResult Tracker::track(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view,
                            const std::optional<ProbeTwist>& twist) {
-  twist_ = twist;
-  return place(burst, t_mid, patch, view);
-}
-
-TrackResult Tracker::place(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view) {
   const bool in_sequence = last_seen_ && t_mid > *last_seen_ && seconds(*last_seen_, t_mid) <= config_.max_gap_s;
   last_seen_ = t_mid;
   const PatchPyramid pyramid = make_pyramid(patch, config_.icp);
@@ -68,14 +63,15 @@ TrackResult Tracker::place(BurstId burst, DeviceTime t_mid, const SurfacePatch& 
   if (motion_.empty()) {
     IcpResult first;
     first.overlap = 1;
-    return accept(TrackState::kStarted, t_mid, patch, first);
+    return accept(TrackState::kStarted, t_mid, patch, first, twist);
   }
   if (in_sequence && seconds(motion_.last_time(), t_mid) <= config_.max_gap_s) {
-    if (const auto near = align_near(pyramid, view, t_mid)) return accept(TrackState::kTracking, t_mid, patch, *near);
+    if (const auto near = align_near(pyramid, view, t_mid))
+      return accept(TrackState::kTracking, t_mid, patch, *near, twist);
   }
   if (const auto found = find_again(burst, patch, pyramid, view)) {
     motion_.clear();
-    return accept(TrackState::kRelocalised, t_mid, patch, *found);
+    return accept(TrackState::kRelocalised, t_mid, patch, *found, twist);
   }
   return lost();
 }
@@ -132,8 +128,9 @@ bool Tracker::plausible(const Pose& T_model_cam, DeviceTime t) const {
          turn_deg <= config_.slack_deg + config_.max_turn_deg_s * dt;
 }
 
-TrackResult Tracker::accept(TrackState state, DeviceTime t, const SurfacePatch& patch, const IcpResult& icp) {
-  motion_.add(t, icp.T_model_cam, twist_);
+TrackResult Tracker::accept(TrackState state, DeviceTime t, const SurfacePatch& patch, const IcpResult& icp,
+                            const std::optional<ProbeTwist>& twist) {
+  motion_.add(t, icp.T_model_cam, twist);
   last_patch_ = view_from_patch(patch, icp.T_model_cam, lens_, config_.keyframes.view_stride);
   if (keyframes_.wants(icp.T_model_cam)) {
     keyframes_.add(patch, icp.T_model_cam, extract_features(patch, px_per_mm_, config_.features));

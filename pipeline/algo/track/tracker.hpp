@@ -58,8 +58,8 @@ class Tracker {
   [[nodiscard]] std::optional<IcpResult> find_again(BurstId burst, const SurfacePatch& patch,
                                                     const PatchPyramid& pyramid, const ModelView& view);
   [[nodiscard]] bool plausible(const Pose& T_model_cam, DeviceTime t) const;
-  [[nodiscard]] TrackResult place(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view);
-  [[nodiscard]] TrackResult accept(TrackState state, DeviceTime t, const SurfacePatch& patch, const IcpResult& icp);
+  [[nodiscard]] TrackResult accept(TrackState state, DeviceTime t, const SurfacePatch& patch, const IcpResult& icp,
+                                   const std::optional<ProbeTwist>& twist);
   [[nodiscard]] TrackResult lost() const;
 
   TrackerConfig config_;
@@ -70,7 +70,6 @@ class Tracker {
   MotionModel motion_;
   KeyframeStore keyframes_;
   std::optional<ModelView> last_patch_;  ///< of the last placed burst
-  std::optional<ProbeTwist> twist_;      ///< of the burst in hand
   std::optional<DeviceTime> last_seen_;  ///< of the last burst handed in
   std::uint64_t searches_ = 0;
 };

@@ -9,7 +9,8 @@ namespace enamel::algo {
 namespace {
 
 constexpr std::int32_t kBeyond = 2;  ///< orders beyond the depth range that a surface is followed
-constexpr Cost kImpossible = to_cost(60);
+constexpr float kImpossible_nats = 60;
+constexpr Cost kImpossible = to_cost(kImpossible_nats);
 constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
 
 class Solver {
@@ -53,7 +54,7 @@ class Solver {
     for (std::int32_t shift = first; shift <= last; ++shift) {
       const auto beyond = static_cast<float>(std::max({p.low - shift, shift - p.high, 0}));
       const float cost = nats[static_cast<std::size_t>(shift - first)] + config_.beyond_range_cost * beyond;
-      unary[static_cast<std::size_t>(shift - base)] = std::min(to_cost(cost), kImpossible);
+      unary[static_cast<std::size_t>(shift - base)] = to_cost(std::min(cost, kImpossible_nats));
     }
   }
 

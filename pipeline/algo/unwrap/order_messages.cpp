@@ -51,8 +51,7 @@ void pass_gap(const OrderCosts& in, const OrderCosts& own, const GapCosts& gap, 
 }
 
 void blend(const OrderCosts& before, const OrderCosts& own, float memory, Cost most, OrderCosts& out) noexcept {
-  // In 2^-16: products of two signed 16-bit numbers, of which the upper half is kept. Half of the weights, which would
-  // not fit otherwise, and twice the result.
+  // Weights in 2^-15, the result rounded down.
   const auto old_share = static_cast<std::int32_t>(memory * 32768), own_share = 32768 - old_share;
   const Cost low = least(before), own_low = least(own);
   OrderCosts sum;

@@ -8,7 +8,7 @@
 
 namespace enamel::algo {
 
-/// Negative log probability in steps of 1/64 nat.
+/// Negative log probability in steps of 1/64 nat; nats in [0, 500].
 using Cost = std::int16_t;
 [[nodiscard]] constexpr Cost to_cost(float nats) noexcept { return static_cast<Cost>(nats * 64 + 0.5F); }
 
