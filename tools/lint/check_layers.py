@@ -6,6 +6,7 @@ import sys
 from lint_common import CPP, ROOT, Finding, main
 
 BASE = ["protocol/base"]
+IMAGE = BASE + ["protocol/image"]
 PROTOCOL = BASE + ["protocol/types", "protocol/idl", "protocol/dds", "protocol/mcap", "protocol/capture"]
 FIRMWARE = ["firmware/hal", "firmware/sim", "firmware/acquire", "firmware/publish", "firmware/control"]
 HOST = ["host/ingest", "host/record", "host/report", "host/update", "host/session"]
@@ -19,12 +20,15 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "protocol/dds": (1, BASE + ["protocol/types", "protocol/idl"]),
     "protocol/mcap": (1, BASE + ["protocol/types"]),
     "protocol/capture": (1, BASE + ["protocol/types", "protocol/mcap", "calib/model"]),
+    "protocol/image": (1, BASE),
     "calib/model": (1, BASE),
     "pipeline/types": (2, BASE + ["calib/model"]),
     "pipeline/graph": (2, BASE),
     "pipeline/algo": (2, BASE + ["calib/model", "pipeline/types"]),
     "pipeline/stages": (3, BASE + ["protocol/types", "calib/model", "pipeline/graph"] + ALGO),
     **{m: (3, PROTOCOL + FIRMWARE + ["calib/model"]) for m in FIRMWARE},
+    "firmware/boot": (3, IMAGE + ["firmware/hal"]),
+    "firmware/update": (3, IMAGE + ["firmware/hal", "firmware/boot"]),
     "calib/target": (4, BASE + ["calib/model", "pipeline/types"]),
     "calib/fringe": (4, BASE + ["calib/model", "calib/target", "pipeline/types"]),
     "calib/io": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "pipeline/types"]),
@@ -36,7 +40,8 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "host/ingest": (4, PROTOCOL + ["pipeline/graph", "calib/model", "host/report"]),
     "host/record": (4, PROTOCOL + ["pipeline/graph", "calib/model", "host/report"]),
     "host/report": (4, BASE + ["protocol/types"]),
-    "host/update": (4, BASE),
+    "host/update": (4, IMAGE),
+    "tools/sign": (5, IMAGE),
     "host/session": (4, PROTOCOL + ["calib/model", "pipeline/graph", "pipeline/stages"] + ALGO + HOST),
     "host/app": (5, None),
     "firmware/app": (5, PROTOCOL + FIRMWARE + ["calib/model", "tools/twin"]),
