@@ -1,0 +1,68 @@
+#include "firmware/boot/transitions.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "firmware/boot/policy.hpp"
+
+namespace enamel::fw {
+
+image::Checked<ControlBlock> begin_writing(ControlBlock block, std::size_t running,
+                                           const Sha256Digest& manifest_sha) noexcept {
+  const SlotState state = block.slot[running].state;
+  if (state == SlotState::kTrial || state == SlotState::kPending) return image::refuse(image::Refusal::kNotConfirmed);
+  SlotRecord& other = block.slot[1 - running];
+  other = {};
+  other.state = SlotState::kWriting;
+  other.manifest_sha = manifest_sha;
+  return block;
+}
+
+ControlBlock mark_verified(ControlBlock block, std::size_t slot, const image::Manifest& manifest) noexcept {
+  SlotRecord& record = block.slot[slot];
+  record.state = SlotState::kVerified;
+  record.version = manifest.version;
+  record.security_counter = manifest.security_counter;
+  return block;
+}
+
+ControlBlock mark_pending(ControlBlock block, std::size_t slot) noexcept {
+  block.slot[slot].state = SlotState::kPending;
+  block.slot[slot].tries = kTrialBoots;
+  return block;
+}
+
+ControlBlock confirm(ControlBlock block, std::size_t running) noexcept {
+  block.slot[running].state = SlotState::kConfirmed;
+  block.slot[running].tries = 0;
+  block.active = static_cast<std::uint8_t>(running);
+  return block;
+}
+
+ControlBlock raise_counter(ControlBlock block, bool committed) noexcept {
+  std::uint32_t least = std::numeric_limits<std::uint32_t>::max();
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    const SlotRecord& slot = block.slot[i];
+    if (slot.state == SlotState::kConfirmed && (!committed || i == block.active)) {
+      least = std::min(least, slot.security_counter);
+    }
+  }
+  if (least != std::numeric_limits<std::uint32_t>::max()) {
+    block.min_security_counter = std::max(block.min_security_counter, least);
+  }
+  return block;
+}
+
+image::Checked<ControlBlock> roll_back(ControlBlock block, std::size_t running) noexcept {
+  if (block.slot[1 - running].state != SlotState::kConfirmed) return image::refuse(image::Refusal::kNotConfirmed);
+  block.active = static_cast<std::uint8_t>(1 - running);
+  SlotRecord& left = block.slot[running];
+  if (left.state == SlotState::kTrial || left.state == SlotState::kPending) {
+    // It would boot again before the active one.
+    left.state = SlotState::kBad;
+    left.reason = bad_reason::kRolledBack;
+  }
+  return block;
+}
+
+}  // namespace enamel::fw
