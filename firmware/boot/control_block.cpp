@@ -5,6 +5,7 @@
 
 #include "protocol/base/bytes.hpp"
 #include "protocol/base/crc32.hpp"
+#include "protocol/image/fixed_writer.hpp"
 
 namespace enamel::fw {
 namespace {
@@ -12,35 +13,14 @@ namespace {
 constexpr std::uint32_t kMagic = 0x42434245;  // "EBCB"
 constexpr std::size_t kCrcAt = kControlSize - 4;
 
-/// Fills a fixed array: ByteWriter would need the heap.
-class FixedWriter {
- public:
-  explicit FixedWriter(ControlBytes& out) noexcept : out_(&out) {}
-  template <WireScalar T>
-  void put(T value) noexcept {
-    put_bytes(std::as_bytes(std::span<const T>(&value, 1)));
-  }
-  void put_bytes(std::span<const std::byte> bytes) noexcept {
-    std::memcpy(out_->data() + at_, bytes.data(), bytes.size());
-    at_ += bytes.size();
-  }
-
- private:
-  ControlBytes* out_;
-  std::size_t at_ = 0;
-};
-
-void put_slot(FixedWriter& out, const SlotRecord& slot) noexcept {
+void put_slot(image::FixedWriter& out, const SlotRecord& slot) noexcept {
   out.put(static_cast<std::uint8_t>(slot.state));
   out.put(slot.tries);
   out.put(slot.reason);
   out.put(std::uint8_t{0});
-  out.put(slot.version.major);
-  out.put(slot.version.minor);
-  out.put(slot.version.revision);
-  out.put(slot.version.build);
+  image::put_version(out, slot.version);
   out.put(slot.security_counter);
-  out.put_bytes(std::as_bytes(std::span(slot.manifest_sha)));
+  out.put_array(slot.manifest_sha);
 }
 
 bool get_slot(ByteReader& in, SlotRecord& slot) noexcept {
@@ -49,10 +29,7 @@ bool get_slot(ByteReader& in, SlotRecord& slot) noexcept {
   slot.tries = in.get<std::uint8_t>();
   slot.reason = in.get<std::uint8_t>();
   const auto reserved = in.get<std::uint8_t>();
-  slot.version.major = in.get<std::uint8_t>();
-  slot.version.minor = in.get<std::uint8_t>();
-  slot.version.revision = in.get<std::uint16_t>();
-  slot.version.build = in.get<std::uint32_t>();
+  slot.version = image::read_version(in);
   slot.security_counter = in.get<std::uint32_t>();
   const std::span<const std::byte> sha = in.take(slot.manifest_sha.size());
   if (!in.ok() || reserved != 0 || state > static_cast<std::uint8_t>(SlotState::kBad)) return false;
@@ -66,7 +43,7 @@ bool newer(std::uint32_t a, std::uint32_t b) noexcept { return static_cast<std::
 
 ControlBytes encode(const ControlBlock& block) noexcept {
   ControlBytes bytes{};
-  FixedWriter out(bytes);
+  image::FixedWriter out(bytes);
   out.put(kMagic);
   out.put(block.seq);
   out.put(block.active);

@@ -16,7 +16,12 @@ std::uint64_t next_version() noexcept {
 
 void fill_noise(std::span<std::byte> bytes, std::uint64_t seed) {
   Rng rng(seed, 0, 0);
-  for (std::byte& b : bytes) b = static_cast<std::byte>(rng.next_u32() & 0xFFU);
+  while (!bytes.empty()) {
+    const std::uint64_t word = rng.next_u64();
+    const std::size_t n = std::min(bytes.size(), sizeof word);
+    std::memcpy(bytes.data(), &word, n);
+    bytes = bytes.subspan(n);
+  }
 }
 
 }  // namespace

@@ -16,13 +16,6 @@ void put_array(ByteWriter& out, const std::array<std::uint8_t, N>& bytes) {
   out.put_bytes(std::as_bytes(std::span(bytes)));
 }
 
-void put_version(ByteWriter& out, const ImageVersion& v) {
-  out.put(v.major);
-  out.put(v.minor);
-  out.put(v.revision);
-  out.put(v.build);
-}
-
 void put_tlv(ByteWriter& out, std::uint16_t type, std::span<const std::byte> value) {
   out.put(type);
   out.put(static_cast<std::uint16_t>(value.size()));

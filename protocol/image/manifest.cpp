@@ -29,15 +29,6 @@ bool is_dfuse(std::span<const std::byte> bytes) noexcept {
          std::memcmp(bytes.data(), kDfuSePrefix.data(), kDfuSePrefix.size()) == 0;
 }
 
-ImageVersion read_version(ByteReader& in) noexcept {
-  ImageVersion v;
-  v.major = in.get<std::uint8_t>();
-  v.minor = in.get<std::uint8_t>();
-  v.revision = in.get<std::uint16_t>();
-  v.build = in.get<std::uint32_t>();
-  return v;
-}
-
 /// Lengths and places that the header states, which must leave no room for bytes that nothing accounts for.
 struct Places {
   std::uint32_t tlv_len = 0;

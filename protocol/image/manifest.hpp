@@ -32,6 +32,24 @@ struct ImageVersion {
   friend auto operator<=>(const ImageVersion&, const ImageVersion&) = default;
 };
 
+[[nodiscard]] inline ImageVersion read_version(ByteReader& in) noexcept {
+  ImageVersion v;
+  v.major = in.get<std::uint8_t>();
+  v.minor = in.get<std::uint8_t>();
+  v.revision = in.get<std::uint16_t>();
+  v.build = in.get<std::uint32_t>();
+  return v;
+}
+
+/// `out`: ByteWriter or FixedWriter.
+template <class Writer>
+void put_version(Writer& out, const ImageVersion& v) {
+  out.put(v.major);
+  out.put(v.minor);
+  out.put(v.revision);
+  out.put(v.build);
+}
+
 using KeyId = std::array<std::uint8_t, 16>;
 using SignatureBytes = std::array<std::uint8_t, 64>;
 

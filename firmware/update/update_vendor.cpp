@@ -1,0 +1,108 @@
+// Vendor requests of UpdateDevice (docs/firmware-image.md §5).
+#include <algorithm>
+
+#include "firmware/boot/transitions.hpp"
+#include "firmware/update/update_device.hpp"
+
+namespace enamel::fw {
+namespace {
+
+using image::Checked;
+using image::Refusal;
+using image::refuse;
+using image::VendorRequest;
+
+constexpr std::uint8_t kVendorIn = 0xC1;
+
+}  // namespace
+
+ControlReply UpdateDevice::vendor(const SetupPacket& setup, std::span<const std::byte> data) noexcept {
+  const auto request = static_cast<VendorRequest>(setup.request);
+  const bool in = setup.request_type == kVendorIn;
+  if (in != (request == VendorRequest::kStatus)) return {true, {}};
+  if (in) {
+    upload_ = encode(status());
+    return {false, std::span<const std::byte>(upload_).first(std::min<std::size_t>(setup.length, upload_.size()))};
+  }
+  // Nothing of this in the middle of a transfer.
+  if (at_.state != DfuState::kIdle && at_.state != DfuState::kAppIdle) return {true, {}};
+  if (const Checked<void> done = act(request, setup.value, data); !done) {
+    last_error_ = static_cast<std::uint32_t>(done.error());
+    return {true, {}};
+  }
+  return {};
+}
+
+Checked<void> UpdateDevice::act(VendorRequest request, std::uint16_t value, std::span<const std::byte> data) noexcept {
+  switch (request) {
+    case VendorRequest::kReboot:
+      if (services_->scanning()) return refuse(Refusal::kBusyScanning);
+      services_->reboot(value == 1);
+      return {};
+    case VendorRequest::kConfirm:
+      return confirm_running(value == 1) ? Checked<void>{} : refuse(Refusal::kFlashWrite);
+    case VendorRequest::kRollback: {
+      const std::optional<ControlBlock> block = control_.load();
+      const Checked<ControlBlock> back = roll_back(block.value_or(ControlBlock{}), identity_.running_slot);
+      return back ? store(*back) : refuse(back.error());
+    }
+    case VendorRequest::kFactoryReset:
+      return factory_reset(data);
+    case VendorRequest::kSelfTest:
+      return services_->self_test() ? Checked<void>{} : refuse(Refusal::kSelfTest);
+    case VendorRequest::kAllowOlder:
+      allow_older_ = true;
+      return {};
+    case VendorRequest::kStatus:
+      break;
+  }
+  return refuse(Refusal::kMagic);
+}
+
+Checked<void> UpdateDevice::factory_reset(std::span<const std::byte> serial) noexcept {
+  const std::span<const std::byte> own = std::as_bytes(std::span(serial_));
+  if (!std::equal(serial.begin(), serial.end(), own.begin(), own.end())) return refuse(Refusal::kSerial);
+  if (regions_.config.erase(0) != FlashStatus::kOk) return refuse(Refusal::kFlashWrite);
+  return {};
+}
+
+Checked<void> UpdateDevice::store(const ControlBlock& block) noexcept {
+  return control_.store(block) ? Checked<void>{} : refuse(Refusal::kFlashWrite);
+}
+
+bool UpdateDevice::confirm_running(bool commit_counter) noexcept {
+  const std::optional<ControlBlock> block = control_.load();
+  if (!block) return false;
+  const ControlBlock confirmed = confirm(*block, identity_.running_slot);
+  if (confirmed != *block && !control_.store(confirmed)) return false;
+  return !commit_counter || control_.store(raise_counter(*control_.load(), true));
+}
+
+bool UpdateDevice::raise_counter_now() noexcept {
+  const std::optional<ControlBlock> block = control_.load();
+  if (!block) return false;
+  const ControlBlock raised = raise_counter(*block, false);
+  return raised == *block || control_.store(raised);
+}
+
+image::StatusBlock UpdateDevice::status() const noexcept {
+  const ControlBlock block = control_.load().value_or(ControlBlock{});
+  image::StatusBlock s;
+  s.active = block.active;
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    s.slot_state[i] = static_cast<std::uint8_t>(block.slot[i].state);
+    s.tries[i] = block.slot[i].tries;
+    s.version[i] = block.slot[i].version;
+  }
+  s.min_security_counter = block.min_security_counter;
+  s.chunks_done = receiver_->chunks_done();
+  s.chunks_total = receiver_->chunks_total();
+  s.manifest_sha = block.slot[block.active].manifest_sha;
+  s.serial = serial_;
+  s.hw_rev = identity_.hardware.hw_rev;
+  s.battery_mv = services_->battery_mv();
+  s.last_error = last_error_;
+  return s;
+}
+
+}  // namespace enamel::fw

@@ -1,0 +1,138 @@
+// Boot control block and boot decision, row by row.
+#include <gtest/gtest.h>
+
+#include "firmware/boot/policy.hpp"
+#include "firmware/boot/transitions.hpp"
+#include "firmware/sim/flash_model.hpp"
+#include "protocol/base/rng.hpp"
+
+namespace enamel::fw {
+namespace {
+
+using enum SlotState;
+
+class FixedJudge final : public SlotJudge {
+ public:
+  FixedJudge(bool a, bool b) : good_{a, b} {}
+  bool verifies(std::size_t slot) noexcept override {
+    ++asked[slot];
+    return good_[slot];
+  }
+  std::array<int, kSlots> asked{};
+
+ private:
+  std::array<bool, kSlots> good_;
+};
+
+ControlBlock block_of(SlotState a, SlotState b, std::uint8_t active = 0, std::uint8_t tries = kTrialBoots) {
+  ControlBlock block;
+  block.active = active;
+  block.slot[0].state = a;
+  block.slot[1].state = b;
+  for (SlotRecord& slot : block.slot) slot.tries = tries;
+  return block;
+}
+
+std::optional<std::size_t> boots(const ControlBlock& block, bool a_good = true, bool b_good = true) {
+  FixedJudge judge(a_good, b_good);
+  return decide(block, judge).slot;
+}
+
+constexpr std::optional<std::size_t> kA = 0, kB = 1, kRecovery = std::nullopt;
+
+TEST(BootDecision, InTheOrderOfTheSpecification) {
+  EXPECT_EQ(boots(block_of(kConfirmed, kPending)), kB);
+  EXPECT_EQ(boots(block_of(kConfirmed, kTrial)), kB);
+  EXPECT_EQ(boots(block_of(kConfirmed, kConfirmed, 1)), kB);
+  EXPECT_EQ(boots(block_of(kConfirmed, kEmpty, 1)), kA);
+  EXPECT_EQ(boots(block_of(kConfirmed, kVerified, 1)), kA);
+  EXPECT_EQ(boots(block_of(kBad, kVerified)), kB);
+  EXPECT_EQ(boots(block_of(kConfirmed, kWriting, 1)), kA);
+  EXPECT_EQ(boots(block_of(kWriting, kBad)), kRecovery);
+}
+
+TEST(BootDecision, NothingBootsThatDoesNotVerify) {
+  EXPECT_EQ(boots(block_of(kConfirmed, kPending), true, false), kA);
+  EXPECT_EQ(boots(block_of(kConfirmed, kConfirmed), false, true), kB);
+  EXPECT_EQ(boots(block_of(kConfirmed, kConfirmed), false, false), kRecovery);
+}
+
+TEST(BootDecision, ZeroTriesLeadToTheOtherSlotWhateverTheStates) {
+  for (const SlotState a : {kVerified, kConfirmed}) {
+    for (const SlotState b : {kEmpty, kWriting, kVerified, kPending, kTrial, kConfirmed, kBad}) {
+      for (const std::uint8_t active : {std::uint8_t{0}, std::uint8_t{1}}) {
+        EXPECT_NE(boots(block_of(a, b, active, 0), true, false), kRecovery);
+      }
+    }
+  }
+}
+
+TEST(BootDecision, TrialsArePaidForConfirmedSlotsNever) {
+  FixedJudge judge(true, true);
+  const BootDecision trial = decide(block_of(kConfirmed, kPending), judge);
+  EXPECT_EQ(trial.block.slot[1].tries, kTrialBoots - 1);
+  EXPECT_EQ(trial.block.slot[1].state, kTrial);
+  const ControlBlock confirmed = block_of(kConfirmed, kConfirmed);
+  EXPECT_EQ(decide(confirmed, judge).block, confirmed);
+}
+
+TEST(BootDecision, ThreePowerCyclesDuringATrialEndInTheOldFirmware) {
+  FlashModel flash(flash_map::kSize);
+  ControlStore store(boot_regions(flash).control);
+  ASSERT_TRUE(store.store(block_of(kConfirmed, kPending)));
+  FixedJudge judge(true, true);
+  for (int cycle = 0; cycle < kTrialBoots; ++cycle) EXPECT_EQ(choose_slot(store, judge), kB);
+  for (int cycle = 0; cycle < 10; ++cycle) EXPECT_EQ(choose_slot(store, judge), kA);
+  EXPECT_EQ(store.load()->slot[1].state, kBad);
+  EXPECT_EQ(store.load()->slot[1].reason, bad_reason::kNoTriesLeft);
+}
+
+TEST(BootDecision, ATrialThatCannotBeWrittenDownDoesNotBoot) {
+  FlashModel flash(flash_map::kSize);
+  ControlStore store(boot_regions(flash).control);
+  ASSERT_TRUE(store.store(block_of(kConfirmed, kPending)));
+  // Reads work, writes do not: a worn part.
+  flash.cut_at(flash.operations(), 0, 1);
+  FixedJudge judge(true, true);
+  const std::optional<ControlBlock> loaded = store.load();
+  ASSERT_TRUE(loaded.has_value());
+  EXPECT_FALSE(store.store(decide(*loaded, judge).block));
+  EXPECT_EQ(decide(*loaded, judge, false).slot, kA);
+}
+
+TEST(BootDecision, WithoutABlockWhatVerifiesBoots) {
+  FlashModel flash(flash_map::kSize);
+  ControlStore store(boot_regions(flash).control);
+  FixedJudge only_b(false, true), none(false, false);
+  EXPECT_EQ(choose_slot(store, only_b), kB);
+  EXPECT_EQ(choose_slot(store, none), kRecovery);
+}
+
+TEST(ControlBlockFormat, AnyFlippedBitIsSeen) {
+  ControlBlock block = block_of(kConfirmed, kTrial, 1);
+  block.seq = 77;
+  block.revoked = 2;
+  ControlBytes bytes = encode(block);
+  EXPECT_EQ(decode(bytes), block);
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    bytes[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
+    EXPECT_FALSE(decode(bytes).has_value()) << bit;
+    bytes[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
+  }
+}
+
+TEST(ControlBlockFormat, TheNewerCopyCountsAcrossTheWrapOfTheSequence) {
+  FlashModel flash(flash_map::kSize);
+  const BootRegions regions = boot_regions(flash);
+  ControlBlock block = block_of(kConfirmed, kEmpty);
+  block.seq = 0xFFFFFFFF;
+  ASSERT_EQ(flash.program(flash_map::kControl, encode(block)), FlashStatus::kOk);
+  ControlStore store(regions.control);
+  block.active = 1;
+  ASSERT_TRUE(store.store(block));
+  EXPECT_EQ(store.load()->seq, 0U);
+  EXPECT_EQ(store.load()->active, 1);
+}
+
+}  // namespace
+}  // namespace enamel::fw
