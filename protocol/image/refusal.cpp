@@ -14,4 +14,35 @@ RefusalText describe_refusal(std::uint32_t number) noexcept {
   }
 }
 
+int exit_code(Refusal why) noexcept {
+  switch (why) {
+    case Refusal::kMagic:
+    case Refusal::kProduct:
+    case Refusal::kHardware:
+    case Refusal::kTruncated:
+    case Refusal::kDfuSe:
+    case Refusal::kSerial:
+      return 5;
+    case Refusal::kSignature:
+    case Refusal::kKeyRevoked:
+    case Refusal::kUnknownKey:
+    case Refusal::kDevSigned:
+    case Refusal::kUnsigned:
+      return 6;
+    case Refusal::kRollback:
+      return 7;
+    case Refusal::kFlashWrite:
+    case Refusal::kIncomplete:
+    case Refusal::kBattery:
+    case Refusal::kBusyScanning:
+      return 8;
+    case Refusal::kChunkHash:
+      return 9;
+    case Refusal::kSelfTest:
+    case Refusal::kNotConfirmed:
+      return 10;
+  }
+  return 8;
+}
+
 }  // namespace enamel::image

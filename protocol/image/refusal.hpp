@@ -34,6 +34,10 @@ using Checked = tl::expected<T, Refusal>;
   return DfuStatus::kErrUnknown;
 }
 
+/// Exit code of `enamel-flash` and `enamel-sign`: 5 incompatible image, 6 signature, 7 rollback refused, 8 transfer,
+/// 9 verify, 10 not confirmed.
+[[nodiscard]] int exit_code(Refusal why) noexcept;
+
 struct RefusalText {
   std::string_view name;
   std::string_view what;
