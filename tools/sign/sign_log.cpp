@@ -22,7 +22,8 @@ Result<std::optional<SignedVersion>> newest_in_log(const std::string& path) {
     const nlohmann::json j = nlohmann::json::parse(line, nullptr, false);
     const bool usable = j.is_object() && j.contains("version") && j["version"].is_string() &&
                         j.contains("security_counter") && j["security_counter"].is_number_unsigned();
-    const std::optional<image::ImageVersion> version = usable ? image::parse_version(j["version"].get<std::string>()) : std::nullopt;
+    const std::optional<image::ImageVersion> version =
+        usable ? image::parse_version(j["version"].get<std::string>()) : std::nullopt;
     if (!version) return fail(ErrorCode::kConfigSyntax, path + ", line " + std::to_string(number));
     if (!newest || *version > newest->version) newest = SignedVersion{*version, j["security_counter"]};
   }
