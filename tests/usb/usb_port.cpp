@@ -97,6 +97,7 @@ UsbPort::UsbPort(UMockdevTestbed* testbed, int number, const ProbeOptions& probe
   devnode_ = "/dev/bus/usb/001/00" + std::to_string(number + 1);
   handler_ = umockdev_ioctl_base_new();
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(&UsbPort::on_ioctl), this);
+  g_signal_connect(handler_, "client-vanished", G_CALLBACK(&UsbPort::on_vanished), this);
   plug_in();
 }
 
@@ -108,29 +109,52 @@ UsbPort::~UsbPort() {
 void UsbPort::plug_in() {
   GError* error = nullptr;
   const std::string text = device_text(number_, probe_);
-  if (!umockdev_testbed_add_from_string(testbed_, text.c_str(), &error) ||
-      !umockdev_testbed_attach_ioctl(testbed_, devnode_.c_str(), handler_, &error)) {
+  if (!umockdev_testbed_add_from_string(testbed_, text.c_str(), &error)) throw std::runtime_error(error->message);
+  if (!attached_ && !umockdev_testbed_attach_ioctl(testbed_, devnode_.c_str(), handler_, &error)) {
     throw std::runtime_error(error->message);
   }
+  attached_ = true;
   if (faults_.forbidden) ::chmod(devnode_.c_str(), 0);
   plugged_ = true;
   umockdev_testbed_uevent(testbed_, syspath_.c_str(), "add");
 }
 
+void UsbPort::forget_transfers() {
+  for (auto& [client, urbs] : done_) {
+    for (UMockdevIoctlData* urb : urbs) umockdev_ioctl_data_unref(urb);
+  }
+  done_.clear();
+}
+
+void UsbPort::on_vanished(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
+  auto& done = static_cast<UsbPort*>(self)->done_;
+  const auto urbs = done.find(client);
+  if (urbs == done.end()) return;
+  for (UMockdevIoctlData* urb : urbs->second) umockdev_ioctl_data_unref(urb);
+  done.erase(urbs);
+}
+
 void UsbPort::pull_out() {
   plugged_ = false;
-  for (UMockdevIoctlData* urb : done_) umockdev_ioctl_data_unref(urb);
-  done_.clear();
-  umockdev_testbed_detach_ioctl(testbed_, devnode_.c_str(), nullptr);
+  forget_transfers();
+  // The handler stays: files that are still open get ENODEV, as from the kernel.
   umockdev_testbed_uevent(testbed_, syspath_.c_str(), "remove");
   umockdev_testbed_remove_device(testbed_, syspath_.c_str());
+}
+
+void UsbPort::later(std::uint32_t ms, GSourceFunc what) {
+  // umockdev answers requests on a thread of its own; everything that changes a port stays on it.
+  GSource* const source = g_timeout_source_new(ms);
+  g_source_set_callback(source, what, this, nullptr);
+  g_source_attach(source, g_source_get_context(g_main_current_source()));
+  g_source_unref(source);
 }
 
 gboolean UsbPort::on_reboot(gpointer self) {
   auto* port = static_cast<UsbPort*>(self);
   port->pull_out();
   port->probe_.boot();
-  g_timeout_add(kRebootMs, &UsbPort::on_return, self);
+  port->later(kRebootMs, &UsbPort::on_return);
   return G_SOURCE_REMOVE;
 }
 
@@ -218,20 +242,21 @@ gboolean UsbPort::submit(UMockdevIoctlClient* client) {
   umockdev_ioctl_data_update(urb_data, offsetof(usbdevfs_urb, actual_length), reinterpret_cast<guint8*>(&actual),
                              sizeof actual);
   umockdev_ioctl_data_unref(buffer);
-  done_.push_back(urb_data);
+  done_[client].push_back(urb_data);
   umockdev_ioctl_client_complete(client, 0, 0);
   probe_.work();
-  if (probe_.take_reboot()) g_timeout_add(kRebootMs, &UsbPort::on_reboot, this);
+  if (probe_.take_reboot()) later(kRebootMs, &UsbPort::on_reboot);
   return TRUE;
 }
 
 gboolean UsbPort::reap(UMockdevIoctlClient* client) {
-  if (done_.empty()) {
+  std::deque<UMockdevIoctlData*>& finished = done_[client];
+  if (finished.empty()) {
     umockdev_ioctl_client_complete(client, -1, EAGAIN);
     return TRUE;
   }
-  UMockdevIoctlData* urb = done_.front();
-  done_.pop_front();
+  UMockdevIoctlData* urb = finished.front();
+  finished.pop_front();
   UMockdevIoctlData* target =
       umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, sizeof(void*), nullptr);
   umockdev_ioctl_data_set_ptr(target, 0, urb);
@@ -246,7 +271,7 @@ bool UsbPort::faulty(const fw::SetupPacket& setup) {
   ++blocks_;
   if (faults_.pull_at_block && blocks_ == *faults_.pull_at_block) {
     pull_out();
-    if (faults_.replug_ms) g_timeout_add(*faults_.replug_ms, &UsbPort::on_return, this);
+    if (faults_.replug_ms) later(*faults_.replug_ms, &UsbPort::on_return);
     return true;
   }
   if (faults_.stall_count > 0 && blocks_ >= faults_.stalls_at_block) {

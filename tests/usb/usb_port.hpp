@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,7 +36,10 @@ class UsbPort {
   [[nodiscard]] bool plugged() const { return plugged_; }
 
  private:
+  static void on_vanished(UMockdevIoctlBase* base, UMockdevIoctlClient* client, gpointer self);
   static gboolean on_ioctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client, gpointer self);
+  /// Calls `what` after a while, on the thread that called this.
+  void later(std::uint32_t ms, GSourceFunc what);
   static gboolean on_reboot(gpointer self);
   static gboolean on_return(gpointer self);
 
@@ -46,6 +50,7 @@ class UsbPort {
   int transfer(const fw::SetupPacket& setup, std::span<std::byte> buffer, std::size_t& length);
   int standard_request(const fw::SetupPacket& setup, std::span<std::byte> buffer, std::size_t& length) const;
   [[nodiscard]] bool faulty(const fw::SetupPacket& setup);
+  void forget_transfers();
   void plug_in();
   void pull_out();
 
@@ -55,9 +60,10 @@ class UsbPort {
   ProbeModel probe_;
   PortFaults faults_;
   UMockdevIoctlBase* handler_ = nullptr;
-  std::deque<UMockdevIoctlData*> done_;
+  std::map<UMockdevIoctlClient*, std::deque<UMockdevIoctlData*>> done_;  ///< finished transfers of each open file
   std::uint32_t blocks_ = 0;
   bool plugged_ = false;
+  bool attached_ = false;
 };
 
 }  // namespace enamel::test

@@ -41,6 +41,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "host/record": (4, PROTOCOL + ["pipeline/graph", "calib/model", "host/report"]),
     "host/report": (4, BASE + ["protocol/types"]),
     "host/update": (4, IMAGE),
+    "host/flash": (5, IMAGE + ["host/update"]),
     "tools/sign": (5, IMAGE),
     "host/session": (4, PROTOCOL + ["calib/model", "pipeline/graph", "pipeline/stages"] + ALGO + HOST),
     "host/app": (5, None),

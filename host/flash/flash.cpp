@@ -1,0 +1,137 @@
+// enamel-flash flash: new firmware onto one probe or many.
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/flash/command.hpp"
+#include "host/update/batch.hpp"
+#include "protocol/base/file.hpp"
+#include "protocol/image/dfu_suffix.hpp"
+#include "protocol/image/image_file.hpp"
+#include "protocol/image/version_text.hpp"
+
+namespace enamel::flash_app {
+namespace {
+
+using update::Exit;
+
+struct Options {
+  std::string file;
+  Choice choice;
+  std::size_t jobs = 4;
+  bool allow_same = false, allow_older = false, dry_run = false, resume = true;
+};
+
+const char* name_of(update::Step step) {
+  static constexpr std::array kNames = {"checking", "sending", "verifying", "restarting", "confirming", "done"};
+  return kNames[static_cast<std::size_t>(step)];
+}
+
+/// One line a probe and step; on a terminal the percentage too.
+class ProgressLines {
+ public:
+  void tell(const update::PortInfo& probe, const update::FlashProgress& p) {
+    const int percent = static_cast<int>(100 * p.share);
+    auto& [step, shown] = last_[probe.port];
+    const bool new_step = shown < 0 || step != p.step;
+    if (!new_step && (!terminal_ || percent == shown)) return;
+    step = p.step;
+    shown = percent;
+    const std::string left =
+        p.seconds_left > 1 ? ", " + std::to_string(static_cast<int>(p.seconds_left)) + " s left" : "";
+    std::fprintf(stderr, "%s%-8s %-16s %3d %% %s%s%s", terminal_ ? "\r\033[K" : "", probe.port.c_str(),
+                 probe.serial.c_str(), percent, name_of(p.step), left.c_str(),
+                 terminal_ && p.step != update::Step::kDone ? "" : "\n");
+  }
+
+ private:
+  std::map<std::string, std::pair<update::Step, int>> last_ = {};
+  bool terminal_ = ::isatty(STDERR_FILENO) != 0;
+};
+
+nlohmann::json describe(const update::BatchEntry& e) {
+  nlohmann::json j = {{"port", e.probe.port}, {"serial", e.probe.serial}};
+  if (!e.result) {
+    j.update(to_json(e.result.error()));
+    return j;
+  }
+  j["before"] = image::to_text(e.result->before);
+  j["after"] = image::to_text(e.result->written ? e.result->after : e.result->before);
+  j["written"] = e.result->written;
+  j["exit_code"] = 0;
+  return j;
+}
+
+void print(const update::BatchEntry& e, bool dry_run) {
+  const std::string name = e.probe.serial.empty() ? e.probe.port : e.probe.serial;
+  if (!e.result) {
+    std::printf("%s: not updated\n", name.c_str());
+    report(e.result.error(), false);
+    return;
+  }
+  const std::string before = image::to_text(e.result->before), after = image::to_text(e.result->after);
+  if (e.result->written) {
+    std::printf("%s: %s -> %s, confirmed\n", name.c_str(), before.c_str(), after.c_str());
+  } else if (dry_run) {
+    std::printf("%s: %s -> %s would be accepted; nothing was sent\n", name.c_str(), before.c_str(), after.c_str());
+  } else {
+    std::printf("%s: runs %s already; --allow-same writes it again\n", name.c_str(), before.c_str());
+  }
+}
+
+Exit run(const Options& o) {
+  const Result<std::string> content = read_file(o.file);
+  if (!content) {
+    return report(
+        {Exit::kUsage, content.error().detail, "the path is misspelt or the file was moved", "check the path"},
+        o.choice.json);
+  }
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(*content));
+  const auto manifest = image::check_image_file(bytes, {});
+  if (!manifest) return report(update::refused_by_probe(manifest.error()), o.choice.json);
+  const auto bus = update::open_usb_bus();
+  if (!bus) return report(update::no_device(""), o.choice.json);
+  const auto probes = choose(*bus, o.choice);
+  if (!probes) return report(probes.error(), o.choice.json);
+
+  const update::FlashRequest request{.image = bytes.first(bytes.size() - image::kSuffixSize),
+                                     .manifest = *manifest,
+                                     .allow_same = o.allow_same,
+                                     .allow_older = o.allow_older,
+                                     .dry_run = o.dry_run};
+  ProgressLines lines;
+  const auto entries = update::flash_all(
+      *bus, *probes, request, o.jobs,
+      [&](const update::PortInfo& p, const update::FlashProgress& progress) { lines.tell(p, progress); },
+      interrupted());
+  Exit exit = Exit::kOk;
+  nlohmann::json all = nlohmann::json::array();
+  for (const update::BatchEntry& e : entries) {
+    if (!e.result && exit == Exit::kOk) exit = e.result.error().exit;
+    all.push_back(describe(e));
+    if (!o.choice.json) print(e, o.dry_run);
+  }
+  if (o.choice.json) std::printf("%s\n", all.dump(1).c_str());
+  return exit;
+}
+
+}  // namespace
+
+Run add_flash(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  app.add_option("FILE", o->file, "image (*.enfw)")->required();
+  add_choice(app, o->choice);
+  app.add_option("--jobs", o->jobs, "probes at a time")->check(CLI::Range(1, 16));
+  app.add_flag("--allow-same", o->allow_same, "write a version that runs already");
+  app.add_flag("--allow-older", o->allow_older, "accept a lower version; a lower security counter never is");
+  app.add_flag("--dry-run", o->dry_run, "all checks, nothing sent");
+  app.add_flag("--resume", o->resume,
+               "go on where a broken download stopped: always so, the probe keeps what was right");
+  return [o] { return run(*o); };
+}
+
+}  // namespace enamel::flash_app

@@ -1,0 +1,97 @@
+// enamel-flash list, info: they look and change nothing.
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/flash/command.hpp"
+#include "host/update/dfu_client.hpp"
+#include "protocol/base/file.hpp"
+#include "protocol/base/sha256.hpp"
+#include "protocol/image/image_file.hpp"
+#include "protocol/image/version_text.hpp"
+
+namespace enamel::flash_app {
+namespace {
+
+using update::Exit;
+
+nlohmann::json look_at(update::UsbBus& bus, const update::PortInfo& p) {
+  nlohmann::json j = {{"port", p.port},
+                      {"serial", p.serial},
+                      {"speed_mbit", p.speed_mbit},
+                      {"mode", p.recovery() ? "recovery" : "run"}};
+  if (p.denied) {
+    j["problem"] = to_json(update::no_permission(p.port));
+    return j;
+  }
+  const auto link = bus.open(p.port);
+  const auto status = link ? update::DfuClient(**link).read_status_block()
+                           : update::Linked<image::StatusBlock>(tl::unexpected(link.error()));
+  if (status) {
+    j.update(to_json(*status));
+  } else {
+    j["problem"] = to_json(update::transfer_failed("reading the status", to_text(status.error())));
+  }
+  return j;
+}
+
+void print_row(const nlohmann::json& j) {
+  if (j.contains("problem")) {
+    std::printf("%-8s %-16s %s\n  what to do: %s\n", j["port"].get<std::string>().c_str(),
+                j["serial"].get<std::string>().c_str(), j["problem"]["error"].get<std::string>().c_str(),
+                j["problem"]["remedy"].get<std::string>().c_str());
+    return;
+  }
+  const nlohmann::json& slots = j["slots"];
+  const auto slot = [&](std::size_t i) {
+    return slots[i]["state"].get<std::string>() + " " + slots[i]["version"].get<std::string>();
+  };
+  std::printf("%-8s %-16s %-9s %-12s hw %-3d A: %-22s B: %-22s min counter %d\n", j["port"].get<std::string>().c_str(),
+              j["serial"].get<std::string>().c_str(), j["mode"].get<std::string>().c_str(),
+              j["running"].get<std::string>().c_str(), j["hw_rev"].get<int>(), slot(0).c_str(), slot(1).c_str(),
+              j["min_security_counter"].get<int>());
+}
+
+}  // namespace
+
+Run add_list(CLI::App& app) {
+  auto json = std::make_shared<bool>(false);
+  app.add_flag("--json", *json, "as JSON");
+  return [json] {
+    const auto bus = update::open_usb_bus();
+    if (!bus) return report(update::no_device(""), *json);
+    nlohmann::json all = nlohmann::json::array();
+    for (const update::PortInfo& p : bus->probes()) all.push_back(look_at(*bus, p));
+    if (*json) {
+      std::printf("%s\n", all.dump(1).c_str());
+      return Exit::kOk;
+    }
+    if (all.empty()) return report(update::no_device(""), false);
+    for (const nlohmann::json& j : all) print_row(j);
+    return Exit::kOk;
+  };
+}
+
+Run add_info(CLI::App& app) {
+  auto file = std::make_shared<std::string>();
+  app.add_option("FILE", *file, "image (*.enfw)")->required();
+  return [file] {
+    const Result<std::string> content = read_file(*file);
+    if (!content) {
+      return report(
+          {Exit::kUsage, content.error().detail, "the path is misspelt or the file was moved", "check the path"},
+          false);
+    }
+    const auto manifest = image::check_image_file(std::as_bytes(std::span(*content)), {});
+    if (!manifest) return report(update::refused_by_probe(manifest.error()), false);
+    std::printf(
+        "version          %s\nsecurity counter %u\nhardware         %u to %u\npayload          %llu bytes, %u chunks\n"
+        "signatures       %u (checked by the probe)\nmanifest         %s\n",
+        image::to_text(manifest->version).c_str(), manifest->security_counter, manifest->hw_rev_min,
+        manifest->hw_rev_max, static_cast<unsigned long long>(manifest->payload_len), manifest->chunk_count,
+        manifest->signature_count, to_hex(sha256(manifest->bytes)).c_str());
+    return Exit::kOk;
+  };
+}
+
+}  // namespace enamel::flash_app

@@ -1,0 +1,22 @@
+// Several probes at once: one worker a probe, one bus.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "host/update/flash_flow.hpp"
+
+namespace enamel::update {
+
+struct BatchEntry {
+  PortInfo probe;
+  Updated<FlashResult> result = tl::unexpected(UpdateError{});
+};
+
+/// Flashes every probe, at most `jobs` at a time. `progress` is called from the workers, one at a time. Results in the
+/// order of `probes`; one probe's failure is no other's.
+[[nodiscard]] std::vector<BatchEntry> flash_all(
+    UsbBus& bus, const std::vector<PortInfo>& probes, const FlashRequest& request, std::size_t jobs,
+    const std::function<void(const PortInfo&, const FlashProgress&)>& progress, const std::atomic<bool>& stop);
+
+}  // namespace enamel::update

@@ -1,0 +1,52 @@
+// Host side of DFU 1.1 with our vendor requests, one open probe.
+#pragma once
+
+#include <atomic>
+#include <functional>
+
+#include "host/update/probe_link.hpp"
+#include "host/update/update_error.hpp"
+#include "protocol/image/dfu.hpp"
+#include "protocol/image/status_block.hpp"
+
+namespace enamel::update {
+
+struct DfuAnswer {
+  image::DfuStatus status = image::DfuStatus::kOk;
+  image::DfuState state = image::DfuState::kIdle;
+  std::chrono::milliseconds poll{0};
+};
+
+/// Where a download broke off; a retry is worth it unless the probe refused.
+struct Broken {
+  LinkFault fault = LinkFault::kOther;
+  std::uint32_t refusal = 0;
+};
+
+class DfuClient {
+ public:
+  /// `link` must outlive it.
+  explicit DfuClient(ProbeLink& link) : link_(&link) {}
+
+  [[nodiscard]] Linked<DfuAnswer> get_status();
+  /// Out of any state into dfuIDLE: CLRSTATUS or ABORT as the state asks.
+  [[nodiscard]] Linked<void> settle();
+  [[nodiscard]] Linked<image::StatusBlock> read_status_block();
+  [[nodiscard]] Linked<void> vendor(image::VendorRequest request, std::uint16_t value = 0,
+                                    std::span<const std::byte> data = {});
+
+  /// Sends an image (without suffix) from block 0. `sent` is told the bytes sent so far. Stops with ABORT when `stop`
+  /// becomes true, then gives false.
+  [[nodiscard]] tl::expected<bool, Broken> download(std::span<const std::byte> image,
+                                                    const std::function<void(std::size_t)>& sent,
+                                                    const std::atomic<bool>& stop);
+  /// Says that the image is complete and waits until the probe has verified it.
+  [[nodiscard]] tl::expected<void, Broken> manifest();
+
+ private:
+  [[nodiscard]] Broken broken(LinkFault fault);
+
+  ProbeLink* link_;
+};
+
+}  // namespace enamel::update

@@ -1,0 +1,43 @@
+// One probe from "connected" to "new firmware confirmed": preflight, download, manifestation, restart, confirmation
+// (architecture.md §6.12). Success is said only by the new firmware.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "host/update/dfu_client.hpp"
+#include "protocol/image/manifest.hpp"
+
+namespace enamel::update {
+
+enum class Step : std::uint8_t { kPreflight, kTransfer, kVerify, kRestart, kConfirm, kDone };
+
+struct FlashProgress {
+  Step step = Step::kPreflight;
+  double share = 0;  ///< of everything, 0 to 1; weights: manifest 2, transfer 78, verify 10, restart and confirm 10
+  double seconds_left = 0;  ///< estimate; 0 while unknown
+};
+
+struct FlashRequest {
+  std::span<const std::byte> image;  ///< the file without its suffix, checked
+  image::Manifest manifest;
+  bool allow_same = false;
+  bool allow_older = false;
+  bool dry_run = false;
+  std::chrono::milliseconds return_deadline{30'000};   ///< for the probe to come back, on the cable or after restart
+  std::chrono::milliseconds confirm_deadline{90'000};  ///< for its self-test
+};
+
+struct FlashResult {
+  std::string serial;
+  image::ImageVersion before, after;
+  bool written = false;  ///< false: it ran this version already, or a dry run
+};
+
+/// Blocks until done, refused or cancelled. The probe is found again by serial, or by port while it has none.
+[[nodiscard]] Updated<FlashResult> flash(UsbBus& bus, const PortInfo& probe, const FlashRequest& request,
+                                         const std::function<void(const FlashProgress&)>& progress,
+                                         const std::atomic<bool>& stop);
+
+}  // namespace enamel::update
