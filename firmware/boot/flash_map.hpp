@@ -31,10 +31,13 @@ struct BootRegions {
 };
 
 [[nodiscard]] inline BootRegions boot_regions(Flash& flash) noexcept {
-  using namespace flash_map;
-  return {{FlashRegion(flash, kControl, kEraseBlock), FlashRegion(flash, kControl + kEraseBlock, kEraseBlock)},
-          {FlashRegion(flash, kSlot, kSlotSize), FlashRegion(flash, kSlot + kSlotSize, kSlotSize)},
-          FlashRegion(flash, kConfig, kEraseBlock)};
+  const auto copy = [&](std::uint64_t i) {
+    return FlashRegion(flash, flash_map::kControl + i * kEraseBlock, kEraseBlock);
+  };
+  const auto slot = [&](std::uint64_t i) {
+    return FlashRegion(flash, flash_map::kSlot + i * flash_map::kSlotSize, flash_map::kSlotSize);
+  };
+  return {{copy(0), copy(1)}, {slot(0), slot(1)}, FlashRegion(flash, flash_map::kConfig, kEraseBlock)};
 }
 
 }  // namespace enamel::fw

@@ -103,9 +103,10 @@ Exit run(const Options& o) {
                                      .allow_same = o.allow_same,
                                      .allow_older = o.allow_older,
                                      .dry_run = o.dry_run};
+  SteadyClock clock;
   ProgressLines lines;
   const auto entries = update::flash_all(
-      *bus, *probes, request, o.jobs,
+      *bus, clock, *probes, request, o.jobs,
       [&](const update::PortInfo& p, const update::FlashProgress& progress) { lines.tell(p, progress); },
       interrupted());
   Exit exit = Exit::kOk;

@@ -24,8 +24,9 @@ nlohmann::json look_at(update::UsbBus& bus, const update::PortInfo& p) {
     j["problem"] = to_json(update::no_permission(p.port));
     return j;
   }
+  SteadyClock clock;
   const auto link = bus.open(p.port);
-  const auto status = link ? update::DfuClient(**link).read_status_block()
+  const auto status = link ? update::DfuClient(**link, clock).read_status_block()
                            : update::Linked<image::StatusBlock>(tl::unexpected(link.error()));
   if (status) {
     j.update(to_json(*status));

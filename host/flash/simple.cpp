@@ -24,6 +24,7 @@ Exit for_each(const Choice& choice, Act act) {
   if (!bus) return report(update::no_device(""), choice.json);
   const auto probes = choose(*bus, choice);
   if (!probes) return report(probes.error(), choice.json);
+  SteadyClock clock;
   Exit exit = Exit::kOk;
   for (const update::PortInfo& p : *probes) {
     Updated<void> done;
@@ -33,7 +34,7 @@ Exit for_each(const Choice& choice, Act act) {
                                 ? update::no_permission(p.port)
                                 : update::transfer_failed("opening port " + p.port, to_text(link.error())));
     } else {
-      update::DfuClient client(**link);
+      update::DfuClient client(**link, clock);
       done = act(client);
     }
     if (!done) {

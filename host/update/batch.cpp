@@ -6,8 +6,8 @@
 
 namespace enamel::update {
 
-std::vector<BatchEntry> flash_all(UsbBus& bus, const std::vector<PortInfo>& probes, const FlashRequest& request,
-                                  std::size_t jobs,
+std::vector<BatchEntry> flash_all(UsbBus& bus, Clock& clock, const std::vector<PortInfo>& probes,
+                                  const FlashRequest& request, std::size_t jobs,
                                   const std::function<void(const PortInfo&, const FlashProgress&)>& progress,
                                   const std::atomic<bool>& stop) {
   std::vector<BatchEntry> entries(probes.size());
@@ -20,7 +20,7 @@ std::vector<BatchEntry> flash_all(UsbBus& bus, const std::vector<PortInfo>& prob
         const std::lock_guard lock(telling);
         progress(probes[i], p);
       };
-      entries[i].result = stop ? tl::unexpected(cancelled()) : flash(bus, probes[i], request, tell, stop);
+      entries[i].result = stop ? tl::unexpected(cancelled()) : flash(bus, clock, probes[i], request, tell, stop);
     }
   };
   std::vector<std::jthread> workers;

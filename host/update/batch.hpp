@@ -16,7 +16,7 @@ struct BatchEntry {
 /// Flashes every probe, at most `jobs` at a time. `progress` is called from the workers, one at a time. Results in the
 /// order of `probes`; one probe's failure is no other's.
 [[nodiscard]] std::vector<BatchEntry> flash_all(
-    UsbBus& bus, const std::vector<PortInfo>& probes, const FlashRequest& request, std::size_t jobs,
+    UsbBus& bus, Clock& clock, const std::vector<PortInfo>& probes, const FlashRequest& request, std::size_t jobs,
     const std::function<void(const PortInfo&, const FlashProgress&)>& progress, const std::atomic<bool>& stop);
 
 }  // namespace enamel::update

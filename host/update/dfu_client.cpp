@@ -1,7 +1,6 @@
 #include "host/update/dfu_client.hpp"
 
 #include <algorithm>
-#include <thread>
 
 namespace enamel::update {
 namespace {
@@ -77,7 +76,7 @@ tl::expected<bool, Broken> DfuClient::download(std::span<const std::byte> image,
     if (!taken) return tl::unexpected(broken(taken.error()));
     Linked<DfuAnswer> answer = get_status();
     while (answer && answer->state == DfuState::kDownloadBusy) {
-      std::this_thread::sleep_for(answer->poll);
+      clock_->sleep_for(answer->poll);
       answer = get_status();
     }
     if (!answer) return tl::unexpected(broken(answer.error()));
@@ -97,7 +96,7 @@ tl::expected<void, Broken> DfuClient::manifest() {
     if (!answer) return tl::unexpected(broken(answer.error()));
     if (answer->state == DfuState::kIdle) return {};
     if (answer->state == DfuState::kError) return tl::unexpected(broken(LinkFault::kStall));
-    std::this_thread::sleep_for(std::clamp<std::chrono::milliseconds>(answer->poll, 10ms, 2000ms));
+    clock_->sleep_for(std::clamp<std::chrono::milliseconds>(answer->poll, 10ms, 2000ms));
   }
   return tl::unexpected(Broken{LinkFault::kTimeout, 0});
 }

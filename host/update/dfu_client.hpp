@@ -6,6 +6,7 @@
 
 #include "host/update/probe_link.hpp"
 #include "host/update/update_error.hpp"
+#include "protocol/base/clock.hpp"
 #include "protocol/image/dfu.hpp"
 #include "protocol/image/status_block.hpp"
 
@@ -25,8 +26,8 @@ struct Broken {
 
 class DfuClient {
  public:
-  /// `link` must outlive it.
-  explicit DfuClient(ProbeLink& link) : link_(&link) {}
+  /// Both must outlive it.
+  DfuClient(ProbeLink& link, Clock& clock) : link_(&link), clock_(&clock) {}
 
   [[nodiscard]] Linked<DfuAnswer> get_status();
   /// Out of any state into dfuIDLE: CLRSTATUS or ABORT as the state asks.
@@ -47,6 +48,7 @@ class DfuClient {
   [[nodiscard]] Broken broken(LinkFault fault);
 
   ProbeLink* link_;
+  Clock* clock_;
 };
 
 }  // namespace enamel::update

@@ -1,13 +1,11 @@
 #include "host/update/flash_flow.hpp"
 
 #include <algorithm>
-#include <thread>
 
 namespace enamel::update {
 namespace {
 
 using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 constexpr int kRetries = 3;
 constexpr auto kLookEvery = 100ms;
@@ -17,9 +15,9 @@ constexpr double kTransferStart = 0.02, kTransferShare = 0.78, kVerifyEnd = 0.90
 
 class Flow {
  public:
-  Flow(UsbBus& bus, const PortInfo& probe, const FlashRequest& request,
+  Flow(UsbBus& bus, Clock& clock, const PortInfo& probe, const FlashRequest& request,
        const std::function<void(const FlashProgress&)>& progress, const std::atomic<bool>& stop)
-      : bus_(&bus), probe_(probe), request_(&request), progress_(&progress), stop_(&stop) {}
+      : bus_(&bus), clock_(&clock), probe_(probe), request_(&request), progress_(&progress), stop_(&stop) {}
 
   Updated<FlashResult> run() {
     tell(Step::kPreflight, 0);
@@ -37,7 +35,7 @@ class Flow {
   Updated<FlashResult> preflight() {
     if (probe_.denied) return tl::unexpected(no_permission(probe_.port));
     if (const auto opened = open(); !opened) return tl::unexpected(opened.error());
-    DfuClient client(*link_);
+    DfuClient client(*link_, *clock_);
     const Linked<image::StatusBlock> status = client.read_status_block();
     if (!status) return tl::unexpected(transfer_failed("reading the status", to_text(status.error())));
     FlashResult result{probe_.serial, status->version[status->active], request_->manifest.version, true};
@@ -65,9 +63,9 @@ class Flow {
   /// Download and manifestation; a broken one is repeated, and the probe skips what it has.
   Updated<void> transfer() {
     for (int attempt = 0;; ++attempt) {
-      DfuClient client(*link_);
+      DfuClient client(*link_, *clock_);
       if (request_->allow_older) static_cast<void>(client.vendor(image::VendorRequest::kAllowOlder));
-      started_ = Clock::now();
+      started_ = clock_->now();
       const auto sent = client.download(
           request_->image, [this](std::size_t n) { tell_sent(n); }, *stop_);
       if (sent && !*sent) return tl::unexpected(cancelled());
@@ -89,10 +87,10 @@ class Flow {
 
   Updated<void> restart() {
     // The probe may be gone before it has answered.
-    static_cast<void>(DfuClient(*link_).vendor(image::VendorRequest::kReboot));
+    static_cast<void>(DfuClient(*link_, *clock_).vendor(image::VendorRequest::kReboot));
     link_.reset();
-    const Clock::time_point deadline = Clock::now() + request_->return_deadline;
-    while (Clock::now() < deadline && bus_->probe_at(probe_.port)) std::this_thread::sleep_for(kLookEvery);
+    const HostTime deadline = clock_->now() + request_->return_deadline;
+    while (clock_->now() < deadline && bus_->probe_at(probe_.port)) clock_->sleep_for(kLookEvery);
     return wait_return();
   }
 
@@ -109,14 +107,14 @@ class Flow {
 
   Updated<void> wait_return() {
     link_.reset();
-    const Clock::time_point gone = Clock::now();
-    while (Clock::now() - gone < request_->return_deadline) {
+    const HostTime gone = clock_->now();
+    while (clock_->now() - gone < request_->return_deadline) {
       if (*stop_) return tl::unexpected(cancelled());
-      if (const std::optional<PortInfo> back = find(Clock::now() - gone > kSamePort)) {
+      if (const std::optional<PortInfo> back = find(clock_->now() - gone > kSamePort)) {
         probe_ = *back;
         if (open()) return {};
       }
-      std::this_thread::sleep_for(kLookEvery);
+      clock_->sleep_for(kLookEvery);
     }
     return tl::unexpected(UpdateError{Exit::kTransfer, "the probe " + probe_.serial + " did not come back",
                                       "unplugged, switched off, or its battery is empty",
@@ -125,9 +123,9 @@ class Flow {
 
   Updated<void> wait_confirmed(const FlashResult& result) {
     tell(Step::kConfirm, 0.95);
-    const Clock::time_point deadline = Clock::now() + request_->confirm_deadline;
-    while (Clock::now() < deadline) {
-      const Linked<image::StatusBlock> status = DfuClient(*link_).read_status_block();
+    const HostTime deadline = clock_->now() + request_->confirm_deadline;
+    while (clock_->now() < deadline) {
+      const Linked<image::StatusBlock> status = DfuClient(*link_, *clock_).read_status_block();
       if (!status) {
         if (const auto back = wait_return(); !back) return back;
         continue;
@@ -137,7 +135,7 @@ class Flow {
       const bool given_up = std::none_of(status->slot_state.begin(), status->slot_state.end(),
                                          [](std::uint8_t s) { return s == 3 || s == 4; });
       if (given_up) break;
-      std::this_thread::sleep_for(kLookEvery);
+      clock_->sleep_for(kLookEvery);
     }
     UpdateError error = refused_by_probe(image::Refusal::kSelfTest);
     error.what = "the new firmware was not confirmed; the probe runs the old one";
@@ -149,24 +147,25 @@ class Flow {
 
   void tell_sent(std::size_t sent) const {
     const double done = static_cast<double>(sent) / static_cast<double>(request_->image.size());
-    const std::chrono::duration<double> passed = Clock::now() - started_;
+    const std::chrono::duration<double> passed = clock_->now() - started_;
     tell(Step::kTransfer, kTransferStart + kTransferShare * done, passed.count() * (1 - done) / done);
   }
 
   UsbBus* bus_;
+  Clock* clock_;
   PortInfo probe_;
   const FlashRequest* request_;
   const std::function<void(const FlashProgress&)>* progress_;
   const std::atomic<bool>* stop_;
   std::unique_ptr<ProbeLink> link_;
-  Clock::time_point started_;
+  HostTime started_{};
 };
 
 }  // namespace
 
-Updated<FlashResult> flash(UsbBus& bus, const PortInfo& probe, const FlashRequest& request,
+Updated<FlashResult> flash(UsbBus& bus, Clock& clock, const PortInfo& probe, const FlashRequest& request,
                            const std::function<void(const FlashProgress&)>& progress, const std::atomic<bool>& stop) {
-  return Flow(bus, probe, request, progress, stop).run();
+  return Flow(bus, clock, probe, request, progress, stop).run();
 }
 
 }  // namespace enamel::update

@@ -36,7 +36,7 @@ struct FlashResult {
 };
 
 /// Blocks until done, refused or cancelled. The probe is found again by serial, or by port while it has none.
-[[nodiscard]] Updated<FlashResult> flash(UsbBus& bus, const PortInfo& probe, const FlashRequest& request,
+[[nodiscard]] Updated<FlashResult> flash(UsbBus& bus, Clock& clock, const PortInfo& probe, const FlashRequest& request,
                                          const std::function<void(const FlashProgress&)>& progress,
                                          const std::atomic<bool>& stop);
 
