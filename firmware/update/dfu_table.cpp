@@ -24,7 +24,7 @@ constexpr std::size_t kColumns = 8;
 
 constexpr DfuStep go(DfuState next, Action action) noexcept { return {{next, DfuStatus::kOk}, action}; }
 constexpr DfuStep stall(DfuState next) noexcept { return go(next, Action::kStall); }
-constexpr DfuStep kError_ = {{kError, DfuStatus::kErrStalledPacket}, Action::kStall};
+constexpr DfuStep kUnexpected = {{kError, DfuStatus::kErrStalledPacket}, Action::kStall};
 
 using Row = std::array<DfuStep, kColumns>;
 
@@ -36,21 +36,23 @@ constexpr std::array<Row, image::kDfuStates> kTable = {{
      go(kAppIdle, Action::kReplyStatus), stall(kAppIdle), go(kAppIdle, Action::kReplyState), stall(kAppIdle)},
     {stall(kAppIdle), stall(kAppIdle), stall(kAppIdle), stall(kAppIdle), go(kAppDetach, Action::kReplyStatus),
      stall(kAppIdle), go(kAppDetach, Action::kReplyState), stall(kAppIdle)},
-    {kError_, go(kDownloadSync, Action::kTakeBlock), kError_, go(kUploadIdle, Action::kSendBlock),
-     go(kIdle, Action::kReplyStatus), kError_, go(kIdle, Action::kReplyState), go(kIdle, Action::kAbort)},
-    {kError_, kError_, kError_, kError_, go(kDownloadIdle, Action::kReplyStatus), kError_,
-     go(kDownloadSync, Action::kReplyState), kError_},
-    {kError_, kError_, kError_, kError_, go(kDownloadBusy, Action::kReplyStatus), kError_, kError_, kError_},
-    {kError_, go(kDownloadSync, Action::kTakeBlock), go(kManifestSync, Action::kFinish), kError_,
-     go(kDownloadIdle, Action::kReplyStatus), kError_, go(kDownloadIdle, Action::kReplyState),
+    {kUnexpected, go(kDownloadSync, Action::kTakeBlock), kUnexpected, go(kUploadIdle, Action::kSendBlock),
+     go(kIdle, Action::kReplyStatus), kUnexpected, go(kIdle, Action::kReplyState), go(kIdle, Action::kAbort)},
+    {kUnexpected, kUnexpected, kUnexpected, kUnexpected, go(kDownloadIdle, Action::kReplyStatus), kUnexpected,
+     go(kDownloadSync, Action::kReplyState), kUnexpected},
+    {kUnexpected, kUnexpected, kUnexpected, kUnexpected, go(kDownloadBusy, Action::kReplyStatus), kUnexpected,
+     kUnexpected, kUnexpected},
+    {kUnexpected, go(kDownloadSync, Action::kTakeBlock), go(kManifestSync, Action::kFinish), kUnexpected,
+     go(kDownloadIdle, Action::kReplyStatus), kUnexpected, go(kDownloadIdle, Action::kReplyState),
      go(kIdle, Action::kAbort)},
-    {kError_, kError_, kError_, kError_, go(kManifest, Action::kStartTimeout), kError_,
-     go(kManifestSync, Action::kReplyState), kError_},
-    {kError_, kError_, kError_, kError_, go(kManifest, Action::kReplyStatus), kError_, kError_, kError_},
+    {kUnexpected, kUnexpected, kUnexpected, kUnexpected, go(kManifest, Action::kStartTimeout), kUnexpected,
+     go(kManifestSync, Action::kReplyState), kUnexpected},
+    {kUnexpected, kUnexpected, kUnexpected, kUnexpected, go(kManifest, Action::kReplyStatus), kUnexpected, kUnexpected,
+     kUnexpected},
     {stall(kManifestWaitReset), stall(kManifestWaitReset), stall(kManifestWaitReset), stall(kManifestWaitReset),
      stall(kManifestWaitReset), stall(kManifestWaitReset), stall(kManifestWaitReset), stall(kManifestWaitReset)},
-    {kError_, kError_, kError_, go(kUploadIdle, Action::kSendBlock), go(kUploadIdle, Action::kReplyStatus), kError_,
-     go(kUploadIdle, Action::kReplyState), go(kIdle, Action::kAbort)},
+    {kUnexpected, kUnexpected, kUnexpected, go(kUploadIdle, Action::kSendBlock), go(kUploadIdle, Action::kReplyStatus),
+     kUnexpected, go(kUploadIdle, Action::kReplyState), go(kIdle, Action::kAbort)},
     {stall(kError), stall(kError), stall(kError), stall(kError), go(kError, Action::kReplyStatus),
      go(kIdle, Action::kAbort), go(kError, Action::kReplyState), stall(kError)},
 }};
@@ -90,8 +92,8 @@ DfuStep refine(DfuStep step, DfuPosition at, Column column, const DfuConfig& con
                const DfuConditions& now) noexcept {
   switch (at.state) {
     case kIdle:
-      if (column == Column::kDownload && !config.can_download) return kError_;
-      if (column == Column::kUpload && !config.can_upload) return kError_;
+      if (column == Column::kDownload && !config.can_download) return kUnexpected;
+      if (column == Column::kUpload && !config.can_upload) return kUnexpected;
       break;
     case kDownloadSync:
       if (column == Column::kGetStatus && now.busy) return go(kDownloadBusy, Action::kStartTimeout);

@@ -24,12 +24,17 @@ using Checked = tl::expected<T, Refusal>;
 
 /// The DFU status that tells a host of it (bStatus of GETSTATUS).
 [[nodiscard]] constexpr DfuStatus dfu_status(Refusal why) noexcept {
-  switch (why) {
-#define ENAMEL_REFUSAL(name, number, status, what, cause, remedy) \
-  case Refusal::name:                                             \
-    return DfuStatus::status;
+  struct Entry {
+    Refusal why;
+    DfuStatus status;
+  };
+  constexpr Entry kEntries[] = {
+#define ENAMEL_REFUSAL(name, number, status, what, cause, remedy) {Refusal::name, DfuStatus::status},
 #include "protocol/image/refusals.def"
 #undef ENAMEL_REFUSAL
+  };
+  for (const Entry& e : kEntries) {
+    if (e.why == why) return e.status;
   }
   return DfuStatus::kErrUnknown;
 }
