@@ -96,7 +96,8 @@ struct NodeSums {
     for (std::size_t j = 0; j < kNodeLanes; ++j) {
       const float x = rate[j] + eps[j] * per_rate[j];
       const float rest = residual[j] - x * eps[j] - light[j] * change[j] - harmonic[j] * rho;
-      const bool counted = (std::abs(rest) <= limit) & (used[j] * counts[j] > 0);
+      const float asked = used[j] * counts[j];
+      const bool counted = (std::abs(rest) <= limit) & (asked > 0);
       const float r = select(counted, x, 0), l = select(counted, light[j], 0), h = select(counted, harmonic[j], 0);
       const float y = residual[j], left_over = select(counted, rest, 0);
       o.rr[j] += r * r, o.rl[j] += r * l, o.ll[j] += l * l;

@@ -62,7 +62,8 @@ void surface_loop(const SurfaceRow& row, const SurfaceRange& limits, const Rippl
     sigma_mm[u] = select(ok, z * z * std::abs(slope) * sigma[u], kNan);
     x_mm[u] = ray_x[u] * z;
     y_mm[u] = ray_y[u] * z;
-    reject[u] = static_cast<PixelReject>(placed & !inside ? static_cast<int>(PixelReject::kOutOfRange) : was);
+    const bool beyond = placed & !inside;
+    reject[u] = static_cast<PixelReject>(beyond ? static_cast<int>(PixelReject::kOutOfRange) : was);
     const float three_frames = select(phase[u] >= kPiF, -kPiF, phase[u]);
     const bool unlit = (was >= kDark) & (was <= kNoisy);
     wrapped[u] = select(unlit, kNan, select(placed, phi, three_frames));

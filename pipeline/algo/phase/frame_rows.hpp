@@ -54,7 +54,7 @@ struct MaskFrames {
   for (std::size_t u = 0; u < width; ++u) {
     const float high = larger(larger(a[u], b[u]), c[u]), low = smaller(smaller(a[u], b[u]), c[u]);
     const int lit = high >= saturated_dn ? kFull : (sigma[u] < max_sigma ? kNone : kNoisy);
-    reject[u] = static_cast<PixelReject>((high <= dark_dn) | (low < clip_dn) ? kDark : lit);
+    reject[u] = static_cast<PixelReject>(((high <= dark_dn) | (low < clip_dn)) ? kDark : lit);
   }
 }
 

@@ -127,19 +127,24 @@ class Rows {
   }
 
   void choose() {
+    const CostHalf low_states{0, 1, 2, 3, 4, 5, 6, 7}, high_states{8, 9, 10, 11, 12, 13, 14, 15};
+    const CostHalf none = CostHalf{} + static_cast<Cost>(kOrderStates), impossible = CostHalf{} + kImpossible;
     const Cost margin = to_cost(config_.decided_margin);
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      const OrderCosts &up = work_.up[i], &down = work_.down[i];
-      OrderCosts total, place;
-      for (std::size_t k = 0; k < kOrderStates; ++k) total.of[k] = static_cast<Cost>((up.of[k] + down.of[k]) / 2);
-      const Cost first = least(total);
-      for (std::size_t k = 0; k < kOrderStates; ++k)
-        place.of[k] = static_cast<Cost>(total.of[k] == first ? k : kOrderStates);
-      const Cost best = least(place);  // the lowest of equals
-      for (std::size_t k = 0; k < kOrderStates; ++k)
-        total.of[k] = static_cast<Cost>(k) == best ? kImpossible : total.of[k];
-      out_.pieces[i].shift = base_shift(work_, pieces_[i]) + best;
-      out_.pieces[i].decided = first < kImpossible && least(total) - first >= margin;
+      const CostPair up(work_.up[i]), down(work_.down[i]);
+      CostPair total(up);
+      total.low = (up.low + down.low) >> 1;
+      total.high = (up.high + down.high) >> 1;
+      const CostHalf first = least_everywhere(total);
+      CostPair place(total);
+      place.low = total.low == first ? low_states : none;
+      place.high = total.high == first ? high_states : none;
+      const CostHalf best = least_everywhere(place);  // the lowest of equals
+      total.low = low_states == best ? impossible : total.low;
+      total.high = high_states == best ? impossible : total.high;
+      const CostHalf second = least_everywhere(total);
+      out_.pieces[i].shift = base_shift(work_, pieces_[i]) + best[0];
+      out_.pieces[i].decided = first[0] < kImpossible && second[0] - first[0] >= margin;
     }
   }
 
