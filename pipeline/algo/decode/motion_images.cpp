@@ -17,7 +17,10 @@ void MotionImage::resize(int width, int height) {
 
 void MotionImage::set_row(int y, const float* full) {
   float* out = data_.data() + static_cast<std::ptrdiff_t>(y) * 4 * pitch_;
-  for (int x = 0; x < width_; ++x) out[(x % 4) * pitch_ + x / 4] = full[2 * x];
+  for (int place = 0; place < 4; ++place, out += pitch_) {
+    const int count = (width_ - place + 3) / 4;
+    for (int k = 0; k < count; ++k) out[k] = full[8 * k + 2 * place];
+  }
 }
 
 void make_motion_images(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays,

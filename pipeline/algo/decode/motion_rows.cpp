@@ -1,5 +1,6 @@
 #include "pipeline/algo/decode/motion_rows.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
@@ -71,12 +72,12 @@ using SlopeSums = std::array<Lanes, kSlopeSums>;
 
 void slope_loop(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out) {
   constexpr auto kLanes = static_cast<int>(kNodeLanes);
-  for (int n = begin; n < end; n += kLanes) {
-    if (n + kLanes <= end)
-      slopes_of(images, node_row, n, kNodeLanes, out);
-    else
-      slopes_of(images, node_row, n, static_cast<std::size_t>(end - n), out);
+  if (end - begin < kLanes) {
+    slopes_of(images, node_row, begin, static_cast<std::size_t>(std::max(end - begin, 0)), out);
+    return;
   }
+  for (int n = begin; n < end; n += kLanes)  // the last lanes repeat some nodes
+    slopes_of(images, node_row, std::min(n, end - kLanes), kNodeLanes, out);
 }
 
 /// Sums over the pixels of kNodeLanes nodes: products of the columns of eps (r), dA/B (l), rho (h) and the residual.

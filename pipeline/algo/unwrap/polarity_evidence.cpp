@@ -46,8 +46,8 @@ void PolarityEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, 
 
 void PolarityEvidence::costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const {
   const PolaritySaid& said = said_[piece];
-  for (std::size_t k = 0; k < out.size(); ++k)
-    out[k] = signs_->at(first_cell + 2 * static_cast<std::int32_t>(k)) > 0 ? said.plus : said.minus;
+  const float* sign = &signs_->sign[static_cast<std::size_t>(first_cell)];
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = sign[2 * k] > 0 ? said.plus : said.minus;
 }
 
 Stance PolarityEvidence::stance(std::size_t piece, std::int32_t cell) const {
