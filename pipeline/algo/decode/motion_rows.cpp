@@ -29,9 +29,10 @@ constexpr std::size_t kSlopeSums = 7;  ///< uu uv vv of the pairs' distances, u 
 using Lanes = std::array<float, kNodeLanes>;
 using SlopeSums = std::array<Lanes, kSlopeSums>;
 
-/// The pairs at +-(dx, dy) of up to kNodeLanes nodes.
+/// The pairs at +-(dx, dy) of kCount nodes.
+template <std::size_t kCount>
 [[gnu::always_inline]] inline void add_pairs(const MotionImages& images, int node_row, int dx, int dy, int begin,
-                                             std::size_t count, const float* limit, SlopeSums& sums) {
+                                             const float* limit, SlopeSums& sums) {
   const float* __restrict q_plus = images.inverse_depth.around(node_row, dx, dy) + begin;
   const float* __restrict q_minus = images.inverse_depth.around(node_row, -dx, -dy) + begin;
   const float* __restrict a_plus = images.light.around(node_row, dx, dy) + begin;
@@ -39,7 +40,7 @@ using SlopeSums = std::array<Lanes, kSlopeSums>;
   const auto x = static_cast<float>(4 * dx), y = static_cast<float>(4 * dy);  // pixels of the full image
   const float reach = std::abs(x) + std::abs(y);
   ENAMEL_INDEPENDENT
-  for (std::size_t j = 0; j < count; ++j) {
+  for (std::size_t j = 0; j < kCount; ++j) {
     const float step = q_plus[j] - q_minus[j];
     const bool same = std::abs(step) < limit[j] * reach;  // false for NaN
     const float d = select(same, step, 0), a = select(same, a_plus[j] - a_minus[j], 0);
@@ -53,14 +54,14 @@ using SlopeSums = std::array<Lanes, kSlopeSums>;
   }
 }
 
-[[gnu::always_inline]] inline void slopes_of(const MotionImages& images, int node_row, int begin, std::size_t count,
-                                             const SlopeRow& out) {
+template <std::size_t kCount>
+[[gnu::always_inline]] inline void slopes_of(const MotionImages& images, int node_row, int begin, const SlopeRow& out) {
   SlopeSums s{};
   for (int dy = 0; dy <= kReach; ++dy) {
     for (int dx = dy == 0 ? 1 : -kReach; dx <= kReach; ++dx)
-      add_pairs(images, node_row, dx, dy, begin, count, out.limit + begin, s);
+      add_pairs<kCount>(images, node_row, dx, dy, begin, out.limit + begin, s);
   }
-  for (std::size_t j = 0; j < count; ++j) {
+  for (std::size_t j = 0; j < kCount; ++j) {
     const std::size_t n = static_cast<std::size_t>(begin) + j;
     out.det[n] = s[0][j] * s[2][j] - s[1][j] * s[1][j];
     out.q_u[n] = s[2][j] * s[3][j] - s[1][j] * s[4][j];
@@ -73,11 +74,11 @@ using SlopeSums = std::array<Lanes, kSlopeSums>;
 void slope_loop(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out) {
   constexpr auto kLanes = static_cast<int>(kNodeLanes);
   if (end - begin < kLanes) {
-    slopes_of(images, node_row, begin, static_cast<std::size_t>(std::max(end - begin, 0)), out);
+    for (int n = begin; n < end; ++n) slopes_of<1>(images, node_row, n, out);
     return;
   }
   for (int n = begin; n < end; n += kLanes)  // the last lanes repeat some nodes
-    slopes_of(images, node_row, std::min(n, end - kLanes), kNodeLanes, out);
+    slopes_of<kNodeLanes>(images, node_row, std::min(n, end - kLanes), out);
 }
 
 /// Sums over the pixels of kNodeLanes nodes: products of the columns of eps (r), dA/B (l), rho (h) and the residual.
