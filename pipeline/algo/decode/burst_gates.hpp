@@ -19,7 +19,7 @@ namespace enamel::algo {
 /// either way.
 [[nodiscard]] double repeated_share(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise);
 
-/// What motion and second harmonic leave of the closure residual, as median over the fit's blocks. A frame k of another
+/// What motion and second harmonic leave of the closure residual, as median over blocks. A frame k of another
 /// time is off by a phase d: of the two columns B sin and B cos of the residual, which motion fills with opposite
 /// signs, it fills but one, B (d/2) (sin + cos) beside an apparent motion. Light and texture that change during the
 /// burst disturb that column as much as any other: `unrest` is their part where b = -1, to which an odd frame adds
@@ -28,9 +28,9 @@ struct OddFrame {
   float shift_rad = 0;  ///< d
   float unrest = 0;     ///< of B, on the same scale as shift_rad
 };
-/// field: motion known better than by the fit, or null.
-[[nodiscard]] OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureFit& fit,
-                                      const MotionField* field);
+/// errors: motion, light and harmonic as far as they are known; block_px: of the blocks.
+[[nodiscard]] OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors,
+                                      int block_px);
 
 /// Share of valid horizontal neighbours whose phase changes in the direction of the rig's carrier. An odd permutation
 /// of mode M's three phase frames turns the sign of the phase, and its code is as good as before (cos is even): only

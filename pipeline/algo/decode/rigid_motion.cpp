@@ -6,15 +6,12 @@
 #include <limits>
 #include <optional>
 
+#include "pipeline/algo/decode/motion_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 
 namespace enamel::algo {
 namespace {
 
-constexpr int kNode_px = 8;
-constexpr int kPixelStep = 2;      ///< of the pixels that are asked: a quarter of VGA says enough about six unknowns
-constexpr int kReach_px = 6;       ///< of the window in which slopes are measured: half a fringe averages ripple away
-constexpr int kStep_px = 2;        ///< pixels of the window that are used
 constexpr float kMinDet = 4000;    ///< of the 2x2 normal equations: about a quarter of a full window's
 constexpr float kMaxSlope = 3.7F;  ///< dz/dx of 75 degrees, the steepest that counts as one surface
 constexpr float kMinCosine =
@@ -23,223 +20,167 @@ constexpr int kRounds = 3;  ///< each leaves out what the round before could not
 constexpr int kUnknowns = 7;  ///< V, W, rho
 using Vector7 = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix7 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
-using Node = RigidMotionWork::Node;
+using Theta = std::array<double, kUnknowns>;
 
-struct Inputs {
-  const PhaseMaps& maps;
-  const PolarityMaps& polarity;
-  const RayDepth& rays;
-  const Map<float>& inverse_depth;
-  float black_dn;
-  Eigen::Vector3f pivot_mm;  ///< turns are about this point
-  std::size_t width;
-  int columns, rows;
+enum NodeQuality : std::uint8_t { kNoSlope, kTooSteep, kFits };
+
+/// One pass over the burst, with the slopes that the errors known so far leave.
+class Pass {
+ public:
+  Pass(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureFit& coarse, const RayDepth& rays,
+       float black_dn, const RigidMotionConfig& config, RigidMotionWork& work)
+      : maps_(maps),
+        polarity_(polarity),
+        coarse_(coarse),
+        rays_(rays),
+        black_dn_(black_dn),
+        config_(config),
+        work_(work),
+        columns_(maps.phase_rad.width() / kNode_px),
+        rows_(maps.phase_rad.height() / kNode_px),
+        count_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+        pivot_mm_(0, 0, 2 / (1 / rays.near_mm + 1 / rays.far_mm)) {}
+
+  std::optional<Theta> run(const BurstErrors& known) {
+    make_motion_images(maps_, polarity_, rays_, known, black_dn_, work_.images);
+    make_nodes();
+    take_columns();
+    return solve_robustly();
+  }
+
+  /// Motion at every node; one without slope takes the coarse rate of its block.
+  void spread(const Theta& theta, MotionField& field) const {
+    field.columns = columns_;
+    field.rows = rows_;
+    field.rate_rad.resize(count_);
+    field.light.resize(count_);
+    for (std::size_t n = 0; n < count_; ++n) {
+      float rate = 0, light = 0;
+      for (std::size_t k = 0; k < 6; ++k) {
+        rate += work_.rate[k * count_ + n] * static_cast<float>(theta[k]);
+        light += work_.light[k * count_ + n] * static_cast<float>(theta[k]);
+      }
+      const int column = static_cast<int>(n) % columns_, row = static_cast<int>(n) / columns_;
+      const std::size_t block = coarse_.block_at(column * kNode_px, row * kNode_px);
+      field.rate_rad[n] = work_.quality[n] != kNoSlope ? rate : coarse_.block_motion_rad[block];
+      field.light[n] = light;
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t pixel_of(int column, int row) const {
+    return maps_.phase_rad.index(column * kNode_px + kNode_px / 2, row * kNode_px + kNode_px / 2);
+  }
+
+  void make_nodes() {
+    work_.rate.assign(6 * count_, 0.0F);
+    work_.light.assign(6 * count_, 0.0F);
+    work_.quality.assign(count_, kNoSlope);
+    const auto n = static_cast<std::size_t>(columns_);
+    work_.slopes.resize(6 * n);
+    float* s = work_.slopes.data();
+    const SlopeRow slopes{s, s + n, s + 2 * n, s + 3 * n, s + 4 * n, s + 5 * n};
+    for (int row = 1; row < rows_ - 1; ++row) {
+      const float* q = work_.images.inverse_depth.around(row, 0, 0);
+      for (int column = 1; column < columns_ - 1; ++column) {
+        const std::size_t i = pixel_of(column, row);
+        s[column] = kMaxSlope * q[column] * std::abs(rays_.rays.x[i + 1] - rays_.rays.x[i]);
+      }
+      slope_row(work_.images, row, 1, columns_ - 1, slopes);
+      for (int column = 1; column < columns_ - 1; ++column) make_node(slopes, column, row);
+    }
+  }
+
+  /// Columns of eps and of dA/B for the six unknowns (equations of the header).
+  void make_node(const SlopeRow& slopes, int column, int row) {
+    const std::size_t i = pixel_of(column, row), width = static_cast<std::size_t>(maps_.phase_rad.width());
+    const float q = work_.images.inverse_depth.around(row, 0, 0)[column], det = slopes.det[column];
+    const float phase = maps_.phase_rad[i] + kTwoPiF * static_cast<float>(polarity_.turn[i]);
+    const float slope = rays_.inverse_depth_slope(i, phase), b = maps_.modulation_dn[i];
+    if (!(q > 0) || !(det > kMinDet) || !(std::abs(slope) > 0) || !(b > 1)) return;
+    const float light = work_.images.light.around(row, 0, 0)[column];
+    const float x = rays_.rays.x[i], y = rays_.rays.y[i];
+    const float per_x = 1 / (rays_.rays.x[i + 1] - x), per_y = 1 / (rays_.rays.y[i + width] - y);
+    const float a_u = slopes.a_u[column] / det * per_x, a_v = slopes.a_v[column] / det * per_y;  // per unit of r
+    const Eigen::Vector3f r(x, y, 1);
+    Eigen::Vector3f m(slopes.q_u[column] / det * per_x, slopes.q_v[column] / det * per_y, 0);
+    m.z() = q - m.x() * x - m.y() * y;
+    // Rate and light are linear in the point's motion U q, so two vectors say it for all shifts and turns.
+    const Eigen::Vector3f of_rate = -m / slope;
+    const Eigen::Vector3f of_light = Eigen::Vector3f(-a_u, -a_v, a_u * x + a_v * y - 2 * light) / b;
+    const Eigen::Vector3f arm = r - q * pivot_mm_;  // (W x arm).f = W.(arm x f)
+    const Eigen::Vector3f turn_rate = arm.cross(of_rate), turn_light = arm.cross(of_light);
+    const std::size_t n =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = static_cast<Eigen::Index>(k);
+      work_.rate[k * count_ + n] = q * of_rate[axis];
+      work_.rate[(k + 3) * count_ + n] = turn_rate[axis];
+      work_.light[k * count_ + n] = q * of_light[axis];
+      work_.light[(k + 3) * count_ + n] = turn_light[axis];
+    }
+    work_.quality[n] = q > kMinCosine * m.norm() * r.norm() ? kFits : kTooSteep;
+  }
+
+  /// Of the sampled nodes.
+  void take_columns() {
+    const MotionSamples& samples = work_.samples;
+    MotionColumns& out = work_.columns;
+    out.rate.assign(6 * samples.nodes, 0.0F);
+    out.light.assign(6 * samples.nodes, 0.0F);
+    out.counts.assign(samples.nodes, 0.0F);
+    for (std::size_t s = 0; s < samples.node.size(); ++s) {
+      const auto n = static_cast<std::size_t>(samples.node[s]);
+      if (work_.quality[n] != kFits) continue;
+      out.counts[s] = 1;
+      for (std::size_t k = 0; k < 6; ++k) {
+        out.rate[k * samples.nodes + s] = work_.rate[k * count_ + n];
+        out.light[k * samples.nodes + s] = work_.light[k * count_ + n];
+      }
+    }
+  }
+
+  [[nodiscard]] Theta solve(const MotionEquations& e) const {
+    Matrix7 left;
+    Vector7 right, spread;
+    for (int row = 0; row < kUnknowns; ++row) {
+      right[row] = e.right[static_cast<std::size_t>(row)];
+      for (int column = row; column < kUnknowns; ++column)
+        left(row, column) = left(column, row) = e.left[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+    }
+    spread << Eigen::Vector3d::Constant(config_.shift_prior_mm), Eigen::Vector3d::Constant(config_.turn_prior_rad),
+        config_.harmonic_prior;
+    left.diagonal() += e.squares / std::max(e.pixels, 1.0) * spread.cwiseInverse().cwiseAbs2();
+    const Vector7 theta = left.ldlt().solve(right);
+    Theta out{};
+    std::copy_n(theta.data(), kUnknowns, out.begin());
+    return out;
+  }
+
+  [[nodiscard]] std::optional<Theta> solve_robustly() const {
+    Theta theta{};
+    double limit = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kRounds; ++round) {
+      MotionEquations e;
+      add_samples(work_.samples, work_.columns, theta, limit, e);
+      if (e.pixels < static_cast<double>(config_.min_pixels)) return std::nullopt;
+      theta = solve(e);
+      limit = static_cast<double>(config_.outlier_sigmas) * std::sqrt(e.squares / e.pixels);
+    }
+    return theta;
+  }
+
+  const PhaseMaps& maps_;
+  const PolarityMaps& polarity_;
+  const ClosureFit& coarse_;
+  const RayDepth& rays_;
+  float black_dn_;
+  const RigidMotionConfig& config_;
+  RigidMotionWork& work_;
+  int columns_, rows_;
+  std::size_t count_;
+  Eigen::Vector3f pivot_mm_;  ///< turns are about this point
 };
-
-/// A - black without the ripple that motion and the second harmonic put on (I0+I2)/2.
-void clean_light(const Inputs& in, const Map<float>& rate, const Map<float>& harmonic, Map<float>& out) {
-  if (out.width() != rate.width() || out.height() != rate.height()) out = Map<float>(rate.width(), rate.height());
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const float c = in.maps.cosine_dn[i], s = in.maps.sine_dn[i];
-    const float ripple = rate[i] * s + harmonic[i] * (c - s) * (c + s) / (in.maps.modulation_dn[i] + 1e-6F);
-    out[i] = in.maps.mean_dn[i] - in.black_dn - ripple;
-  }
-}
-
-struct Slopes {
-  float q_u = 0, q_v = 0, a_u = 0, a_v = 0;  ///< per pixel
-  bool ok = false;
-};
-
-/// Slopes of 1/z and of A about pixel (u, v), from pairs of pixels opposite to each other: holes and edges drop out.
-Slopes measure_slopes(const Inputs& in, const Map<float>& light, int u, int v) {
-  const auto at = static_cast<std::ptrdiff_t>(v) * static_cast<std::ptrdiff_t>(in.width) + u;
-  const float q = in.inverse_depth[static_cast<std::size_t>(at)];
-  if (!(q > 0)) return {};
-  const float per_px =
-      kMaxSlope * q *
-      std::abs(in.rays.rays.x[static_cast<std::size_t>(at) + 1] - in.rays.rays.x[static_cast<std::size_t>(at)]);
-  float uu = 0, uv = 0, vv = 0, qu = 0, qv = 0, au = 0, av = 0;
-  for (int dv = 0; dv <= kReach_px; dv += kStep_px) {
-    for (int du = dv == 0 ? kStep_px : -kReach_px; du <= kReach_px; du += kStep_px) {
-      const std::ptrdiff_t o = static_cast<std::ptrdiff_t>(dv) * static_cast<std::ptrdiff_t>(in.width) + du;
-      const auto plus = static_cast<std::size_t>(at + o), minus = static_cast<std::size_t>(at - o);
-      const float d = in.inverse_depth[plus] - in.inverse_depth[minus];
-      const float x = static_cast<float>(2 * du), y = static_cast<float>(2 * dv);
-      if (!(std::abs(d) < per_px * (std::abs(x) + std::abs(y)))) continue;
-      const float a = light[plus] - light[minus];
-      uu += x * x, uv += x * y, vv += y * y;
-      qu += x * d, qv += y * d, au += x * a, av += y * a;
-    }
-  }
-  const float det = uu * vv - uv * uv;
-  if (!(det > kMinDet)) return {};
-  return {(vv * qu - uv * qv) / det, (uu * qv - uv * qu) / det, (vv * au - uv * av) / det, (uu * av - uv * au) / det,
-          true};
-}
-
-/// Columns of eps and of dA/B for the six unknowns at a node (equations of the header).
-Node make_node(const Inputs& in, const Map<float>& light, int u, int v) {
-  Node node;
-  const Slopes s = measure_slopes(in, light, u, v);
-  if (!s.ok) return node;
-  const std::size_t i = static_cast<std::size_t>(v) * in.width + static_cast<std::size_t>(u);
-  const float x = in.rays.rays.x[i], y = in.rays.rays.y[i], q = in.inverse_depth[i];
-  const float per_x = in.rays.rays.x[i + 1] - x, per_y = in.rays.rays.y[i + in.width] - y;
-  const float phase = in.maps.phase_rad[i] + kTwoPiF * static_cast<float>(in.polarity.turn[i]);
-  const float slope = in.rays.inverse_depth_slope(i, phase);
-  const float b = in.maps.modulation_dn[i];
-  if (!(std::abs(slope) > 0) || !(b > 1)) return node;
-  const Eigen::Vector3f r(x, y, 1);
-  Eigen::Vector3f m(s.q_u / per_x, s.q_v / per_y, 0);
-  m.z() = q - m.x() * x - m.y() * y;
-  node.fits = q > kMinCosine * m.norm() * r.norm();
-  for (int k = 0; k < 6; ++k) {
-    const Eigen::Vector3f axis = Eigen::Vector3f::Unit(k % 3);
-    const Eigen::Vector3f moved = k < 3 ? Eigen::Vector3f(q * axis) : axis.cross(r - q * in.pivot_mm);  // U q
-    const float du = (moved.x() - x * moved.z()) / per_x, dv = (moved.y() - y * moved.z()) / per_y;
-    node.rate[static_cast<std::size_t>(k)] = -m.dot(moved) / slope;
-    node.light[static_cast<std::size_t>(k)] = (-s.a_u * du - s.a_v * dv - 2 * light[i] * moved.z()) / b;
-  }
-  node.ok = true;
-  return node;
-}
-
-std::size_t centre_of(const Inputs& in, int column, int row) {
-  return static_cast<std::size_t>(row * kNode_px + kNode_px / 2) * in.width +
-         static_cast<std::size_t>(column * kNode_px + kNode_px / 2);
-}
-
-void make_nodes(const Inputs& in, const Map<float>& light, std::vector<Node>& nodes) {
-  nodes.assign(static_cast<std::size_t>(in.columns) * static_cast<std::size_t>(in.rows), {});
-  const int margin = (kReach_px + kNode_px) / kNode_px;
-  for (int row = margin; row < in.rows - margin; ++row) {
-    for (int column = margin; column < in.columns - margin; ++column) {
-      if (in.maps.reject[centre_of(in, column, row)] != PixelReject::kNone) continue;
-      nodes[static_cast<std::size_t>(row) * static_cast<std::size_t>(in.columns) + static_cast<std::size_t>(column)] =
-          make_node(in, light, column * kNode_px + kNode_px / 2, row * kNode_px + kNode_px / 2);
-    }
-  }
-}
-
-/// Columns of one pixel's residual: for eps, for dA/B, for rho (closure.hpp). `rate`, eps as known so far, makes the
-/// first exact to second order.
-struct Columns {
-  float rate, light, harmonic, residual;
-  bool used;
-};
-
-Columns columns_at(const Inputs& in, std::size_t i, float rate, float max_residual) {
-  const float c = in.maps.cosine_dn[i], s = in.maps.sine_dn[i], b = in.maps.modulation_dn[i];
-  const float r = in.maps.code_dn[i], w = in.polarity.weight[i];
-  const float share = b / larger(in.maps.mean_dn[i] - in.black_dn, 1);
-  const bool plus = w > 0;
-  Columns out{};
-  out.used = in.maps.reject[i] == PixelReject::kNone && std::abs(w) > 0.999F && std::abs(r) < max_residual * b;
-  out.rate = plus ? 2 * (s - c) * (1 + rate) : -2 * (c - rate * s);
-  out.light = plus ? -2 * b - 2 * share * (c + s) : 2 * b - 2 * share * s;
-  out.harmonic = plus ? 4 * (c - s) * (c + s) / (b + 1e-6F) : 0;
-  out.residual = r;
-  return out;
-}
-
-struct Equations {
-  Matrix7 left = Matrix7::Zero();
-  Vector7 right = Vector7::Zero();
-  double squares = 0;
-  std::size_t pixels = 0;
-};
-
-/// Adds one node's block of pixels; residuals farther than `limit` from what `theta` predicts are left out.
-void add_node(const Inputs& in, const Node& node, int column, int row, const Vector7& theta, double limit,
-              float max_residual, Equations& out) {
-  Vector7 rate = Vector7::Zero(), light = Vector7::Zero();
-  for (int k = 0; k < 6; ++k) {
-    rate[k] = static_cast<double>(node.rate[static_cast<std::size_t>(k)]);
-    light[k] = static_cast<double>(node.light[static_cast<std::size_t>(k)]);
-  }
-  const double eps = rate.dot(theta), change = light.dot(theta), rho = theta[6];
-  double rr = 0, rl = 0, ll = 0, rh = 0, lh = 0, hh = 0, ry = 0, ly = 0, hy = 0;
-  for (int v = row * kNode_px; v < (row + 1) * kNode_px; v += kPixelStep) {
-    for (int u = column * kNode_px + v / kPixelStep % kPixelStep; u < (column + 1) * kNode_px; u += kPixelStep) {
-      const Columns c = columns_at(in, static_cast<std::size_t>(v) * in.width + static_cast<std::size_t>(u),
-                                   static_cast<float>(eps), max_residual);
-      if (!c.used) continue;
-      const auto x = static_cast<double>(c.rate), l = static_cast<double>(c.light), h = static_cast<double>(c.harmonic);
-      const auto y = static_cast<double>(c.residual);
-      const double left_over = y - x * eps - l * change - h * rho;
-      if (std::abs(left_over) > limit) continue;
-      rr += x * x, rl += x * l, ll += l * l, rh += x * h, lh += l * h, hh += h * h, ry += x * y, ly += l * y,
-          hy += h * y;
-      out.squares += left_over * left_over;
-      ++out.pixels;
-    }
-  }
-  out.left += rr * rate * rate.transpose() + rl * (rate * light.transpose() + light * rate.transpose()) +
-              ll * light * light.transpose();
-  const Vector7 cross = rh * rate + lh * light;
-  out.left.col(6) += cross;
-  out.left.row(6) += cross.transpose();
-  out.left(6, 6) += hh;
-  out.right += ry * rate + ly * light;
-  out.right[6] += hy;
-}
-
-Equations gather(const Inputs& in, const std::vector<Node>& nodes, const Vector7& theta, double limit,
-                 float max_residual) {
-  Equations out;
-  for (int row = 0; row < in.rows; ++row) {
-    for (int column = row % 2; column < in.columns; column += 2) {  // every second node says enough
-      const Node& node = nodes[static_cast<std::size_t>(row) * static_cast<std::size_t>(in.columns) +
-                               static_cast<std::size_t>(column)];
-      if (node.ok && node.fits) add_node(in, node, column, row, theta, limit, max_residual, out);
-    }
-  }
-  return out;
-}
-
-Vector7 solve(Equations e, const RigidMotionConfig& config) {
-  const double variance = e.squares / static_cast<double>(std::max<std::size_t>(e.pixels, 1));
-  Vector7 spread;
-  spread << Eigen::Vector3d::Constant(config.shift_prior_mm), Eigen::Vector3d::Constant(config.turn_prior_rad),
-      config.harmonic_prior;
-  e.left.diagonal() += variance * spread.cwiseInverse().cwiseAbs2();
-  return e.left.ldlt().solve(e.right);
-}
-
-std::optional<Vector7> solve_robustly(const Inputs& in, const std::vector<Node>& nodes,
-                                      const RigidMotionConfig& config) {
-  Vector7 theta = Vector7::Zero();
-  double limit = std::numeric_limits<double>::max();
-  for (int round = 0; round < kRounds; ++round) {
-    const Equations e = gather(in, nodes, theta, limit, config.max_residual);
-    if (e.pixels < config.min_pixels) return std::nullopt;
-    theta = solve(e, config);
-    limit = static_cast<double>(config.outlier_sigmas) * std::sqrt(e.squares / static_cast<double>(e.pixels));
-  }
-  return theta;
-}
-
-/// Motion at every pixel: bilinear between nodes; a node without slope takes the coarse rate of its block.
-void spread_field(const Inputs& in, const ClosureFit& coarse, const Vector7& theta, RigidMotionWork& work,
-                  MotionField& field) {
-  const std::size_t count = work.nodes.size();
-  work.node_rate.resize(count), work.node_light.resize(count);
-  for (std::size_t n = 0; n < count; ++n) {
-    const Node& node = work.nodes[n];
-    const auto column = static_cast<int>(n % static_cast<std::size_t>(in.columns)),
-               row = static_cast<int>(n / static_cast<std::size_t>(in.columns));
-    float rate = 0, light = 0;
-    for (std::size_t k = 0; k < 6; ++k) {
-      rate += node.rate[k] * static_cast<float>(theta[static_cast<Eigen::Index>(k)]);
-      light += node.light[k] * static_cast<float>(theta[static_cast<Eigen::Index>(k)]);
-    }
-    work.node_rate[n] = node.ok ? rate : coarse.block_motion_rad[coarse.block_at(column * kNode_px, row * kNode_px)];
-    work.node_light[n] = light;
-  }
-  interpolate_grid(work.node_rate.data(), in.columns, in.rows, kNode_px, field.rate_rad);
-  interpolate_grid(work.node_light.data(), in.columns, in.rows, kNode_px, field.light);
-}
 
 }  // namespace
 
@@ -254,31 +195,20 @@ bool stands_still(const ClosureFit& coarse, const RigidMotionConfig& config) {
 }
 
 RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureFit& coarse,
-                             const RayDepth& rays, const Map<float>& inverse_depth, float black_dn, bool refine,
-                             const RigidMotionConfig& config, RigidMotionWork& work, MotionField& field) {
-  const Inputs in{maps,
-                  polarity,
-                  rays,
-                  inverse_depth,
-                  black_dn,
-                  {0, 0, 2 / (1 / rays.near_mm + 1 / rays.far_mm)},
-                  static_cast<std::size_t>(maps.phase_rad.width()),
-                  maps.phase_rad.width() / kNode_px,
-                  maps.phase_rad.height() / kNode_px};
+                             const RayDepth& rays, float black_dn, int passes, const RigidMotionConfig& config,
+                             RigidMotionWork& work, MotionField& field) {
   RigidMotion out;
-  field.resize(maps.phase_rad.width(), maps.phase_rad.height());
-  clean_light(in, refine ? field.rate_rad : coarse.pixel_motion_rad, coarse.pixel_harmonic, work.light);
-  make_nodes(in, work.light, work.nodes);
-  const auto found = solve_robustly(in, work.nodes, config);
-  if (!found) return out;
-  const Vector7& theta = *found;
-  spread_field(in, coarse, theta, work, field);
-  for (std::size_t k = 0; k < 3; ++k) {
-    out.shift_mm[k] = theta[static_cast<Eigen::Index>(k)];
-    out.turn_rad[k] = theta[static_cast<Eigen::Index>(k + 3)];
+  take_samples(maps, polarity, black_dn, config.max_residual, work.samples);
+  Pass pass(maps, polarity, coarse, rays, black_dn, config, work);
+  for (int k = 0; k < passes; ++k) {
+    const auto theta = pass.run(out.moved ? field.errors(coarse) : coarse.errors());
+    if (!theta) return {};
+    pass.spread(*theta, field);
+    std::copy_n(theta->begin(), 3, out.shift_mm.begin());
+    std::copy_n(theta->begin() + 3, 3, out.turn_rad.begin());
+    out.about_mm = static_cast<double>(2 / (1 / rays.near_mm + 1 / rays.far_mm));
+    out.moved = true;
   }
-  out.about_mm = static_cast<double>(in.pivot_mm.z());
-  out.moved = true;
   return out;
 }
 

@@ -11,8 +11,11 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
+#include "pipeline/algo/decode/motion_images.hpp"
+#include "pipeline/algo/decode/motion_samples.hpp"
 #include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/triangulate/ray_depth.hpp"
 
@@ -36,27 +39,35 @@ struct RigidMotion {
   bool moved = false;                ///< determined
 };
 
+/// Motion at the nodes of a grid over the image, per frame interval.
+struct MotionField {
+  int columns = 0, rows = 0;
+  std::vector<float> rate_rad, light;  ///< eps; a = dA/B
+
+  /// Valid while this and `coarse` live; the harmonic is that of `coarse`.
+  [[nodiscard]] BurstErrors errors(const ClosureFit& coarse) const noexcept {
+    return {
+        {rate_rad.data(), columns, rows, kNode_px}, coarse.errors().harmonic, {light.data(), columns, rows, kNode_px}};
+  }
+};
+
 struct RigidMotionWork {
-  struct Node {
-    bool ok = false;    ///< slope known
-    bool fits = false;  ///< and well enough to estimate the motion from
-    std::array<float, 6> rate{}, light{};
-  };
-  std::vector<Node> nodes;
-  std::vector<float> node_rate, node_light;
-  Map<float> light;
+  MotionSamples samples;
+  MotionImages images;
+  MotionColumns columns;
+  std::vector<float> slopes, rate, light;  ///< of all nodes; rate and light for each of the six unknowns
+  std::vector<std::uint8_t> quality;
 };
 
 /// Nothing worth an estimate happened during the burst. Texture that slides by on a surface without slope goes unseen.
 [[nodiscard]] bool stands_still(const ClosureFit& coarse, const RigidMotionConfig& config);
 
-/// Inputs after apply_polarity: c, s, B, residual, weights; `coarse`, the block-wise estimate. inverse_depth: of the
-/// burst as corrected so far. The image of A is cleaned from the ripple of the motion known so far: that of `coarse`,
-/// or, with `refine`, that of `field` and `work` from the call before. On moved, `field` holds the motion at every
-/// pixel; where the surface's slope is unknown, the blocks' own rate.
+/// Inputs after apply_polarity: c, s, B, residual, weights, and the phase as it was measured; `coarse`, the block-wise
+/// estimate. Slopes are those of the surface less the errors of `coarse`, and in each pass after the first less those
+/// that the pass before found. On moved, `field` holds the motion of the last pass; where the surface's slope is
+/// unknown, the blocks' own rate. passes >= 1.
 [[nodiscard]] RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity,
-                                           const ClosureFit& coarse, const RayDepth& rays,
-                                           const Map<float>& inverse_depth, float black_dn, bool refine,
+                                           const ClosureFit& coarse, const RayDepth& rays, float black_dn, int passes,
                                            const RigidMotionConfig& config, RigidMotionWork& work, MotionField& field);
 
 }  // namespace enamel::algo

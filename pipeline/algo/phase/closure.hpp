@@ -20,6 +20,7 @@
 
 #include <vector>
 
+#include "pipeline/algo/phase/grid_rows.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 
 namespace enamel::algo {
@@ -31,13 +32,23 @@ struct ClosureConfig {
   float harmonic_prior = 0.003F;   ///< spread of a block's rho about the burst's
 };
 
-/// Estimates for the burst, for each block of block_px (row major), and at each pixel, bilinear between blocks.
+/// What is known of motion (per frame interval), light and the projector at every pixel.
+struct BurstErrors {
+  Grid motion_rad;  ///< eps
+  Grid harmonic;    ///< rho
+  Grid light;       ///< a = dA/B
+};
+
+/// Estimates for the burst and for each block of block_px (row major).
 struct ClosureFit {
   int columns = 0, rows = 0, block_px = 32;
   float motion_rad = 0, harmonic = 0;
   std::vector<float> block_motion_rad, block_harmonic, block_pixels;
-  Map<float> pixel_motion_rad, pixel_harmonic;
 
+  /// Valid while this lives.
+  [[nodiscard]] BurstErrors errors() const noexcept {
+    return {{block_motion_rad.data(), columns, rows, block_px}, {block_harmonic.data(), columns, rows, block_px}, {}};
+  }
   /// Index of the block that holds pixel (u, v).
   [[nodiscard]] std::size_t block_at(int u, int v) const noexcept {
     return static_cast<std::size_t>((v / block_px) * columns + u / block_px);
@@ -49,24 +60,10 @@ struct ClosureFit {
   } work;
 };
 
-/// Motion known at every pixel, from elsewhere (rigid_motion.hpp), per frame interval.
-struct MotionField {
-  Map<float> rate_rad;  ///< eps
-  Map<float> light;     ///< a = dA/B
-
-  void resize(int width, int height);
-};
-
-/// Bilinear between the nodes of a grid, node (i, j) in the middle of the cell of cell_px that begins at (i, j)
-/// cell_px; held beyond the outermost.
-void interpolate_grid(const float* nodes, int columns, int rows, int cell_px, Map<float>& out);
-
 /// Regularised least squares per block; uses pixels of full weight only.
 void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureConfig& config, ClosureFit& out);
 
-/// Subtracts the errors above from phase_rad. Motion is that of the field where one is given, else that of the fit, as
-/// the harmonic is. Phases may leave [-pi, pi) a little.
-void correct_phase(const PolarityMaps& polarity, const MotionField* field, float black_dn, const ClosureFit& fit,
-                   PhaseMaps& maps);
+/// Subtracts the errors above from phase_rad. Phases may leave [-pi, pi) a little.
+void correct_phase(const PolarityMaps& polarity, const BurstErrors& errors, float black_dn, PhaseMaps& maps);
 
 }  // namespace enamel::algo

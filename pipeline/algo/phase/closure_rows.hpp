@@ -1,4 +1,4 @@
-// The loops of fit_closure and correct_phase over one row. Private to algo/phase.
+// The loops of fit_closure and correct_phase over one row.
 #pragma once
 
 #include "pipeline/algo/phase/closure.hpp"
@@ -15,6 +15,21 @@ void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, 
 /// What shifts the phase of one row's pixels.
 struct RowErrors {
   const float *weight, *rate, *harmonic, *light;
+};
+
+/// The errors of a burst, row by row.
+class ErrorRows {
+ public:
+  ErrorRows(const BurstErrors& errors, int width)
+      : rate_(errors.motion_rad, width), harmonic_(errors.harmonic, width), light_(errors.light, width) {}
+
+  /// Valid until the next call.
+  [[nodiscard]] RowErrors at(const PolarityMaps& polarity, int v) {
+    return {&polarity.weight(0, v), rate_.row(v), harmonic_.row(v), light_.row(v)};
+  }
+
+ private:
+  GridRows rate_, harmonic_, light_;
 };
 
 /// phase[u] -= error (equations of closure.hpp).

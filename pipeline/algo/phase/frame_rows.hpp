@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -13,7 +14,24 @@ namespace enamel::algo {
 
 using FrameRows = std::array<std::vector<float>, 4>;
 
-void load_row(const BurstView& view, std::size_t row, FrameRows& rows);
+/// Row `row` of all frames; for the instruction set of whoever calls.
+[[gnu::always_inline]] inline void load_row(const BurstView& view, std::size_t row, FrameRows& rows) {
+  const auto width = static_cast<std::size_t>(view.width);
+  for (std::size_t k = 0; k < 4; ++k) {
+    float* __restrict out = rows[k].data();
+    if (view.bit_depth == 8) {
+      const std::uint8_t* __restrict in = view.frames[k].data() + row * width;
+      for (std::size_t u = 0; u < width; ++u) out[u] = in[u];
+    } else {
+      const std::uint8_t* __restrict in = view.frames[k].data() + 2 * row * width;
+      for (std::size_t u = 0; u < width; ++u) {
+        std::uint16_t value = 0;
+        std::memcpy(&value, in + 2 * u, 2);
+        out[u] = value;
+      }
+    }
+  }
+}
 
 /// The three frames that the phase rests on: a, b, c, in any order.
 struct MaskFrames {
@@ -23,8 +41,22 @@ struct MaskFrames {
 };
 
 /// kDark, kSaturated, kNoisy or kNone of every pixel of a row, from its phase frames and the sigma of its phase.
-void mask_row(const MaskFrames& frames, std::size_t width, const NoiseModel& noise, const PhaseConfig& config,
-              const float* sigma, PixelReject* reject);
+[[gnu::always_inline]] inline void mask_row(const MaskFrames& frames, std::size_t width, const NoiseModel& noise,
+                                            const PhaseConfig& config, const float* sigma_rad, PixelReject* out) {
+  constexpr auto kNone = static_cast<int>(PixelReject::kNone), kNoisy = static_cast<int>(PixelReject::kNoisy);
+  constexpr auto kDark = static_cast<int>(PixelReject::kDark), kFull = static_cast<int>(PixelReject::kSaturated);
+  const float* __restrict a = frames.a, * __restrict b = frames.b, * __restrict c = frames.c;
+  const float* __restrict sigma = sigma_rad;
+  PixelReject* __restrict reject = out;
+  const float saturated_dn = config.saturation * noise.full_scale_dn, max_sigma = config.max_sigma_rad;
+  const float clip_dn = noise.black_dn > 0 ? 0.5F : -1.0F;  // a pedestal exists so that dark pixels are not clipped
+  const float dark_dn = noise.black_dn + config.dark_sigmas * root(noise.floor_dn2);
+  for (std::size_t u = 0; u < width; ++u) {
+    const float high = larger(larger(a[u], b[u]), c[u]), low = smaller(smaller(a[u], b[u]), c[u]);
+    const int lit = high >= saturated_dn ? kFull : (sigma[u] < max_sigma ? kNone : kNoisy);
+    reject[u] = static_cast<PixelReject>(((high <= dark_dn) | (low < clip_dn)) ? kDark : lit);
+  }
+}
 
 /// Three phase frames of one pixel solved: A, C = B cos(phi), S = B sin(phi), and the variance of phi times B^4.
 struct ThreeFrames {

@@ -137,8 +137,8 @@ class Fitter {
   }
 
   void spread() {
-    interpolate_grid(out_.work.block_motion_rad.data(), columns_, rows_, config_.block_px, out_.pixel_motion_rad);
-    interpolate_grid(out_.work.block_gain.data(), columns_, rows_, config_.block_px, out_.pixel_gain);
+    interpolate_grid({out_.work.block_motion_rad.data(), columns_, rows_, config_.block_px}, out_.pixel_motion_rad);
+    interpolate_grid({out_.work.block_gain.data(), columns_, rows_, config_.block_px}, out_.pixel_gain);
   }
 
   std::span<const CellSpan> spans_;

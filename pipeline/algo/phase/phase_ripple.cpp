@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/algo/phase/ripple_rows.hpp"
 
 namespace enamel::algo {
 namespace {
@@ -50,31 +50,22 @@ double PhaseRipple::error_rad(double phase_rad) const noexcept {
 PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps) {
   PhaseMoments sums;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  for (const CellSpan& s : spans) {
-    if (!s.whole || s.row % kRowStep != 0) continue;
-    const std::size_t at = static_cast<std::size_t>(s.row) * width;
-    std::array<float, kRippleTerms> cosines{}, sines{};
-    for (std::size_t i = at + static_cast<std::size_t>(s.begin); i < at + static_cast<std::size_t>(s.end); ++i) {
-      const float c = maps.cosine_dn[i], d = maps.sine_dn[i];
-      const float inv2 = 1.0F / (c * c + d * d + 1e-6F);
-      const float cos2 = (c - d) * (c + d) * inv2, sin2 = 2 * c * d * inv2;
-      const float e = 4 * wrap_once(maps.phase_rad[i] - atan2_poly(d, c));
-      const float cos4 = 2 * cos2 * cos2 - 1, sin4 = 2 * sin2 * cos2;
-      const float base_c = cos4 - e * sin4, base_s = sin4 + e * cos4;
-      float power_c = base_c, power_s = base_s;
-      for (std::size_t m = 0; m < kRippleTerms; ++m) {
-        cosines[m] += power_c;
-        sines[m] += power_s;
-        const float next = power_c * base_c - power_s * base_s;
-        power_s = power_s * base_c + power_c * base_s;
-        power_c = next;
-      }
+  std::vector<std::uint8_t> counted(width);
+  for (auto next = spans.begin(); next != spans.end();) {
+    const std::int32_t row = next->row;
+    std::fill(counted.begin(), counted.end(), std::uint8_t{0});
+    for (; next != spans.end() && next->row == row; ++next) {
+      if (!next->whole || row % kRowStep != 0) continue;
+      std::fill(counted.begin() + next->begin, counted.begin() + next->end, std::uint8_t{1});
+      sums.pixels += next->end - next->begin;
     }
+    if (row % kRowStep != 0) continue;
+    MomentLanes lanes;
+    add_moments_row(maps, counted.data(), static_cast<std::size_t>(row) * width, width, lanes);
     for (std::size_t m = 0; m < kRippleTerms; ++m) {
-      sums.cosines[m] += static_cast<double>(cosines[m]);
-      sums.sines[m] += static_cast<double>(sines[m]);
+      for (const float x : lanes.cosines[m]) sums.cosines[m] += static_cast<double>(x);
+      for (const float x : lanes.sines[m]) sums.sines[m] += static_cast<double>(x);
     }
-    sums.pixels += s.end - s.begin;
   }
   return sums;
 }

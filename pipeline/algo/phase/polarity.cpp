@@ -1,11 +1,9 @@
 #include "pipeline/algo/phase/polarity.hpp"
 
 #include <algorithm>
-#include <type_traits>
 #include <vector>
 
 #include "pipeline/algo/phase/polarity_rows.hpp"
-#include "pipeline/algo/phase/poly_trig.hpp"
 
 namespace enamel::algo {
 namespace {
@@ -13,37 +11,25 @@ namespace {
 /// Storage of a PolarityRow, filled span by span.
 class RowState {
  public:
-  explicit RowState(std::size_t width)
-      : sign_(width), low_flip_(width), high_flip_(width), origin_(width), turn_(width) {}
+  explicit RowState(std::size_t width) : cell_(width), turn_(width) {}
 
-  /// Between spans frame 3 counts as useless, which leaves those pixels as they are.
   void clear() {
-    constexpr float kUseless = -100;
-    std::fill(sign_.begin(), sign_.end(), 1.0F);
-    for (auto* flip : {&low_flip_, &high_flip_}) std::fill(flip->begin(), flip->end(), kUseless);
-    std::fill(origin_.begin(), origin_.end(), 0.0F);
+    std::fill(cell_.begin(), cell_.end(), std::uint8_t{kOutside});
     std::fill(turn_.begin(), turn_.end(), std::int16_t{0});
   }
 
   void add(const CellSpan& s, const CellSigns& signs) {
-    constexpr float kFar = 10;
     const float b = signs.at(s.cell);
-    const auto put = [&](auto& row, auto value) {
-      std::fill(row.begin() + s.begin, row.begin() + s.end, static_cast<std::decay_t<decltype(row[0])>>(value));
-    };
-    put(sign_, b);
-    put(low_flip_, signs.at(s.cell - 1) * b > 0 ? kFar : 0);
-    put(high_flip_, signs.at(s.cell + 1) * b > 0 ? kFar : 0);
-    put(origin_, (s.cell & 1) != 0 ? -kPiF : 0);
-    put(turn_, turn_of_cell(s.cell));
+    const int bits = (b < 0 ? kMinus : 0) | (signs.at(s.cell - 1) * b < 0 ? kLowFlip : 0) |
+                     (signs.at(s.cell + 1) * b < 0 ? kHighFlip : 0) | ((s.cell & 1) != 0 ? kUpperHalf : 0);
+    std::fill(cell_.begin() + s.begin, cell_.begin() + s.end, static_cast<std::uint8_t>(bits));
+    std::fill(turn_.begin() + s.begin, turn_.begin() + s.end, static_cast<std::int16_t>(turn_of_cell(s.cell)));
   }
 
-  [[nodiscard]] PolarityRow row() const {
-    return {sign_.data(), low_flip_.data(), high_flip_.data(), origin_.data(), turn_.data()};
-  }
+  [[nodiscard]] PolarityRow row() const { return {cell_.data(), turn_.data()}; }
 
  private:
-  std::vector<float> sign_, low_flip_, high_flip_, origin_;
+  std::vector<std::uint8_t> cell_;
   std::vector<std::int16_t> turn_;
 };
 
@@ -56,18 +42,24 @@ void apply_polarity(std::span<const CellSpan> spans, const CellSigns& signs, con
     out.weight = Map<float>(w, h);
     out.turn = Map<std::int16_t>(w, h);
   }
-  std::fill(out.weight.pixels().begin(), out.weight.pixels().end(), 0.0F);
   RowState state(static_cast<std::size_t>(w));
-  for (auto next = spans.begin(); next != spans.end();) {
-    const std::int32_t v = next->row, begin = next->begin;
+  auto next = spans.begin();
+  for (int v = 0; v < h; ++v) {
+    float* weight = &out.weight(0, v);
+    const bool any = next != spans.end() && next->row == v;
+    const std::int32_t begin = any ? next->begin : w;
     std::int32_t end = begin;
-    state.clear();
+    if (any) state.clear();
     for (; next != spans.end() && next->row == v; ++next) {
       state.add(*next, signs);
       end = next->end;
     }
-    solve_polarity_row(state.row(), out.weight.index(0, v), static_cast<std::size_t>(begin),
-                       static_cast<std::size_t>(end), noise, config, maps, out);
+    std::fill(weight, weight + begin, 0.0F);
+    std::fill(weight + end, weight + w, 0.0F);
+    if (any) {
+      solve_polarity_row(state.row(), out.weight.index(0, v), static_cast<std::size_t>(begin),
+                         static_cast<std::size_t>(end), noise, config, maps, out);
+    }
   }
 }
 

@@ -15,8 +15,8 @@ void solve_row(const PolarityRow& row, std::size_t at, std::size_t begin, std::s
                const PolarityConfig& config, PhaseMaps& m, PolarityMaps& out) {
   const NoiseModel noise = model;  // a copy cannot alias what is written
   const float drop = config.flip_drop_rad, ramp = 1.0F / (config.flip_full_rad - config.flip_drop_rad);
-  const float* __restrict sign = row.sign, * __restrict origin = row.origin;
-  const float* __restrict low_flip = row.low_flip, * __restrict high_flip = row.high_flip;
+  constexpr float kFar = 10, kUseless = -100;  // rad, beside distances of up to pi
+  const std::uint8_t* __restrict cell = row.cell;
   const std::int16_t* __restrict cell_turn = row.turn;
   const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at];
   float* __restrict sine = &m.sine_dn[at], * __restrict code = &m.code_dn[at];
@@ -25,10 +25,14 @@ void solve_row(const PolarityRow& row, std::size_t at, std::size_t begin, std::s
   std::int16_t* __restrict turn = &out.turn[at];
   ENAMEL_INDEPENDENT
   for (std::size_t i = begin; i < end; ++i) {
-    const float a = mean[i], c = cosine[i], s3 = sine[i], d = code[i], old = phase[i], b = sign[i];
-    const float t = old - origin[i];
-    const float to_low = t + low_flip[i], to_high = kPiF - t + high_flip[i];
-    const float x = (smaller(to_low, to_high) - drop) * ramp;
+    const float a = mean[i], c = cosine[i], s3 = sine[i], d = code[i], old = phase[i];
+    const int bits = cell[i];
+    const float b = select((bits & kMinus) != 0, -1, 1);
+    const float t = old + select((bits & kUpperHalf) != 0, kPiF, 0);
+    const float to_low = t + select((bits & kLowFlip) != 0, 0, kFar);
+    const float to_high = kPiF - t + select((bits & kHighFlip) != 0, 0, kFar);
+    const float nearest = select((bits & kOutside) != 0, kUseless, smaller(to_low, to_high));
+    const float x = (nearest - drop) * ramp;
     const bool usable = d == d;
     const float w = select(usable, smaller(larger(x, 0), 1), 0);
     const float bd = select(usable, b * d, s3);

@@ -9,11 +9,19 @@
 
 namespace enamel::algo {
 
+/// What a pixel's cell says, as bits.
+enum CellBits : std::uint8_t {
+  kMinus = 1,      ///< b = -1
+  kLowFlip = 2,    ///< b changes at the cell's lower border ...
+  kHighFlip = 4,   ///< ... at its upper border
+  kUpperHalf = 8,  ///< phase [-pi, 0)
+  kOutside = 16,   ///< in no span: frame 3 counts as useless, which leaves such pixels as they are
+};
+
 /// What the solution of a row's pixels depends on, spread over the row: spans are a dozen pixels long, too short for
 /// loops of their own.
 struct PolarityRow {
-  const float *sign, *low_flip, *high_flip;  ///< flips: added to the distance from the cell's borders
-  const float* origin;                       ///< phase of the cell's lower border in the pixel's own wrap
+  const std::uint8_t* cell;  ///< CellBits
   const std::int16_t* turn;
 };
 

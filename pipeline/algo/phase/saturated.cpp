@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <limits>
 
 #include "pipeline/algo/phase/frame_rows.hpp"
@@ -81,7 +82,7 @@ void solve_saturated(const BurstView& view, const NoiseModel& noise, const Phase
   for (auto& row : rows) row.resize(width);
   for (std::size_t v = 0; v < static_cast<std::size_t>(view.height); ++v) {
     const PixelReject* reject = &maps.reject[v * width];
-    if (std::find(reject, reject + width, PixelReject::kSaturated) == reject + width) continue;
+    if (std::memchr(reject, static_cast<int>(PixelReject::kSaturated), width) == nullptr) continue;
     load_row(view, v, rows);
     for (std::size_t u = 0; u < width; ++u) {
       if (reject[u] != PixelReject::kSaturated) continue;
@@ -108,16 +109,23 @@ void sort_out_saturated(const std::vector<SaturatedPixel>& pixels, const CellSig
   }
 }
 
-void correct_saturated(const std::vector<SaturatedPixel>& pixels, const Map<float>& raw_phase_rad,
-                       const Map<float>& motion_rad, const Map<float>& harmonic, PhaseMaps& maps) {
+void correct_saturated(const std::vector<SaturatedPixel>& pixels, const BurstErrors& errors, const PhaseMaps& maps,
+                       std::vector<float>& phase_rad) {
+  const int width = maps.phase_rad.width();
+  GridRows motion(errors.motion_rad, width), harmonic(errors.harmonic, width);
+  const float *rate = nullptr, *rho = nullptr;
+  phase_rad.clear();
+  int row = -1;
   for (const SaturatedPixel& p : pixels) {
-    const std::size_t i = p.index;
+    const std::size_t i = p.index, u = i % static_cast<std::size_t>(width);
+    const int v = static_cast<int>(i / static_cast<std::size_t>(width));
+    if (v != row) rate = motion.row(v), rho = harmonic.row(v), row = v;
     const float c = maps.cosine_dn[i], s = maps.sine_dn[i], b2 = c * c + s * s + 1e-6F;
-    const float e = motion_rad[i], h = harmonic[i] * (c - s) * (c + s) / root(b2);  // B2 cos 2phi
+    const float e = rate[u], h = rho[u] * (c - s) * (c + s) / root(b2);  // B2 cos 2phi
     // Frame k is taken (k - 3/2) intervals after mid-burst: B f'(phi) (k - 3/2) e; harmonic (-1)^k B2 cos 2phi.
     const Frames error = {1.5F * e * s + h, 0.5F * e * c - h, 0.5F * e * s + h, 1.5F * e * c - h};
     const Weights& w = kWithout[p.missing];
-    maps.phase_rad[i] = raw_phase_rad[i] - (c * dot(w.sine, error) - s * dot(w.cosine, error)) / b2;
+    phase_rad.push_back(maps.phase_rad[i] - (c * dot(w.sine, error) - s * dot(w.cosine, error)) / b2);
   }
 }
 

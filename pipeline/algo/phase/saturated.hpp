@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pipeline/algo/phase/cell_signs.hpp"
+#include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/phase/phase.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 
@@ -34,9 +35,9 @@ void solve_saturated(const BurstView& view, const NoiseModel& noise, const Phase
 void sort_out_saturated(const std::vector<SaturatedPixel>& pixels, const CellSigns& signs, const NoiseModel& noise,
                         const PolarityConfig& config, const Map<std::int16_t>& turn, PhaseMaps& maps);
 
-/// phase_rad = raw_phase less what motion (rad a frame interval) and second harmonic (B2/B) did to these three frames,
-/// first order; closure.hpp does the same for all other pixels.
-void correct_saturated(const std::vector<SaturatedPixel>& pixels, const Map<float>& raw_phase_rad,
-                       const Map<float>& motion_rad, const Map<float>& harmonic, PhaseMaps& maps);
+/// phase_rad of each pixel less what motion and second harmonic did to its three frames, first order; closure.hpp does
+/// the same for all other pixels. Call before correct_phase, which takes these for others, and put them in place after.
+void correct_saturated(const std::vector<SaturatedPixel>& pixels, const BurstErrors& errors, const PhaseMaps& maps,
+                       std::vector<float>& phase_rad);
 
 }  // namespace enamel::algo

@@ -1,29 +1,32 @@
-// The loops of compute_normals over one row. Private to algo/triangulate.
+// The loop of compute_normals over one row. Private to algo/triangulate.
 #pragma once
+
+#include <array>
 
 #include "pipeline/algo/triangulate/normals.hpp"
 
 namespace enamel::algo {
 
-struct PixelOffset {
-  int du, dv;
-};
+inline constexpr int kNormalReach_px = 3;
 
-/// Sums of the 2x2 normal equations of one row, five arrays of the row's length.
-struct NormalSums {
-  float *uu, *uv, *vv, *u, *v;
-};
+/// Rows v-3 … v+3 of 1/z, each with kNormalReach_px readable floats before and behind: NaN there and in rows beyond
+/// the image.
+using NormalWindow = std::array<const float*, 2 * kNormalReach_px + 1>;
 
 struct RowGeometry {
   const float *x, *y;
   float per_px_x, per_px_y;  ///< change of the normalised coordinate per pixel
+  float max_slope;           ///< of z over lateral distance, tangent
 };
 
-/// Adds the difference plus - minus of 1/z at twice the offset, where it is below limit times the offset's length.
-void add_normal_pair(const float* plus, const float* minus, const float* limit, PixelOffset o, int begin, int end,
-                     const NormalSums& s);
+/// Components of the unit normals of a row.
+struct NormalRow {
+  float *x, *y, *z;
+};
 
-/// Unit normals towards the camera; NaN where the pairs do not span a plane. q: 1/z.
-void solve_normal_row(const NormalSums& s, const float* q, const RowGeometry& g, int width, Vec3f* out);
+/// Unit normals towards the camera of the window's middle row; NaN where the pairs do not span a plane. sigma_mm: of
+/// the depth.
+void normals_of_row(const NormalWindow& window, const float* sigma_mm, const RowGeometry& geometry, int width,
+                    const NormalRow& out);
 
 }  // namespace enamel::algo

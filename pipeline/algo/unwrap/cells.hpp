@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/algo/unwrap/flood.hpp"
+#include "pipeline/algo/unwrap/piece_rows.hpp"
 
 namespace enamel::algo {
 
@@ -48,7 +49,9 @@ struct PieceList {
   struct Work {
     Map<float> unwrapped;        ///< flood's Phi; NaN outside all components
     std::vector<float> heights;  ///< of steps, a row's
-    std::vector<std::uint8_t> kinks;
+    std::vector<std::uint8_t> kinks, marks;
+    std::vector<BorderColumn> border;
+    std::vector<float> most;  ///< columns linked to the best neighbour so far, of each piece of two rows
   } work;
 };
 

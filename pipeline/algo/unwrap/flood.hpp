@@ -32,6 +32,9 @@ struct FloodMaps {
     std::vector<Joint> joints;
     std::vector<std::int32_t> numbers;  ///< of the roots' components
     std::array<std::int32_t, 256> head{};
+    std::vector<std::int32_t> upper, lower;  ///< runs of the pixels of two rows
+    std::vector<std::int16_t> turns;         ///< a row border's, see flood_rows.hpp
+    std::vector<std::uint8_t> weights, changes, marks;
   } work;
 };
 

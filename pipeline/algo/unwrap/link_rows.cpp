@@ -54,6 +54,31 @@ void quality_loop(const PixelRow& r, std::size_t width, const float* __restrict 
   }
 }
 
+void cut_loop(const PixelReject* reject, std::ptrdiff_t step, const std::uint8_t* linked, std::size_t count,
+              std::uint8_t* marks) {
+  constexpr auto kNone = static_cast<unsigned>(PixelReject::kNone), kEdge = static_cast<unsigned>(PixelReject::kEdge);
+  const PixelReject* __restrict a = reject, * __restrict b = reject + step;
+  const std::uint8_t* __restrict link = linked;
+  std::uint8_t* __restrict out = marks;
+  for (std::size_t u = 0; u < count; ++u) {
+    const auto here = static_cast<unsigned>(a[u]), there = static_cast<unsigned>(b[u]);
+    const bool valid = ((here == kNone) | (here == kEdge)) & ((there == kNone) | (there == kEdge));
+    out[u] = static_cast<std::uint8_t>(valid & (link[u] == 0));
+  }
+}
+
+void half_lit_loop(const float* modulation, std::ptrdiff_t side, std::ptrdiff_t up, std::ptrdiff_t down,
+                   std::size_t count, PixelReject* reject) {
+  const float* __restrict here = modulation, * __restrict west = here - side, * __restrict east = here + side;
+  const float* __restrict above = here + up, * __restrict below = here + down;
+  PixelReject* __restrict out = reject;
+  for (std::size_t u = 0; u < count; ++u) {
+    const float most = larger(larger(west[u], east[u]), larger(above[u], below[u]));
+    const auto half_lit = static_cast<unsigned>(here[u] < 0.5F * most), was = static_cast<unsigned>(out[u]);
+    out[u] = static_cast<PixelReject>(was == 0 ? half_lit * static_cast<unsigned>(PixelReject::kEdge) : was);
+  }
+}
+
 }  // namespace enamel::algo::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -63,6 +88,8 @@ namespace enamel::algo {
 HWY_EXPORT(difference_loop);
 HWY_EXPORT(link_loop);
 HWY_EXPORT(quality_loop);
+HWY_EXPORT(cut_loop);
+HWY_EXPORT(half_lit_loop);
 
 void difference_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, float* out) {
   HWY_DYNAMIC_DISPATCH(difference_loop)(r, step, count, out);
@@ -76,6 +103,16 @@ void link_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const f
 void quality_row(const PixelRow& r, std::size_t width, const float* east, const float* south, const float* north,
                  std::uint8_t* out) {
   HWY_DYNAMIC_DISPATCH(quality_loop)(r, width, east, south, north, out);
+}
+
+void mark_cuts(const PixelReject* reject, std::ptrdiff_t step, const std::uint8_t* link, std::size_t count,
+               std::uint8_t* marks) {
+  HWY_DYNAMIC_DISPATCH(cut_loop)(reject, step, link, count, marks);
+}
+
+void half_lit_row(const float* modulation, std::ptrdiff_t side, std::ptrdiff_t up, std::ptrdiff_t down,
+                  std::size_t count, PixelReject* reject) {
+  HWY_DYNAMIC_DISPATCH(half_lit_loop)(modulation, side, up, down, count, reject);
 }
 
 }  // namespace enamel::algo

@@ -26,4 +26,12 @@ void link_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const f
 void quality_row(const PixelRow& r, std::size_t width, const float* east, const float* south, const float* north,
                  std::uint8_t* out);
 
+/// marks: 1 where a pixel and the one `step` further on are kNone or kEdge, but not linked; else 0.
+void mark_cuts(const PixelReject* reject, std::ptrdiff_t step, const std::uint8_t* link, std::size_t count,
+               std::uint8_t* marks);
+
+/// kNone becomes kEdge where the modulation is under half of the largest at -+ side, `up` and `down`.
+void half_lit_row(const float* modulation, std::ptrdiff_t side, std::ptrdiff_t up, std::ptrdiff_t down,
+                  std::size_t count, PixelReject* reject);
+
 }  // namespace enamel::algo

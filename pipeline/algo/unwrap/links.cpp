@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/algo/unwrap/byte_runs.hpp"
 #include "pipeline/algo/unwrap/link_rows.hpp"
 
 namespace enamel::algo {
@@ -84,25 +86,38 @@ void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkCon
 }
 
 void reject_edges(LinkMaps& links, PhaseMaps& phase) {
+  constexpr std::uint8_t kSentinel = 255;
   const auto width = static_cast<std::ptrdiff_t>(phase.reject.width()), n = width * phase.reject.height();
   const Inland inland{phase, links};
-  const auto valid = [&](std::ptrdiff_t i) {
-    const PixelReject r = phase.reject[index(i)];
-    return r == PixelReject::kNone || r == PixelReject::kEdge;
-  };
   const auto cut = [&](std::ptrdiff_t i, std::ptrdiff_t step, bool room_before, bool room_after) {
-    if (!valid(i) || !valid(i + step)) return;
     if (!room_before || !inland.continues(i, step)) phase.reject[index(i)] = PixelReject::kEdge;
     if (!room_after || !inland.continues(i + step, -step)) phase.reject[index(i + step)] = PixelReject::kEdge;
   };
-  for (std::ptrdiff_t v = 0; v * width < n; ++v) {
-    for (std::ptrdiff_t u = 0; u + 1 < width; ++u)
-      if (links.east[index(v * width + u)] == 0) cut(v * width + u, 1, u >= 2, u + 3 < width);
+  std::vector<std::uint8_t> marks(index(width) + kRunPadding, kSentinel);
+  const auto each_cut = [&](std::ptrdiff_t at, std::ptrdiff_t step, const Map<std::uint8_t>& link, auto visit) {
+    const std::size_t count = index(step == 1 ? width - 1 : width);
+    std::fill(marks.begin(), marks.end(), kSentinel);
+    mark_cuts(&phase.reject[index(at)], step, &link[index(at)], count, marks.data());
+    for (std::size_t u = end_of_run(marks.data(), 0, 0); u < count; u = end_of_run(marks.data(), u + 1, 0)) visit(u);
+  };
+  for (std::ptrdiff_t at = 0; at < n; at += width) {
+    each_cut(at, 1, links.east, [&](std::size_t x) {
+      const auto u = static_cast<std::ptrdiff_t>(x);
+      cut(at + u, 1, u >= 2, u + 3 < width);
+    });
   }
-  for (std::ptrdiff_t i = 0; i + width < n; ++i)
-    if (links.south[index(i)] == 0) cut(i, width, i >= 2 * width, i + 3 * width < n);
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    if (phase.reject[index(i)] == PixelReject::kEdge) unlink(links, index(i), index(width));
+  for (std::ptrdiff_t at = 0; at + width < n; at += width) {
+    each_cut(at, width, links.south, [&](std::size_t x) {
+      const std::ptrdiff_t i = at + static_cast<std::ptrdiff_t>(x);
+      cut(i, width, i >= 2 * width, i + 3 * width < n);
+    });
+  }
+  const PixelReject* reject = phase.reject.pixels().data();
+  for (std::size_t i = 0; i < phase.reject.size(); ++i) {
+    const void* next = std::memchr(reject + i, static_cast<int>(PixelReject::kEdge), phase.reject.size() - i);
+    if (next == nullptr) break;
+    i = static_cast<std::size_t>(static_cast<const PixelReject*>(next) - reject);
+    unlink(links, i, index(width));
   }
 }
 
@@ -125,19 +140,11 @@ void reject_parted(const std::vector<SaturatedPixel>& pixels, LinkMaps& links, M
 void reject_half_lit(const Map<float>& modulation_dn, Map<PixelReject>& reject) {
   constexpr std::ptrdiff_t kStep_px = 2;
   const std::ptrdiff_t w = reject.width(), h = reject.height();
-  const float* b = modulation_dn.pixels().data();
-  PixelReject* r = reject.pixels().data();
+  if (w <= 2 * kStep_px) return;
   for (std::ptrdiff_t v = 0; v < h; ++v) {
     const std::ptrdiff_t up = v >= kStep_px ? -kStep_px * w : 0, down = v + kStep_px < h ? kStep_px * w : 0;
-    const float* __restrict west = b + v * w, * __restrict east = west + 2 * kStep_px, * __restrict here = west + kStep_px;
-    const float* __restrict above = here + up, * __restrict below = here + down;
-    PixelReject* __restrict out = r + v * w + kStep_px;
-    for (std::ptrdiff_t u = 0; u < w - 2 * kStep_px; ++u) {
-      const float most = larger(larger(west[u], east[u]), larger(above[u], below[u]));
-      const unsigned half_lit = static_cast<unsigned>(here[u] < 0.5F * most);
-      const auto was = static_cast<unsigned>(out[u]);
-      out[u] = static_cast<PixelReject>(was == 0 ? half_lit * static_cast<unsigned>(PixelReject::kEdge) : was);
-    }
+    const std::size_t first = index(v * w + kStep_px);
+    half_lit_row(&modulation_dn[first], kStep_px, up, down, index(w - 2 * kStep_px), &reject[first]);
   }
 }
 

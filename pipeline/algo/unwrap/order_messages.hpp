@@ -2,9 +2,11 @@
 // vector width gives the same bits, and sixteen states fit one register.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace enamel::algo {
 
@@ -25,17 +27,62 @@ struct GapCosts {
   Cost above = 0, below = 0;
 };
 
-[[nodiscard]] Cost least(const OrderCosts& costs) noexcept;
+/// Half of the states, in a register of every instruction set that we build for (a vector type of g++ and clang).
+using CostHalf [[gnu::vector_size(16)]] = Cost;
 
-/// Along a surface: own[k] + min(in[k], min(in) + jump), less its own minimum so that sums stay small. `out` may be
-/// `in`. |values| of in and own up to 60 nats; so are those of out.
-void pass_joined(const OrderCosts& in, const OrderCosts& own, Cost jump, OrderCosts& out) noexcept;
+struct CostPair {
+  CostHalf low, high;
 
-/// Across a gap: own[j] + min over i of in[i] + gap(j - i), less its own minimum.
+  explicit CostPair(const OrderCosts& costs) noexcept {
+    std::memcpy(&low, costs.of.data(), sizeof low);
+    std::memcpy(&high, costs.of.data() + kOrderStates / 2, sizeof high);
+  }
+  void store(OrderCosts& out) const noexcept {
+    std::memcpy(out.of.data(), &low, sizeof low);
+    std::memcpy(out.of.data() + kOrderStates / 2, &high, sizeof high);
+  }
+};
+
+[[gnu::always_inline]] inline CostHalf lesser(CostHalf a, CostHalf b) noexcept { return a < b ? a : b; }
+
+/// The least of all states, in every lane.
+[[gnu::always_inline]] inline CostHalf least_everywhere(const CostPair& costs) noexcept {
+  CostHalf m = lesser(costs.low, costs.high);
+  m = lesser(m, __builtin_shufflevector(m, m, 4, 5, 6, 7, 0, 1, 2, 3));
+  m = lesser(m, __builtin_shufflevector(m, m, 2, 3, 0, 1, 6, 7, 4, 5));
+  return lesser(m, __builtin_shufflevector(m, m, 1, 0, 3, 2, 5, 4, 7, 6));
+}
+
+[[nodiscard, gnu::always_inline]] inline Cost least(const OrderCosts& costs) noexcept {
+  return least_everywhere(CostPair(costs))[0];
+}
+
+/// Along a surface: own[k] + min(in[k] - min(in), jump). `out` may be `in`. in and own in [0, 200] nats.
+[[gnu::always_inline]] inline void pass_joined(const OrderCosts& in, const OrderCosts& own, Cost jump,
+                                               OrderCosts& out) noexcept {
+  const CostPair said(in);
+  CostPair sum(own);
+  const CostHalf low = least_everywhere(said), most = CostHalf{} + jump;
+  sum.low += lesser(said.low - low, most);
+  sum.high += lesser(said.high - low, most);
+  sum.store(out);
+}
+
+/// Across a gap: own[j] + min over i of in[i] - min(in) + gap(j - i). `out` may be `in`.
 void pass_gap(const OrderCosts& in, const OrderCosts& own, const GapCosts& gap, OrderCosts& out) noexcept;
 
-/// Running mean of `own` and of what came before, each less its minimum: own + memory (min(before, most) - own).
-/// memory in [0, 0.99].
-void blend(const OrderCosts& before, const OrderCosts& own, float memory, Cost most, OrderCosts& out) noexcept;
+/// Running mean of `own` and of what came before, each less its minimum: own + memory (min(before, most) - own), to a
+/// step. memory in [0, 0.99]. own up to 200 nats, most up to 200.
+[[gnu::always_inline]] inline void blend(const OrderCosts& before, const OrderCosts& own, float memory, Cost most,
+                                         OrderCosts& out) noexcept {
+  const auto share = static_cast<std::int32_t>(memory * 32768);  // in 2^-15, the result rounded down
+  const Cost low = least(before), own_low = least(own);
+  OrderCosts sum;
+  for (std::size_t k = 0; k < kOrderStates; ++k) {
+    const Cost was = std::min(static_cast<Cost>(before.of[k] - low), most), is = static_cast<Cost>(own.of[k] - own_low);
+    sum.of[k] = static_cast<Cost>(is + ((2 * (was - is) * share) >> 16));
+  }
+  out = sum;
+}
 
 }  // namespace enamel::algo

@@ -10,6 +10,17 @@
 
 namespace enamel::algo {
 
+/// A pixel's share in a piece's sums: D S3, S3^2, S3^2 var(frame), B |S3|.
+struct PolarityColumn {
+  float dot = 0, energy = 0, noise = 0, blur = 0;
+};
+
+struct PolaritySaid {
+  float code = 0;             ///< T
+  float variance = 1e9F;      ///< of T, noise and projector blur together
+  float plus = 0, minus = 0;  ///< cost under each sign
+};
+
 class PolarityEvidence final : public CodeEvidence {
  public:
   /// `signs` must outlive the questions. outlier_cost: of a piece whose T may be anything.
@@ -21,17 +32,9 @@ class PolarityEvidence final : public CodeEvidence {
   [[nodiscard]] Stance stance(std::size_t piece, std::int32_t cell) const override;
 
  private:
-  struct Said {
-    float code = 0;             ///< T
-    float variance = 1e9F;      ///< of T, noise and projector blur together
-    float plus = 0, minus = 0;  ///< cost under each sign
-  };
-  static void measure_code(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces,
-                           std::size_t k, Said& said);
-  static void price(float outlier_cost, Said& said);
-
   const CellSigns* signs_ = nullptr;
-  std::vector<Said> said_;
+  std::vector<PolaritySaid> said_;
+  std::vector<PolarityColumn> columns_;  ///< of one row
 };
 
 }  // namespace enamel::algo

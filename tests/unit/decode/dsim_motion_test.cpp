@@ -45,7 +45,7 @@ Corrected correct(double motion_rad, double noise, int width, int height, std::u
   Corrected out;
   out.before = rms_error(maps.phase_rad);
   fit_closure(maps, polarity, {}, fit);
-  correct_phase(polarity, nullptr, 0, fit, maps);
+  correct_phase(polarity, fit.errors(), 0, maps);
   out.after = rms_error(maps.phase_rad);
   out.motion_rad = static_cast<double>(fit.motion_rad);
   return out;

@@ -1,0 +1,39 @@
+// BurstDecoder's first steps: phase of three frames, and whether it looks like fringes at all.
+#include <algorithm>
+
+#include "pipeline/algo/decode/burst_gates.hpp"
+#include "pipeline/algo/decode/burst_output.hpp"
+#include "pipeline/algo/decode/decode_buffers.hpp"
+#include "pipeline/algo/phase/micro_phase.hpp"
+
+namespace enamel::algo {
+
+std::size_t count_of(const PhaseMaps& maps, PixelReject reason) noexcept {
+  return static_cast<std::size_t>(std::count(maps.reject.pixels().begin(), maps.reject.pixels().end(), reason));
+}
+
+void BurstDecoder::solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const {
+  PhaseMaps& maps = workspace.buffers_->phase;
+  NoiseModel& noise = out.diagnostics.noise;
+  noise = noise_ ? noise_from_rig(*noise_, view.bit_depth) : noise_from_closure(view);
+  auto& saturated = workspace.buffers_->saturated;
+  saturated.clear();
+  (micro_ ? compute_micro_phase : compute_phase)(view, noise, config_.phase, maps);
+  if (!micro_) solve_saturated(view, noise, config_.phase, maps, saturated);
+  copy_images(maps, noise, out);
+}
+
+bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const {
+  auto& b = *workspace.buffers_;
+  (micro_ ? diag.direction_share : diag.closure_share) =
+      micro_ ? direction_share(b.phase, carrier_) : closure_share(b.phase, diag.noise);
+  reject_half_lit(b.phase.modulation_dn, b.phase.reject);
+  compute_links(b.phase, carrier_, config_.links, b.links);
+  diag.linked_share = b.links.pairs > 0 ? static_cast<double>(b.links.linked) / static_cast<double>(b.links.pairs) : 0;
+  reject_parted(b.saturated, b.links, b.phase.reject);
+  reject_edges(b.links, b.phase);
+  if (diag.linked_share < config_.min_linked_share) return false;
+  return micro_ ? diag.direction_share >= config_.min_direction_share : diag.closure_share >= config_.min_closure_share;
+}
+
+}  // namespace enamel::algo

@@ -1,0 +1,68 @@
+// BurstDecoder's last step before depth: the best phase that all four frames give, less motion and harmonics.
+#include "pipeline/algo/decode/burst_gates.hpp"
+#include "pipeline/algo/decode/decode_buffers.hpp"
+#include "pipeline/algo/decode/surface.hpp"
+#include "pipeline/algo/phase/micro_phase.hpp"
+
+namespace enamel::algo {
+
+// Motion and harmonics, first per block of the image, then, where the probe moved, as one rigid motion of the surface
+// that the first correction shows.
+template <class Step>
+void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag, const Step& step) const {
+  const float black = diag.noise.black_dn;
+  if (config_.correct_closure) {
+    fit_closure(b.phase, b.polarity, config_.closure, b.closure);
+    diag.motion_rad = b.closure.motion_rad;
+    diag.harmonic = b.closure.harmonic;
+    step("closure");
+    if (config_.motion_passes > 0 && !stands_still(b.closure, config_.rigid)) {
+      diag.rigid = fit_rigid_motion(b.phase, b.polarity, b.closure, *rays_, black, config_.motion_passes, config_.rigid,
+                                    b.rigid, b.field);
+    }
+    const BurstErrors errors = diag.rigid.moved ? b.field.errors(b.closure) : b.closure.errors();
+    const OddFrame odd = find_odd_frame(b.phase, b.polarity, errors, b.closure.block_px);
+    diag.odd_shift_rad = odd.shift_rad;
+    diag.unrest = odd.unrest;
+    correct_saturated(b.saturated, errors, b.phase, b.scratch);
+    correct_phase(b.polarity, errors, black, b.phase);
+    for (std::size_t k = 0; k < b.saturated.size(); ++k) b.phase.phase_rad[b.saturated[k].index] = b.scratch[k];
+    step("motion");
+  }
+  if (config_.correct_ripple) {
+    const PhaseMoments moments = phase_moments(b.spans, b.phase);
+    diag.ripple = shrink(level(moments), moments);
+  }
+}
+
+/// Best phase now that orders are known, in place; returns its turns. Mode M's phase is final but for its ripple.
+const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const {
+  auto& b = *workspace.buffers_;
+  const auto step = [&](const char* name) {
+    if (workspace.on_step) workspace.on_step(name);
+  };
+  if (micro_) {
+    place_spans(b.spans, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
+    if (config_.correct_ripple) {
+      diag.third_rad = estimate_third_harmonic(b.spans, b.phase).a1_rad;
+      correct_third_harmonic(b.spans, diag.third_rad, b.phase);
+    }
+    step("harmonic");
+    if (!config_.correct_closure) return b.polarity.turn;
+    const auto& turn = b.polarity.turn;
+    fit_micro_motion(b.spans, turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
+    diag.motion_rad = b.micro_motion.motion_rad;
+    step("motion");
+    undo_micro_motion(b.spans, turn, *micro_, b.micro_motion, b.phase);
+    join_code_frame(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase);
+    step("refit");
+    return b.polarity.turn;
+  }
+  apply_polarity(b.spans, signs_, diag.noise, config_.polarity, b.phase, b.polarity);
+  sort_out_saturated(b.saturated, signs_, diag.noise, config_.polarity, b.polarity.turn, b.phase);
+  step("polarity");
+  undo_errors(b, diag, step);
+  return b.polarity.turn;
+}
+
+}  // namespace enamel::algo

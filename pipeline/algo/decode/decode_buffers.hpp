@@ -1,0 +1,38 @@
+// What a workspace holds: the maps and lists between the steps of BurstDecoder. Private to algo/decode.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/algo/phase/saturated.hpp"
+#include "pipeline/algo/unwrap/cells.hpp"
+#include "pipeline/algo/unwrap/code_steps.hpp"
+#include "pipeline/algo/unwrap/flood.hpp"
+#include "pipeline/algo/unwrap/micro_evidence.hpp"
+#include "pipeline/algo/unwrap/polarity_evidence.hpp"
+
+namespace enamel::algo {
+
+struct DecodeWorkspace::Buffers {
+  PhaseMaps phase;
+  LinkMaps links;
+  FloodMaps flood;
+  CodeSteps steps;  ///< of mode M
+  PieceList pieces;
+  PolarityEvidence polarity_evidence;
+  MicroEvidence micro_evidence;
+  OrderResult orders;
+  std::vector<CellSpan> spans;
+  PolarityMaps polarity;
+  ClosureFit closure;
+  RigidMotionWork rigid;
+  MotionField field;
+  MicroMotion micro_motion;
+  std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame
+  Map<float> inverse_depth;
+  std::vector<float> scratch;
+};
+
+[[nodiscard]] std::size_t count_of(const PhaseMaps& maps, PixelReject reason) noexcept;
+
+}  // namespace enamel::algo

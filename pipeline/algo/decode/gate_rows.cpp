@@ -1,0 +1,105 @@
+#include "pipeline/algo/decode/gate_rows.hpp"
+
+#include <cmath>
+
+#include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/types/simd.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pipeline/algo/decode/gate_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace enamel::algo::HWY_NAMESPACE {
+
+ClosureCount closure_loop(const PhaseMaps& m, const NoiseModel& model, float tolerance, float sigmas, std::size_t at,
+                          std::size_t width) {
+  const NoiseModel noise = model;
+  const float* __restrict d = &m.code_dn[at], * __restrict s = &m.sine_dn[at];
+  const float* __restrict b = &m.modulation_dn[at], * __restrict a = &m.mean_dn[at];
+  const PixelReject* __restrict reject = &m.reject[at];
+  ClosureCount out;
+  for (std::size_t u = 0; u < width; ++u) {
+    const float gap = std::abs(std::abs(d[u]) - std::abs(s[u]));
+    const float limit = tolerance * b[u] + sigmas * root(noise.variance(a[u]));
+    const auto counted = static_cast<std::uint32_t>((reject[u] == PixelReject::kNone) & (d[u] == d[u]));
+    out.seen += counted;
+    out.fits += counted & static_cast<std::uint32_t>(gap < limit);
+  }
+  return out;
+}
+
+RepeatCount repeats_loop(const std::array<const float*, 4>& frames, const PhaseMaps& m, const NoiseModel& model,
+                         float sigmas, std::size_t at, std::size_t width) {
+  const NoiseModel noise = model;
+  const float* __restrict i0 = frames[0], * __restrict i1 = frames[1];
+  const float* __restrict i2 = frames[2], * __restrict i3 = frames[3];
+  const float* __restrict mean = &m.mean_dn[at];
+  const PixelReject* __restrict reject = &m.reject[at];
+  const float squared = sigmas * sigmas;
+  std::uint32_t seen = 0, s01 = 0, s02 = 0, s03 = 0, s12 = 0, s13 = 0, s23 = 0;
+  for (std::size_t u = 0; u < width; ++u) {
+    const auto counted = static_cast<std::uint32_t>(reject[u] == PixelReject::kNone);
+    const float limit = squared * noise.variance(mean[u]);
+    const auto alike = [limit, counted](float a, float b) {
+      return counted & static_cast<std::uint32_t>((a - b) * (a - b) < limit);
+    };
+    seen += counted;
+    s01 += alike(i0[u], i1[u]);
+    s02 += alike(i0[u], i2[u]);
+    s03 += alike(i0[u], i3[u]);
+    s12 += alike(i1[u], i2[u]);
+    s13 += alike(i1[u], i3[u]);
+    s23 += alike(i2[u], i3[u]);
+  }
+  return {seen, {s01, s02, s03, s12, s13, s23}};
+}
+
+void odd_loop(const PhaseMaps& m, const RowErrors& errors, std::size_t at, std::size_t width, float* sums) {
+  const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict b = &m.modulation_dn[at];
+  const float* __restrict r = &m.code_dn[at], * __restrict w = errors.weight, * __restrict e = errors.rate;
+  const float* __restrict rho = errors.harmonic, * __restrict light = errors.light;
+  const PixelReject* __restrict reject = &m.reject[at];
+  float* __restrict both = sums, * __restrict both_energy = both + width;
+  float* __restrict level = both_energy + width, * __restrict level_energy = level + width;
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const bool used = (std::abs(w[u]) > 0.999F) & (r[u] == r[u]) & (reject[u] == PixelReject::kNone);
+    const bool plus = used & (w[u] > 0), minus = used & (w[u] < 0);
+    const float passing = 2 * b[u] * light[u], sum = s[u] + c[u];
+    const float of_plus = 2 * e[u] * (1 + e[u]) * (s[u] - c[u]) + 4 * rho[u] * (c[u] - s[u]) * sum / b[u] - passing;
+    const float of_minus = -2 * e[u] * (c[u] - e[u] * s[u]) + passing;
+    both[u] += select(plus, (r[u] - of_plus) * sum, 0);
+    both_energy[u] += select(plus, sum * sum, 0);
+    level[u] += select(minus, r[u] - of_minus, 0);
+    level_energy[u] += select(minus, b[u], 0);
+  }
+}
+
+}  // namespace enamel::algo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace enamel::algo {
+
+HWY_EXPORT(closure_loop);
+HWY_EXPORT(repeats_loop);
+HWY_EXPORT(odd_loop);
+
+ClosureCount count_closure_row(const PhaseMaps& maps, const NoiseModel& noise, float tolerance, float sigmas,
+                               std::size_t at, std::size_t width) {
+  return HWY_DYNAMIC_DISPATCH(closure_loop)(maps, noise, tolerance, sigmas, at, width);
+}
+
+RepeatCount count_repeats_row(const std::array<const float*, 4>& frames, const PhaseMaps& maps, const NoiseModel& noise,
+                              float sigmas, std::size_t at, std::size_t width) {
+  return HWY_DYNAMIC_DISPATCH(repeats_loop)(frames, maps, noise, sigmas, at, width);
+}
+
+void add_odd_row(const PhaseMaps& maps, const RowErrors& errors, std::size_t at, std::size_t width, float* sums) {
+  HWY_DYNAMIC_DISPATCH(odd_loop)(maps, errors, at, width, sums);
+}
+
+}  // namespace enamel::algo
+#endif

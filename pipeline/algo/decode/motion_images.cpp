@@ -1,0 +1,47 @@
+#include "pipeline/algo/decode/motion_images.hpp"
+
+#include <algorithm>
+
+#include "pipeline/algo/decode/motion_rows.hpp"
+#include "pipeline/algo/decode/surface.hpp"
+#include "pipeline/algo/phase/closure_rows.hpp"
+
+namespace enamel::algo {
+
+void MotionImage::resize(int width, int height) {
+  width_ = (width + 1) / 2;
+  height_ = (height + 1) / 2;
+  pitch_ = (width_ + 3) / 4;
+  data_.resize(4 * static_cast<std::size_t>(pitch_) * static_cast<std::size_t>(height_));
+}
+
+void MotionImage::set_row(int y, const float* full) {
+  float* out = data_.data() + static_cast<std::ptrdiff_t>(y) * 4 * pitch_;
+  for (int place = 0; place < 4; ++place, out += pitch_) {
+    const int count = (width_ - place + 3) / 4;
+    for (int k = 0; k < count; ++k) out[k] = full[8 * k + 2 * place];
+  }
+}
+
+void make_motion_images(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays,
+                        const BurstErrors& errors, float black_dn, MotionImages& out) {
+  const int width = maps.phase_rad.width(), height = maps.phase_rad.height();
+  const auto columns = static_cast<std::size_t>(width);
+  out.inverse_depth.resize(width, height);
+  out.light.resize(width, height);
+  out.phase.resize(columns);
+  out.row.resize(columns);
+  ErrorRows rows(errors, width);
+  for (int v = 0; v < height; v += 2) {
+    const std::size_t at = maps.phase_rad.index(0, v);
+    const RowErrors e = rows.at(polarity, v);
+    std::copy_n(&maps.phase_rad[at], columns, out.phase.data());
+    correct_phase_row(maps, e, black_dn, at, columns, out.phase.data());
+    make_inverse_depth_row(maps, polarity.turn, rays, at, out.phase.data(), out.row.data());
+    out.inverse_depth.set_row(v / 2, out.row.data());
+    light_row(maps, e, black_dn, at, columns, out.row.data());
+    out.light.set_row(v / 2, out.row.data());
+  }
+}
+
+}  // namespace enamel::algo

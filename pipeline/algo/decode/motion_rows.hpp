@@ -1,0 +1,30 @@
+// The loops of rigid_motion.hpp: over pixels of a row, nodes of a row, and all that judge the motion. Private to
+// algo/decode.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "pipeline/algo/decode/motion_images.hpp"
+#include "pipeline/algo/decode/motion_samples.hpp"
+#include "pipeline/algo/phase/closure_rows.hpp"
+
+namespace enamel::algo {
+
+/// A - black less the ripple of the errors.
+void light_row(const PhaseMaps& maps, const RowErrors& errors, float black_dn, std::size_t at, std::size_t width,
+               float* light);
+
+/// Slopes of 1/z and of A about the nodes of a row, per pixel, from pairs of pixels opposite to each other: holes and
+/// edges drop out. All arrays hold one value a node.
+struct SlopeRow {
+  const float* limit;                  ///< steps of 1/z per pixel beyond this are no surface's
+  float *det, *q_u, *q_v, *a_u, *a_v;  ///< det: of the 2x2 normal equations; slopes are to be divided by it
+};
+void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out);
+
+/// Weighted sums over the samples: normal equations of (V, W, rho), residuals beyond `limit` left out.
+void add_samples(const MotionSamples& samples, const MotionColumns& columns, const std::array<double, 7>& theta,
+                 double limit, MotionEquations& out);
+
+}  // namespace enamel::algo

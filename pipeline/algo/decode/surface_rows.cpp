@@ -1,0 +1,112 @@
+#include "pipeline/algo/decode/surface_rows.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/types/simd.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pipeline/algo/decode/surface_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace enamel::algo::HWY_NAMESPACE {
+
+/// Sum of the ripple's terms by Clenshaw's recursion over 4 phi, from the vector (c, s) of phi: no trigonometry.
+[[gnu::always_inline]] inline float ripple_error(const RippleTerms& r, float c, float s) {
+  static_assert(kRippleTerms == 4);
+  const float inv2 = 1.0F / (c * c + s * s + 1e-6F);
+  const float cos2 = (c - s) * (c + s) * inv2, sin2 = 2 * c * s * inv2;
+  const float cos4 = 2 * cos2 * cos2 - 1, sin4 = 2 * sin2 * cos2, twice = 2 * cos4;
+  const float c3 = r.cosine[2] + twice * r.cosine[3], s3 = r.sine[2] + twice * r.sine[3];
+  const float c2 = r.cosine[1] + twice * c3 - r.cosine[3], s2 = r.sine[1] + twice * s3 - r.sine[3];
+  const float c1 = r.cosine[0] + twice * c2 - c3, s1 = r.sine[0] + twice * s2 - s3;
+  return cos4 * c1 - c2 + sin4 * s1;
+}
+
+void surface_loop(const SurfaceRow& row, const SurfaceRange& limits, const RippleTerms& terms, std::size_t width,
+                  const SurfaceRowOut& o) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr auto kDark = static_cast<int>(PixelReject::kDark), kNoisy = static_cast<int>(PixelReject::kNoisy);
+  static_assert(static_cast<int>(PixelReject::kSaturated) == kDark + 1 && kNoisy == kDark + 2);
+  const RippleTerms ripple = terms;  // copies cannot alias what is written
+  const SurfaceRange range = limits;
+  const float* __restrict phase = row.phase, * __restrict cosine = row.cosine, * __restrict sine = row.sine;
+  const float* __restrict sigma = row.sigma, * __restrict mid = row.mid;
+  const float* __restrict c0 = row.c0, * __restrict c1 = row.c1, * __restrict c2 = row.c2, * __restrict c3 = row.c3;
+  const float* __restrict ray_x = row.ray_x, * __restrict ray_y = row.ray_y;
+  const std::int16_t* __restrict turn = row.turn;
+  const PixelReject* __restrict rejected = row.reject;
+  float* __restrict inverse = o.inverse_depth, * __restrict depth = o.depth_mm, * __restrict sigma_mm = o.sigma_mm;
+  float* __restrict wrapped = o.phase_rad, * __restrict x_mm = o.x_mm, * __restrict y_mm = o.y_mm;
+  std::uint8_t* __restrict order = o.order;
+  PixelReject* __restrict reject = o.reject;
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const float raw = phase[u] - ripple_error(ripple, cosine[u], sine[u]);
+    const int turns = turn[u] + static_cast<int>(raw >= kPiF) - static_cast<int>(raw < -kPiF);
+    const float phi = select(raw >= kPiF, raw - kTwoPiF, select(raw < -kPiF, raw + kTwoPiF, raw));
+    const float absolute = phi + kTwoPiF * static_cast<float>(turns);
+    const float t = absolute - mid[u];
+    const float q = c0[u] + t * (c1[u] + t * (c2[u] + t * c3[u]));
+    const float slope = c1[u] + t * (2 * c2[u] + t * (3 * c3[u]));
+    const bool inside =
+        (q <= range.q_near) & (q >= range.q_far) & (absolute > range.phase_low_rad) & (absolute < range.phase_high_rad);
+    const int was = static_cast<int>(rejected[u]);
+    const bool placed = was == 0, ok = inside & placed;
+    const float z = 1.0F / select(ok, q, kNan);
+    inverse[u] = select(ok, q, kNan);
+    depth[u] = z;
+    sigma_mm[u] = select(ok, z * z * std::abs(slope) * sigma[u], kNan);
+    x_mm[u] = ray_x[u] * z;
+    y_mm[u] = ray_y[u] * z;
+    const bool beyond = placed & !inside;
+    reject[u] = static_cast<PixelReject>(beyond ? static_cast<int>(PixelReject::kOutOfRange) : was);
+    const float three_frames = select(phase[u] >= kPiF, -kPiF, phase[u]);
+    const bool unlit = (was >= kDark) & (was <= kNoisy);
+    wrapped[u] = select(unlit, kNan, select(placed, phi, three_frames));
+    const int floor_order = turns - static_cast<int>(phi < 0);
+    const bool known = ok & (floor_order >= 0) & (floor_order < static_cast<int>(kNoOrder));
+    order[u] = static_cast<std::uint8_t>(known ? floor_order : static_cast<int>(kNoOrder));
+  }
+}
+
+void inverse_loop(const SurfaceRow& row, const SurfaceRange& limits, std::size_t width, float* inverse_depth) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const SurfaceRange range = limits;
+  const float* __restrict phase = row.phase, * __restrict mid = row.mid;
+  const float* __restrict c0 = row.c0, * __restrict c1 = row.c1, * __restrict c2 = row.c2, * __restrict c3 = row.c3;
+  const std::int16_t* __restrict turn = row.turn;
+  const PixelReject* __restrict reject = row.reject;
+  float* __restrict out = inverse_depth;
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const float t = phase[u] + kTwoPiF * static_cast<float>(turn[u]) - mid[u];
+    const float q = c0[u] + t * (c1[u] + t * (c2[u] + t * c3[u]));
+    const bool ok = (reject[u] == PixelReject::kNone) & (q <= range.q_near) & (q >= range.q_far);
+    out[u] = select(ok, q, kNan);
+  }
+}
+
+}  // namespace enamel::algo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace enamel::algo {
+
+HWY_EXPORT(surface_loop);
+HWY_EXPORT(inverse_loop);
+
+void solve_surface_row(const SurfaceRow& row, const SurfaceRange& range, const RippleTerms& ripple, std::size_t width,
+                       const SurfaceRowOut& out) {
+  HWY_DYNAMIC_DISPATCH(surface_loop)(row, range, ripple, width, out);
+}
+
+void inverse_depth_row(const SurfaceRow& row, const SurfaceRange& range, std::size_t width, float* inverse_depth) {
+  HWY_DYNAMIC_DISPATCH(inverse_loop)(row, range, width, inverse_depth);
+}
+
+}  // namespace enamel::algo
+#endif

@@ -1,0 +1,177 @@
+#include "pipeline/algo/unwrap/order_rows.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "pipeline/types/simd.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pipeline/algo/unwrap/order_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace enamel::algo::HWY_NAMESPACE {
+
+constexpr std::int32_t kBeyond = 2;  ///< orders beyond the depth range that a surface is followed
+constexpr float kImpossible_nats = 60;
+constexpr Cost kImpossible = to_cost(kImpossible_nats);
+constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
+
+class Rows {
+ public:
+  Rows(const std::vector<Piece>& pieces, const CodeEvidence& evidence, const OrderConfig& config, OrderResult& out)
+      : pieces_(pieces), evidence_(evidence), config_(config), out_(out), work_(out.work) {}
+
+  void run(std::int32_t components) {
+    prepare(components);
+    if (pieces_.empty()) return;
+    along_rows();
+    between_rows();
+    choose();
+  }
+
+ private:
+  void prepare(std::int32_t components) {
+    work_.base.assign(static_cast<std::size_t>(components), kNoBase);
+    for (const Piece& p : pieces_) {
+      auto& base = work_.base[static_cast<std::size_t>(p.component)];
+      if (p.low <= p.high) base = std::min(base, p.low - kBeyond);
+    }
+    for (auto* v : {&work_.unary, &work_.row, &work_.right, &work_.up, &work_.down}) v->resize(pieces_.size());
+    out_.pieces.assign(pieces_.size(), {});
+    for (std::size_t i = 0; i < pieces_.size(); ++i) price(i);
+  }
+
+  /// The code's evidence for the shifts that the range allows, a little beyond it, as far as the states reach and
+  /// within the projector's frame.
+  void price(std::size_t i) {
+    const Piece& p = pieces_[i];
+    const std::int32_t base = base_shift(work_, p);
+    const std::int32_t first = std::max({base, p.low - kBeyond, first_in_frame(p.cell)});
+    const std::int32_t last = std::min({base + kStates - 1, p.high + kBeyond, (evidence_.cells() - 1 - p.cell) >> 1});
+    std::array<float, kOrderStates> nats{};
+    if (first <= last) {
+      evidence_.costs(i, p.cell + 2 * first,
+                      {nats.data() + (first - base), static_cast<std::size_t>(last - first + 1)});
+    }
+    OrderCosts unary;
+    for (std::int32_t k = 0; k < kStates; ++k) {
+      const std::int32_t shift = base + k, beyond = std::max({p.low - shift, shift - p.high, 0});
+      const float cost = nats[static_cast<std::size_t>(k)] + config_.beyond_range_cost * static_cast<float>(beyond);
+      const Cost priced = to_cost(std::min(cost, kImpossible_nats));
+      unary.of[static_cast<std::size_t>(k)] = shift >= first && shift <= last ? priced : kImpossible;
+    }
+    work_.unary[i] = unary;
+  }
+
+  /// Least shift that brings the cell to 0 or more.
+  static std::int32_t first_in_frame(std::int32_t cell) { return -(cell >> 1); }
+
+  Cost jump_cost(const Piece& p) const { return to_cost(p.kink ? config_.kink_jump_cost : config_.unseen_jump_cost); }
+
+  /// What piece i thinks of the shifts of the piece before it in the row, beyond a gap.
+  GapCosts gap_before(std::size_t i) const {
+    const Gap& gap = pieces_[i].gap;
+    const Cost skip = to_cost(gap.contact ? config_.missed_contact_cost : 0);
+    const Cost fold = to_cost(config_.fold_cost + (gap.contact ? config_.missed_contact_cost : 0));
+    const std::int32_t lean = gap.lean + base_shift(work_, pieces_[i - 1]) - base_shift(work_, pieces_[i]);
+    return gap.rise > 0 ? GapCosts{lean, skip, fold} : GapCosts{lean, fold, skip};
+  }
+
+  /// Message of piece `from` to its neighbour in the row, `to`, with that one's own evidence added.
+  void tell(const OrderCosts& said, std::size_t from, std::size_t to, OrderCosts& out) const {
+    const Piece& later = pieces_[std::max(from, to)];
+    if (later.joined) {
+      pass_joined(said, work_.unary[to], jump_cost(later), out);
+    } else if (later.gap.rise != 0) {
+      const GapCosts g = gap_before(std::max(from, to));
+      pass_gap(said, work_.unary[to], from < to ? g : GapCosts{-g.lean, g.below, g.above}, out);
+    } else {
+      out = work_.unary[to];
+    }
+  }
+
+  /// Forward messages of each row, in `row`, and backward ones; then row = their sum, the piece's own evidence once.
+  /// The two directions take turns: each waits for its own message before.
+  void along_rows() {
+    const std::size_t n = pieces_.size();
+    work_.row[0] = work_.unary[0];
+    work_.right[n - 1] = work_.unary[n - 1];
+    for (std::size_t i = 1; i < n; ++i) {
+      tell(work_.row[i - 1], i - 1, i, work_.row[i]);
+      tell(work_.right[n - i], n - i, n - 1 - i, work_.right[n - 1 - i]);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const CostPair right(work_.right[i]), unary(work_.unary[i]);
+      CostPair row(work_.row[i]);
+      row.low += right.low - unary.low;
+      row.high += right.high - unary.high;
+      row.store(work_.row[i]);
+    }
+  }
+
+  /// Running means over the rows above and below. A mean, not a sum: what misleads the code (an edge, a moving shadow)
+  /// misleads many rows alike, so that repeating it makes it no truer.
+  void between_rows() {
+    const std::size_t n = pieces_.size();
+    for (std::size_t i = 0; i < n; ++i) mean_of_rows(work_.up, pieces_[i].up, i);
+    for (std::size_t i = n; i-- > 0;) mean_of_rows(work_.down, pieces_[i].down, i);
+  }
+
+  void mean_of_rows(std::vector<OrderCosts>& mean, std::int32_t neighbour, std::size_t i) {
+    const OrderCosts& own = work_.row[i];
+    const bool linked = neighbour >= 0;
+    blend(linked ? mean[static_cast<std::size_t>(neighbour)] : own, own, linked ? config_.row_memory : 0,
+          to_cost(4 * config_.unseen_jump_cost), mean[i]);
+  }
+
+  void choose() {
+    const CostHalf low_states{0, 1, 2, 3, 4, 5, 6, 7}, high_states{8, 9, 10, 11, 12, 13, 14, 15};
+    const CostHalf none = CostHalf{} + static_cast<Cost>(kOrderStates), impossible = CostHalf{} + kImpossible;
+    const Cost margin = to_cost(config_.decided_margin);
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      const CostPair up(work_.up[i]), down(work_.down[i]);
+      CostPair total(up);
+      total.low = (up.low + down.low) >> 1;
+      total.high = (up.high + down.high) >> 1;
+      const CostHalf first = least_everywhere(total);
+      CostPair place(total);
+      place.low = total.low == first ? low_states : none;
+      place.high = total.high == first ? high_states : none;
+      const CostHalf best = least_everywhere(place);  // the lowest of equals
+      total.low = low_states == best ? impossible : total.low;
+      total.high = high_states == best ? impossible : total.high;
+      const CostHalf second = least_everywhere(total);
+      out_.pieces[i].shift = base_shift(work_, pieces_[i]) + best[0];
+      out_.pieces[i].decided = first[0] < kImpossible && second[0] - first[0] >= margin;
+    }
+  }
+
+  const std::vector<Piece>& pieces_;
+  const CodeEvidence& evidence_;
+  const OrderConfig& config_;
+  OrderResult& out_;
+  OrderResult::Work& work_;
+};
+
+void label(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
+           const OrderConfig& config, OrderResult& out) {
+  Rows(pieces, evidence, config, out).run(components);
+}
+
+}  // namespace enamel::algo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace enamel::algo {
+
+HWY_EXPORT(label);
+
+void label_rows(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
+                const OrderConfig& config, OrderResult& out) {
+  HWY_DYNAMIC_DISPATCH(label)(pieces, components, evidence, config, out);
+}
+
+}  // namespace enamel::algo
+#endif

@@ -1,0 +1,25 @@
+// The labelling's numeric part: messages along rows, means between rows, choice. Private to algo/unwrap.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "pipeline/algo/unwrap/order.hpp"
+
+namespace enamel::algo {
+
+/// Fills `shift` and `decided` of all pieces from what they, their rows and the rows around them say; work.row is left
+/// holding what each piece's own row says.
+void label_rows(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
+                const OrderConfig& config, OrderResult& out);
+
+inline constexpr std::int32_t kNoBase = std::numeric_limits<std::int32_t>::max();
+
+/// Shift of a piece's first state.
+[[nodiscard]] inline std::int32_t base_shift(const OrderResult::Work& work, const Piece& piece) {
+  const std::int32_t base = work.base[static_cast<std::size_t>(piece.component)];
+  return base == kNoBase ? 0 : base;
+}
+
+}  // namespace enamel::algo
