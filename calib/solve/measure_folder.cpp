@@ -9,6 +9,22 @@ std::array<double, 2> finest_periods_px(const CalibFolder& folder) {
           static_cast<double>(folder.nominal.projector.height) / folder.cycles_v.back()};
 }
 
+namespace {
+
+void note_correction(const CalibFolder& folder, std::vector<std::string>& notes) {
+  const FrameCorrection& c = folder.correction;
+  if (c.dark_frames > 0) notes.push_back(std::to_string(c.dark_frames) + " dark frames subtracted");
+  if (c.gain.size() > 0) notes.emplace_back("flat field divided");
+  if (c.is_empty())
+    notes.emplace_back("no dark frames and no flat field: pictures taken as they stand (step 0 skipped)");
+  if (!folder.nominal.noise && c.noise) {
+    notes.push_back("rig.json states no noise: photon transfer of dark frames and flat field says " +
+                    std::to_string(c.noise->floor_dn2) + " DN² + " + std::to_string(c.noise->slope_dn) + " DN a DN");
+  }
+}
+
+}  // namespace
+
 Result<MeasuredFolder> measure_folder(const CalibFolder& folder, const std::function<void()>& on_pose) {
   MeasuredFolder out;
   std::optional<PixelNoise> noise = folder.noise;
@@ -18,6 +34,7 @@ Result<MeasuredFolder> measure_folder(const CalibFolder& folder, const std::func
   if (out.response) ENAMEL_TRY(check_response(*out.response));
   if (!out.response)
     out.notes.emplace_back("no pictures of the projector's response: taken as linear (step 0 skipped)");
+  note_correction(folder, out.notes);
   for (const std::string& pose : folder.poses) {
     const auto frames = load_pose(folder, pose);
     if (frames && !noise) {

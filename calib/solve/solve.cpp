@@ -55,6 +55,7 @@ class Solver {
   Solver(std::vector<PoseView> views, const TargetDesign& target, const Rig& nominal, const SolveOptions& options)
       : target_(target), nominal_(nominal), options_(options) {
     s_.poses = std::move(views);
+    s_.options.shape = options.shape_prior;
   }
 
   Result<Solution> run() {

@@ -1,13 +1,16 @@
 // enamel calibrate solve: from a calibration folder to rig.json.
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "calib/io/rig_writer.hpp"
+#include "calib/io/rig_store.hpp"
 #include "calib/judge/judgement.hpp"
+#include "host/app/calibrate/camera.hpp"
+#include "host/app/calibrate/outcome.hpp"
 #include "host/app/calibrate/set.hpp"
 #include "host/app/calibrate/subcommand.hpp"
 #include "host/app/calibrate/verdict.hpp"
@@ -20,27 +23,69 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string folder, out;
+  std::string folder, out, report, store;
+  std::string pictures, chessboard, serial;
   std::string target = "auto";
   std::vector<std::string> hold_out;
+  bool install = false;
   bool json = false;
 };
 
-Result<void> write_rig(const Options& o, const calib::CalibFolder& folder, const calib::MeasuredFolder& measured,
-                       const calib::Solution& solution) {
-  calib::SolvedRig solved{.camera = solution.state.camera,
-                          .projector = solution.state.projector,
-                          .T_proj_cam = solution.state.T_proj_cam,
-                          .parameter_names = {},
-                          .covariance = solution.result.covariance,
-                          .calibrated_at = calib::capture_time_utc(o.folder),
-                          .response = measured.response,
-                          .rms_camera_px = solution.result.rms_camera_px,
-                          .rms_projector_px = solution.result.rms_projector_px,
-                          .poses = static_cast<int>(solution.poses.size())};
-  for (const char* name : calib::rig_parameter_names()) solved.parameter_names.emplace_back(name);
-  ENAMEL_TRY_ASSIGN(const std::string text, calib::solved_rig_text(folder.nominal, solved));
-  return write_file(o.out, text);
+/// Path of the report without its ending: beside rig.json, or in the folder that --report names.
+std::string report_stem(const Options& o) {
+  namespace fs = std::filesystem;
+  return o.report.empty() ? fs::path(o.out).replace_extension(".report").string()
+                          : (fs::path(o.report) / "calibration").string();
+}
+
+/// A set that cannot be solved: poses and reason, before the error itself ends the program.
+void tell_unsolved(const Options& o, const calib::MeasuredFolder& measured, const Error& error, double seconds) {
+  for (const auto& note : measured.rejected) log::warn("calibrate", "pose {}: {}", note.pose, note.reason);
+  if (!o.json) return;
+  const Json json{{"verdict", "refused"},
+                  {"reasons", {error.detail}},
+                  {"poses_used", 0},
+                  {"poses_rejected", notes_json(measured.rejected)},
+                  {"seconds", seconds}};
+  std::puts(json.dump(1).c_str());
+}
+
+/// rig.json, then its copy in the store; each whole or not at all.
+Result<void> keep(const Options& o, const Outcome& outcome) {
+  ENAMEL_TRY_ASSIGN(const std::string text, rig_text(outcome));
+  ENAMEL_TRY(write_file(o.out, text));
+  if (!o.install) return {};
+  const calib::RigStore store(o.store.empty() ? calib::RigStore::default_folder() : o.store);
+  ENAMEL_TRY_ASSIGN(const calib::StoredRig stored, store.install(text));
+  log::info("calibrate", "installed for probe {}: {}", outcome.folder.nominal.serial, stored.path);
+  return {};
+}
+
+/// The set, of the probe that --serial names. Error: kRigForeign when the set is of another one.
+Result<calib::CalibFolder> open_set(const Options& o) {
+  ENAMEL_TRY_ASSIGN(calib::CalibFolder folder, calib::open_calib_folder(o.folder));
+  std::string& serial = folder.nominal.serial;
+  if (!o.serial.empty() && !serial.empty() && serial != o.serial)
+    return fail(ErrorCode::kRigForeign, o.folder + " is of probe " + serial + ", --serial says " + o.serial);
+  if (serial.empty()) serial = o.serial;
+  return folder;
+}
+
+/// What would make --install fail after all the solving.
+Result<void> check_installable(const Options& o, const calib::CalibFolder& folder) {
+  if (!o.install || calib::is_storable_serial(folder.nominal.serial)) return {};
+  return fail(
+      ErrorCode::kRigInvalid,
+      o.folder + "/rig.json: --install needs the probe's serial (letters, digits, - _ .); state it by --serial");
+}
+
+/// A chessboard without fringes: the camera alone.
+Result<int> run_camera(const Options& o) {
+  if (o.pictures.empty() != o.chessboard.empty())
+    return fail(ErrorCode::kUsage, "--pictures and --chessboard belong together");
+  auto board = o.chessboard.empty() ? board_of(o.folder) : parse_board(o.chessboard);
+  if (!board) return tl::unexpected<Error>(board.error());
+  return solve_camera_job({o.folder, o.pictures, o.out, *board, o.json});
 }
 
 Result<int> run_solve(const Options& o) {
@@ -50,7 +95,8 @@ Result<int> run_solve(const Options& o) {
   SteadyClock clock;
   const HostTime begin = clock.now();
   const auto seconds = [&] { return std::chrono::duration<double>(clock.now() - begin).count(); };
-  ENAMEL_TRY_ASSIGN(const calib::CalibFolder folder, calib::open_calib_folder(o.folder));
+  ENAMEL_TRY_ASSIGN(const calib::CalibFolder folder, open_set(o));
+  ENAMEL_TRY(check_installable(o, folder));
   ENAMEL_TRY_ASSIGN(calib::MeasuredFolder measured, measure(folder, clock));
   ENAMEL_TRY_ASSIGN(const auto held_out, take_held_out(o.hold_out, measured));
   const calib::SolveOptions options{.shape = kShapes.at(o.target),
@@ -58,16 +104,7 @@ Result<int> run_solve(const Options& o) {
                                     .on_step = [](const std::string& step) { log::info("calibrate", "{}", step); }};
   auto solution = calib::solve(measured.views, folder.target, folder.nominal, options);
   if (!solution) {
-    for (const auto& note : measured.rejected) log::warn("calibrate", "pose {}: {}", note.pose, note.reason);
-    if (o.json) {
-      std::puts(Json{{"verdict", "refused"},
-                     {"reasons", {solution.error().detail}},
-                     {"poses_used", 0},
-                     {"poses_rejected", notes_json(measured.rejected)},
-                     {"seconds", seconds()}}
-                    .dump(1)
-                    .c_str());
-    }
+    tell_unsolved(o, measured, solution.error(), seconds());
     return tl::unexpected<Error>(solution.error());
   }
   solution->rejected.insert(solution->rejected.begin(), measured.rejected.begin(), measured.rejected.end());
@@ -75,8 +112,12 @@ Result<int> run_solve(const Options& o) {
   ENAMEL_TRY_ASSIGN(auto planes,
                     check_planes(folder, held_out.empty() ? solution->poses : held_out, solution->state, measured));
   const auto judgement = calib::judge(*solution, std::move(planes), !held_out.empty(), range_of(folder.nominal));
-  if (judgement.is_accepted) ENAMEL_TRY(write_rig(o, folder, measured, *solution));
+  const Outcome outcome{folder, measured, *solution, judgement};
   Json json = verdict_json(*solution, judgement);
+  if (!o.report.empty()) ENAMEL_TRY(make_folder(o.report));
+  ENAMEL_TRY(write_report(outcome, json, report_stem(o)));
+  if (judgement.is_accepted) ENAMEL_TRY(keep(o, outcome));
+  json["report"] = report_stem(o) + ".html";
   json["seconds"] = seconds();
   show_verdict(json, o.json);
   if (judgement.is_accepted) return 0;
@@ -92,12 +133,23 @@ CalibrateCommand add_calibrate_solve(CLI::App& app) {
   solve->add_option("DIR", o->folder, "calibration folder: rig.json, target.json, poses/")->required();
   solve->add_option("--out", o->out, "rig.json to write; nothing is written when the calibration is refused")
       ->required();
+  solve->add_option("--report", o->report, "folder of calibration.html and .json (default: beside rig.json)");
   solve->add_option("--target", o->target, "the target's shape: perfect, solve it too, or whichever the data ask for")
       ->check(CLI::IsMember({"auto", "perfect", "solve"}))
       ->capture_default_str();
   solve->add_option("--hold-out", o->hold_out, "poses that only judge")->delimiter(',');
+  solve->add_option("--serial", o->serial, "the probe, where the set's rig.json does not say");
+  solve->add_flag("--install", o->install, "make it the probe's current calibration when it is accepted");
+  solve->add_option("--store", o->store,
+                    "folder of installed calibrations (default $ENAMEL_CALIBRATIONS, else the "
+                    "user's data folder)");
   solve->add_flag("--json", o->json, "one JSON object on stdout");
-  return {solve, [o] { return run_solve(*o); }};
+  solve->add_option("--pictures", o->pictures, "camera alone: names of plain pictures in DIR, e.g. 'left*.jpg'");
+  solve->add_option("--chessboard", o->chessboard, "with --pictures: inner corners and square in mm, e.g. 9x6x25");
+  return {solve, [o] {
+            const bool is_camera = !o->pictures.empty() || !o->chessboard.empty() || is_camera_set(o->folder);
+            return is_camera ? run_camera(*o) : run_solve(*o);
+          }};
 }
 
 }  // namespace enamel::app

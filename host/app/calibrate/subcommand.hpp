@@ -13,6 +13,9 @@ struct CalibrateCommand {
 
 CalibrateCommand add_calibrate_check(CLI::App& app);
 CalibrateCommand add_calibrate_compare(CLI::App& app);
+CalibrateCommand add_calibrate_list(CLI::App& app);
+CalibrateCommand add_calibrate_revert(CLI::App& app);
+CalibrateCommand add_calibrate_show(CLI::App& app);
 CalibrateCommand add_calibrate_solve(CLI::App& app);
 
 }  // namespace enamel::app

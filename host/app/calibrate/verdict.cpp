@@ -29,6 +29,7 @@ void print(const Json& json) {
   for (const auto& p : json["poses_rejected"])
     std::printf("pose %s left out: %s\n", p["pose"].get<std::string>().c_str(), p["reason"].get<std::string>().c_str());
   for (const auto& n : json["notes"]) std::printf("note: %s\n", n.get<std::string>().c_str());
+  std::printf("report             %s\n", json["report"].get<std::string>().c_str());
 }
 
 }  // namespace
@@ -60,6 +61,14 @@ void add_shapes(Json& json, const std::array<calib::DepthShape, 3>& shapes) {
     json["twist_um"].push_back(s.shape.twist_um);
     json["twist_sigma_um"].push_back(s.sigma.twist_um);
   }
+}
+
+Json parameters_json(const std::vector<calib::RigParameter>& parameters) {
+  Json out = Json::array();
+  for (const auto& p : parameters)
+    out.push_back(
+        {{"name", p.name}, {"value", p.value}, {"sigma", p.sigma ? Json(*p.sigma) : Json()}, {"unit", p.unit}});
+  return out;
 }
 
 Json verdict_json(const calib::Solution& s, const calib::Judgement& j) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calib/judge/judgement.hpp"
+#include "calib/report/report.hpp"
 
 namespace enamel::app {
 
@@ -14,6 +15,9 @@ namespace enamel::app {
 
 /// sag_um, twist_um and their standard errors at 1/8, 1/2 and 7/8 of the depth range.
 void add_shapes(nlohmann::ordered_json& json, const std::array<calib::DepthShape, 3>& shapes);
+
+/// [{"name", "value", "sigma" (null where unknown), "unit"}]
+[[nodiscard]] nlohmann::ordered_json parameters_json(const std::vector<calib::RigParameter>& parameters);
 
 /// The keys of cli.md, `calibrate solve --json`, and more.
 [[nodiscard]] nlohmann::ordered_json verdict_json(const calib::Solution& s, const calib::Judgement& j);

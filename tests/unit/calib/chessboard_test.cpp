@@ -7,7 +7,10 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
+#include "calib/solve/camera_alone.hpp"
 #include "calib/solve/lens_start.hpp"
+#include "calib/solve/solve.hpp"
+#include "tests/support/procam_set.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace enamel::calib {
@@ -51,6 +54,57 @@ TEST(Chessboard, real_camera_is_solved_by_both_starts) {
     EXPECT_NEAR(start->lens.fy, 533.0, 0.002 * 533) << start->method;
   }
   EXPECT_NEAR(zhang_start(views, design)->rms_px, rac_start(views, design)->rms_px, 1e-3) << "one minimum, two ways";
+}
+
+TEST(Chessboard, camera_alone_is_solved_from_pictures) {
+  if (!std::filesystem::exists(kPictures)) GTEST_SKIP() << kPictures << " is absent";
+  std::vector<std::pair<std::string, std::string>> pictures;
+  for (int n = 1; n <= 14; ++n) {
+    char name[32];
+    std::snprintf(name, sizeof name, "left%02d.jpg", n);
+    if (n != 10) pictures.emplace_back(name, kPictures + "/" + name);
+  }
+  TargetDesign board;
+  board.type = TargetType::kChessboard;
+  board.cols = 9;
+  board.rows = 6;
+  board.pitch_mm = 25;
+  const auto camera = solve_camera(pictures, board);
+  ASSERT_TRUE(camera) << camera.error().message();
+  EXPECT_EQ(camera->poses.size(), 13U);
+  EXPECT_TRUE(camera->rejected.empty());
+  EXPECT_LE(camera->start.rms_px, 0.20);
+  EXPECT_NEAR(camera->start.lens.fx, 533.0, 0.002 * 533);
+  EXPECT_NEAR(camera->start.lens.fy, 533.0, 0.002 * 533);
+  board.cols = 12;
+  const auto other = solve_camera(pictures, board);
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, ErrorCode::kTargetNotFound);
+}
+
+TEST(Chessboard, captured_projector_and_camera_under_gray_code) {
+  const std::string folder = test::procam_folder(test::shared_folder());
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+  std::vector<std::pair<std::string, std::string>> pictures;
+  for (int n = 0; n < 5; ++n) {
+    const std::string pose = "pose" + std::to_string(n);
+    pictures.emplace_back(pose, folder + "/" + pose + "/white_full.png");
+  }
+  const auto set = test::load_procam(folder);
+  ASSERT_TRUE(set) << set.error().message();
+  ASSERT_EQ(set->views.size(), 5U);
+  const auto camera = solve_camera(pictures, set->board);
+  ASSERT_TRUE(camera) << camera.error().message();
+  for (const double f : {camera->start.lens.fx, camera->start.lens.fy}) {
+    EXPECT_GT(f, 3445 * (1 - 0.003));
+    EXPECT_LT(f, 3452 * (1 + 0.003));
+  }
+  const auto solved = solve(set->views, set->board, set->nominal, test::procam_options());
+  ASSERT_TRUE(solved) << solved.error().message();
+  EXPECT_TRUE(solved->is_shape_solved) << "a corner of this board is bent";
+  EXPECT_LE(std::hypot(solved->result.rms_camera_px, solved->result.rms_projector_px) / std::sqrt(2.0), 0.30);
+  // The bent corner moves the focal length of a board that is taken as flat.
+  EXPECT_NEAR(solved->state.camera.fx, camera->start.lens.fx, 0.005 * 3445);
 }
 
 TEST(Chessboard, a_picture_without_one_says_so) {
