@@ -25,11 +25,11 @@ void depth_legend(Svg& svg, const Vector2d& at, DepthRange range) {
   constexpr int kSteps = 24;
   constexpr double kWide = 120;
   for (int i = 0; i < kSteps; ++i) {
-    svg.rect(at + Vector2d(40 + kWide * i / kSteps, -9), {kWide / kSteps + 0.5, 10},
+    svg.rect(at + Vector2d(50 + kWide * i / kSteps, -9), {kWide / kSteps + 0.5, 10},
              fmt::format("fill=\"{}\"", rising_colour((i + 0.5) / kSteps)));
   }
   svg.text(at, fmt::format("{:g} mm", range.near_mm));
-  svg.text(at + Vector2d(46 + kWide, 0), fmt::format("{:g} mm", range.far_mm));
+  svg.text(at + Vector2d(56 + kWide, 0), fmt::format("{:g} mm", range.far_mm));
 }
 
 Vec3d place_of(const Solution& s, const TargetDesign& target, std::size_t pose, const DotView& dot) {
@@ -101,7 +101,7 @@ std::string tilt_coverage(const Solution& s, const TargetDesign& target, DepthRa
   svg.circle(middle, 25 * kScale, fmt::format("fill=\"none\" stroke=\"#e8f3ea\" stroke-width=\"{}\"", 20 * kScale));
   for (const int ring : {15, 30, 45}) {
     svg.circle(middle, ring * kScale, "fill=\"none\" stroke=\"#bbb\" stroke-width=\"0.8\"");
-    svg.text(middle + Vector2d(3, -ring * kScale + 11), fmt::format("{} deg", ring), "class=\"tick\"");
+    svg.text(middle + Vector2d(3, -ring * kScale + 11), fmt::format("{}°", ring), "class=\"tick\"");
   }
   for (std::size_t j = 0; j < s.poses.size(); ++j) {
     const Vec3d normal = s.state.T_cam_target[j].linear().col(2);
@@ -113,7 +113,7 @@ std::string tilt_coverage(const Solution& s, const TargetDesign& target, DepthRa
                fmt::format("pose {}, {:.1f} mm", s.poses[j].name, depth));
     svg.text(at + Vector2d(9, 4), s.poses[j].name, "class=\"tick\"");
   }
-  depth_legend(svg, {60, kSide + 14}, range);
+  depth_legend(svg, {50, kSide + 14}, range);
   return svg.str();
 }
 

@@ -23,6 +23,12 @@ void note_correction(const CalibFolder& folder, std::vector<std::string>& notes)
   }
 }
 
+/// What is wrong with one pose: the table's text, except where that speaks of the set as a whole.
+std::string reason_of(const Error& error) {
+  if (error.code == ErrorCode::kCalibrationPoses) return error.detail;
+  return std::string(describe(error.code).text) + ": " + error.detail;
+}
+
 }  // namespace
 
 Result<MeasuredFolder> measure_folder(const CalibFolder& folder, const std::function<void()>& on_pose) {
@@ -52,7 +58,7 @@ Result<MeasuredFolder> measure_folder(const CalibFolder& folder, const std::func
     if (view) {
       out.views.push_back(std::move(*view));
     } else {
-      out.rejected.push_back({pose, std::string(describe(view.error().code).text) + ": " + view.error().detail});
+      out.rejected.push_back({pose, reason_of(view.error())});
       if (!first) first = view.error();
     }
     if (on_pose) on_pose();

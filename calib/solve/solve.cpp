@@ -63,6 +63,7 @@ class Solver {
     remove_ripple();
     ENAMEL_TRY(start());
     ENAMEL_TRY(check_tilts(s_.state.T_cam_target));
+    ENAMEL_TRY(check_baseline(s_.state.T_proj_cam, target_, nominal_));
     step("bundle");
     settle();
     ENAMEL_TRY(reject_bad_poses());

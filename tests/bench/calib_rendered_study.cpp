@@ -52,6 +52,8 @@ std::vector<PoseView> noisier(const Set& set) {
   Rng rng(4, 1, 1);
   std::vector<PoseView> views;
   const calib::PixelNoise stated = *set.folder.noise;
+  const auto first = calib::load_pose(set.folder, set.folder.poses[0]).value();
+  const auto edges = calib::choose_edge_model(first, set.folder.target, stated).value();
   for (const std::string& name : set.folder.poses) {
     auto frames = calib::load_pose(set.folder, name).value();
     const auto spoil = [&](Map<float>& image) {
@@ -66,8 +68,8 @@ std::vector<PoseView> noisier(const Set& set) {
       for (auto& level : *levels)
         for (auto& frame : level.frames) spoil(frame);
     const calib::LensValues& p = set.folder.nominal.projector;
-    auto view = calib::measure_pose(frames, set.folder.target, stated, set.folder.saturation_dn, {p.width, p.height},
-                                    calib::EdgeModel::kLensThenPixel);
+    auto view =
+        calib::measure_pose(frames, set.folder.target, stated, set.folder.saturation_dn, {p.width, p.height}, edges);
     if (view) views.push_back(std::move(*view));
   }
   return views;

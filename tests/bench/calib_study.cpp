@@ -42,7 +42,12 @@ Json procam_study(const std::string& folder) {
   const auto& r = solved->result;
   const auto sigma = [&](Eigen::Index i) { return std::sqrt(r.covariance(i, i)); };
   const auto peer = stereo_calibrate(solved->poses, set.board, set.nominal);
-  return {{"camera_fx", solved->state.camera.fx},
+  std::vector<std::pair<std::string, std::string>> pictures;
+  for (const auto& view : set.views) pictures.emplace_back(view.name, folder + "/" + view.name + "/white_full.png");
+  const auto alone = calib::solve_camera(pictures, set.board).value();
+  return {{"alone_fx", alone.start.lens.fx},
+          {"alone_fy", alone.start.lens.fy},
+          {"camera_fx", solved->state.camera.fx},
           {"camera_fy", solved->state.camera.fy},
           {"camera_fx_sigma", sigma(0)},
           {"projector_fx", solved->state.projector.fx},

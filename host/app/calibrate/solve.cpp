@@ -2,7 +2,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <map>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -88,10 +88,31 @@ Result<int> run_camera(const Options& o) {
   return solve_camera_job({o.folder, o.pictures, o.out, *board, o.json});
 }
 
+calib::SolveOptions solve_options(const Options& o, const calib::CalibFolder& folder) {
+  calib::SolveOptions options;
+  if (o.target == "perfect") options.shape = calib::ShapeChoice::kPerfect;
+  if (o.target == "solve") options.shape = calib::ShapeChoice::kSolve;
+  options.fringe_period_px = calib::finest_periods_px(folder);
+  options.on_step = [](const std::string& step) { log::info("calibrate", "{}", step); };
+  return options;
+}
+
+/// Report, files and verdict of a solved set. Value: exit code.
+Result<int> conclude(const Options& o, const Outcome& outcome, const std::function<double()>& seconds) {
+  const bool is_accepted = outcome.judgement.is_accepted;
+  Json json = verdict_json(outcome.solution, outcome.judgement);
+  if (!o.report.empty()) ENAMEL_TRY(make_folder(o.report));
+  ENAMEL_TRY(write_report(outcome, json, report_stem(o)));
+  if (is_accepted) ENAMEL_TRY(keep(o, outcome));
+  json["report"] = report_stem(o) + ".html";
+  json["seconds"] = seconds();
+  show_verdict(json, o.json);
+  if (is_accepted) return 0;
+  std::fputs((Error{ErrorCode::kCalibrationRefused, o.out + " is not written"}.message() + "\n").c_str(), stderr);
+  return exit_code(ErrorCode::kCalibrationRefused);
+}
+
 Result<int> run_solve(const Options& o) {
-  static const std::map<std::string, calib::ShapeChoice> kShapes{{"auto", calib::ShapeChoice::kAuto},
-                                                                 {"perfect", calib::ShapeChoice::kPerfect},
-                                                                 {"solve", calib::ShapeChoice::kSolve}};
   SteadyClock clock;
   const HostTime begin = clock.now();
   const auto seconds = [&] { return std::chrono::duration<double>(clock.now() - begin).count(); };
@@ -99,10 +120,7 @@ Result<int> run_solve(const Options& o) {
   ENAMEL_TRY(check_installable(o, folder));
   ENAMEL_TRY_ASSIGN(calib::MeasuredFolder measured, measure(folder, clock));
   ENAMEL_TRY_ASSIGN(const auto held_out, take_held_out(o.hold_out, measured));
-  const calib::SolveOptions options{.shape = kShapes.at(o.target),
-                                    .fringe_period_px = calib::finest_periods_px(folder),
-                                    .on_step = [](const std::string& step) { log::info("calibrate", "{}", step); }};
-  auto solution = calib::solve(measured.views, folder.target, folder.nominal, options);
+  auto solution = calib::solve(measured.views, folder.target, folder.nominal, solve_options(o, folder));
   if (!solution) {
     tell_unsolved(o, measured, solution.error(), seconds());
     return tl::unexpected<Error>(solution.error());
@@ -112,17 +130,7 @@ Result<int> run_solve(const Options& o) {
   ENAMEL_TRY_ASSIGN(auto planes,
                     check_planes(folder, held_out.empty() ? solution->poses : held_out, solution->state, measured));
   const auto judgement = calib::judge(*solution, std::move(planes), !held_out.empty(), range_of(folder.nominal));
-  const Outcome outcome{folder, measured, *solution, judgement};
-  Json json = verdict_json(*solution, judgement);
-  if (!o.report.empty()) ENAMEL_TRY(make_folder(o.report));
-  ENAMEL_TRY(write_report(outcome, json, report_stem(o)));
-  if (judgement.is_accepted) ENAMEL_TRY(keep(o, outcome));
-  json["report"] = report_stem(o) + ".html";
-  json["seconds"] = seconds();
-  show_verdict(json, o.json);
-  if (judgement.is_accepted) return 0;
-  std::fputs((Error{ErrorCode::kCalibrationRefused, o.out + " is not written"}.message() + "\n").c_str(), stderr);
-  return exit_code(ErrorCode::kCalibrationRefused);
+  return conclude(o, {folder, measured, *solution, judgement}, seconds);
 }
 
 }  // namespace
