@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""calib_page.py WORK OUT: writes OUT/calibration.json and calibration.md from WORK/study.json."""
+"""calib_page.py WORK OUT: OUT/calibration.json, calibration.md and PNGs from WORK/study.json and the report in WORK/report."""
 import json
 import os
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import calib_pictures as pictures  # noqa: E402
 from decode_page import Page, machine  # noqa: E402
 
 
@@ -113,6 +114,11 @@ def main(work, out):
     captured_rows(page, study["captured"])
     if study["rendered"]:
         time_rows(page, study)
+    if os.path.exists(f"{work}/report/calibration.json"):
+        page.note("Residuals of `calib-01` (poses 02, 05, 08 held out) and the held-out planes, blue nearer, red farther, full at "
+                  "2 µm: `enamel calibrate solve --hold-out 02,05,08`.")
+        for name in pictures.draw(f"{work}/report", out):
+            page.note(f"![{name}]({name})")
     judged = [r for r in page.rows if r["met"] is not None]
     missed = [r for r in judged if not r["met"]]
     head = ["# Calibration benchmark", "", "Made by `tools/bench-calibration`; do not edit. Figures: [calibration.json]"

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
+#include "calib/solve/board_view.hpp"
 #include "calib/solve/camera_alone.hpp"
 #include "calib/solve/lens_start.hpp"
 #include "calib/solve/solve.hpp"
@@ -105,6 +106,36 @@ TEST(Chessboard, captured_projector_and_camera_under_gray_code) {
   EXPECT_LE(std::hypot(solved->result.rms_camera_px, solved->result.rms_projector_px) / std::sqrt(2.0), 0.30);
   // The bent corner moves the focal length of a board that is taken as flat.
   EXPECT_NEAR(solved->state.camera.fx, camera->start.lens.fx, 0.005 * 3445);
+}
+
+TEST(Chessboard, squares_around_a_corner_give_its_projector_coordinates) {
+  TargetDesign board;
+  board.type = TargetType::kChessboard;
+  board.cols = 4;
+  board.rows = 3;
+  board.pitch_mm = 10;
+  const auto projector = [](double u, double v) {
+    return Eigen::Vector2d(1.3 * u + 0.2 * v + 1e-4 * u * v, 0.9 * v - 0.1 * u + 2e-4 * v * v);
+  };
+  CoordinateMap along_u{Map<float>(320, 240), Map<float>(320, 240, 0.01F)}, along_v = along_u;
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      along_u.value_px(u, v) = static_cast<float>(projector(u, v).x());
+      along_v.value_px(u, v) = static_cast<float>(projector(u, v).y());
+    }
+  }
+  std::vector<BoardCorner> corners;
+  for (int i = 0; i < board.size(); ++i)
+    corners.push_back({i, {80.3 + 40 * board.grid(i).col, 60.7 + 38 * board.grid(i).row}});
+  // Around corner 5 nothing is decoded: it must be left out, not guessed.
+  for (int v = 60 + 38 - 25; v < 60 + 38 + 25; ++v)
+    for (int u = 80 + 40 - 25; u < 80 + 40 + 25; ++u) along_u.value_px(u, v) = std::nanf("");
+  const PoseView pose = board_view("a", corners, board, along_u, along_v);
+  ASSERT_EQ(pose.dots.size(), corners.size() - 1);
+  for (const DotView& dot : pose.dots) {
+    EXPECT_NE(dot.dot, 5);
+    EXPECT_LT((dot.map.projector_px - projector(dot.camera_px.x(), dot.camera_px.y())).norm(), 1e-3) << dot.dot;
+  }
 }
 
 TEST(Chessboard, a_picture_without_one_says_so) {
