@@ -50,7 +50,7 @@ bool is_storable_serial(const std::string& serial) {
 }
 
 std::string RigStore::default_folder() {
-  if (const std::string own = environment("ENAMEL_CALIBRATIONS"); !own.empty()) return own;
+  if (std::string own = environment("ENAMEL_CALIBRATIONS"); !own.empty()) return own;
   const std::string data = environment("XDG_DATA_HOME");
   return (data.empty() ? environment("HOME") + "/.local/share" : data) + "/enamel/calibrations";
 }
@@ -88,9 +88,10 @@ Result<std::vector<StoredRig>> RigStore::list(const std::string& serial) const {
       out.push_back({id, entry.path().string(), rig ? read_rig_details(*rig).calibrated_at : "damaged", id == current});
     }
   }
-  if (out.empty())
+  if (out.empty()) {
     return fail(ErrorCode::kFileNotFound,
                 folder_ + " holds no calibration of probe '" + serial + "'; `solve --install` puts one there");
+  }
   std::sort(out.begin(), out.end(), [](const StoredRig& a, const StoredRig& b) { return a.id < b.id; });
   return out;
 }
@@ -104,9 +105,10 @@ Result<StoredRig> RigStore::revert(const std::string& serial, const std::string&
                                                       : "probe " + serial + " has no " + id) +
                                               "; `enamel calibrate list` names those that --to can take");
   }
-  if (id.empty() && at == stored.begin())
+  if (id.empty() && at == stored.begin()) {
     return fail(ErrorCode::kFileNotFound, "the current calibration of probe " + serial + ", " + at->id +
                                               ", is the oldest; --to takes a newer one");
+  }
   StoredRig chosen = id.empty() ? *std::prev(at) : *at;
   ENAMEL_TRY_ASSIGN(const std::string text, read_file(chosen.path));
   ENAMEL_TRY_ASSIGN(const RigDetails details, usable(text, chosen.path));

@@ -84,10 +84,12 @@ OpenCvRig stereo_calibrate(const std::vector<calib::PoseView>& poses, const cali
 
 calib::PoseView detector_view(const calib::PoseFrames& frames, const calib::PoseView& ours) {
   cv::Mat white(frames.white.height(), frames.white.width(), CV_8U);
-  for (int v = 0; v < white.rows; ++v)
-    for (int u = 0; u < white.cols; ++u)
-      white.at<unsigned char>(v, u) =
-          cv::saturate_cast<unsigned char>(255 - frames.white(u, v));  // it seeks dark spots
+  for (int v = 0; v < white.rows; ++v) {
+    for (int u = 0; u < white.cols; ++u) {
+      // It seeks dark spots.
+      white.at<unsigned char>(v, u) = cv::saturate_cast<unsigned char>(255 - frames.white(u, v));
+    }
+  }
   std::vector<cv::KeyPoint> spots;
   cv::SimpleBlobDetector::create()->detect(white, spots);
   calib::PoseView out;

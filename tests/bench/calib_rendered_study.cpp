@@ -64,9 +64,10 @@ std::vector<PoseView> noisier(const Set& set) {
     };
     spoil(frames.white);
     spoil(frames.black);
-    for (auto* levels : {&frames.along_u, &frames.along_v})
+    for (auto* levels : {&frames.along_u, &frames.along_v}) {
       for (auto& level : *levels)
         for (auto& frame : level.frames) spoil(frame);
+    }
     const calib::LensValues& p = set.folder.nominal.projector;
     auto view =
         calib::measure_pose(frames, set.folder.target, stated, set.folder.saturation_dn, {p.width, p.height}, edges);
@@ -77,10 +78,12 @@ std::vector<PoseView> noisier(const Set& set) {
 
 std::vector<PoseView> with_hidden_dots(std::vector<PoseView> views) {
   Rng rng(2, 1, 1);
-  for (PoseView& view : views)
-    for (int k = 0; k < 2; ++k)
-      view.dots.erase(view.dots.begin() +
-                      static_cast<std::ptrdiff_t>(rng.uniform() * static_cast<double>(view.dots.size() - 1)));
+  for (PoseView& view : views) {
+    for (int k = 0; k < 2; ++k) {
+      const double at = rng.uniform() * static_cast<double>(view.dots.size() - 1);
+      view.dots.erase(view.dots.begin() + static_cast<std::ptrdiff_t>(at));
+    }
+  }
   return views;
 }
 

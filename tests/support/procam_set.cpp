@@ -39,10 +39,12 @@ Result<calib::CoordinateMap> decode(const std::string& pose, int first, Window a
   }
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   calib::CoordinateMap out{Map<float>(width, height, kNone), Map<float>(width, height, 1.0F / 12)};
-  for (int v = 0; v < white.height(); ++v)
-    for (int u = 0; u < white.width(); ++u)
+  for (int v = 0; v < white.height(); ++v) {
+    for (int u = 0; u < white.width(); ++u) {
       if (white(u, v) - black(u, v) >= kMinContrast_dn)
         out.value_px(at.x + u, at.y + v) = static_cast<float>(code(u, v));
+    }
+  }
   return out;
 }
 

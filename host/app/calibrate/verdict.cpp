@@ -65,9 +65,10 @@ void add_shapes(Json& json, const std::array<calib::DepthShape, 3>& shapes) {
 
 Json parameters_json(const std::vector<calib::RigParameter>& parameters) {
   Json out = Json::array();
-  for (const auto& p : parameters)
+  for (const auto& p : parameters) {
     out.push_back(
         {{"name", p.name}, {"value", p.value}, {"sigma", p.sigma ? Json(*p.sigma) : Json()}, {"unit", p.unit}});
+  }
   return out;
 }
 
