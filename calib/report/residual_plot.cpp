@@ -74,7 +74,8 @@ std::string residual_field(const std::vector<FieldArrow>& arrows, int width_px, 
   for (int i = 0; i < kCols * kRows; ++i) {
     const Cell& cell = cells[static_cast<std::size_t>(i)];
     if (cell.count < 4) continue;
-    const Vector2d middle((i % kCols + 0.5) * width_px / kCols, (i / kCols + 0.5) * height_px / kRows);
+    const int col = i % kCols, row = i / kCols;
+    const Vector2d middle((col + 0.5) * width_px / kCols, (row + 0.5) * height_px / kRows);
     svg.arrow(corner + zoom * middle, kMeanLength * length * cell.mean(), cell.is_systematic() ? "#c0392b" : "#1f3a5f",
               1.8);
   }
