@@ -47,12 +47,12 @@ int averaged_frames(const Rig& rig) {
 }
 
 Result<Map<float>> load_sized(const CalibFolder& folder, const std::string& path) {
-  ENAMEL_TRY_ASSIGN(Map<float> image, load_grey(path));
-  const LensValues& camera = folder.nominal.camera;
-  if (image.width() != camera.width || image.height() != camera.height) {
-    return fail(ErrorCode::kImageInvalid, fmt::format("{}: {} x {} px, rig.json says {} x {}", path, image.width(),
-                                                      image.height(), camera.width, camera.height));
-  }
+  return load_grey(path, folder.nominal.camera.width, folder.nominal.camera.height);
+}
+
+Result<Map<float>> load_corrected(const CalibFolder& folder, const std::string& path) {
+  ENAMEL_TRY_ASSIGN(Map<float> image, load_sized(folder, path));
+  folder.correction.apply(image);
   return image;
 }
 
@@ -62,8 +62,8 @@ Result<std::vector<FringeLevel>> load_fringes(const CalibFolder& folder, const s
   for (const int c : cycles) {
     FringeLevel level{.cycles = c, .frames = {}};
     for (std::size_t k = 0; k < level.frames.size(); ++k) {
-      ENAMEL_TRY_ASSIGN(level.frames[k],
-                        load_sized(folder, fmt::format("{}/poses/{}/{}_{}_{}.png", folder.path, pose, letter, c, k)));
+      ENAMEL_TRY_ASSIGN(level.frames[k], load_corrected(folder, fmt::format("{}/poses/{}/{}_{}_{}.png", folder.path,
+                                                                            pose, letter, c, k)));
     }
     levels.push_back(std::move(level));
   }
@@ -87,6 +87,13 @@ Result<Map<float>> load_grey(const std::string& path) {
   Map<float> out(image.cols, image.rows);
   for (int v = 0; v < image.rows; ++v) std::copy_n(image.ptr<float>(v), image.cols, &out(0, v));
   return out;
+}
+
+Result<Map<float>> load_grey(const std::string& path, int width, int height) {
+  ENAMEL_TRY_ASSIGN(Map<float> image, load_grey(path));
+  if (image.width() == width && image.height() == height) return image;
+  return fail(ErrorCode::kImageInvalid,
+              fmt::format("{}: {} x {} px, rig.json says {} x {}", path, image.width(), image.height(), width, height));
 }
 
 Result<CalibFolder> open_calib_folder(const std::string& path) {
@@ -115,6 +122,9 @@ Result<CalibFolder> open_calib_folder(const std::string& path) {
     folder.noise = image_noise(*folder.nominal.noise, averaged_frames(folder.nominal));
     folder.saturation_dn = std::exp2(folder.nominal.noise->bits) - 1;
   }
+  ENAMEL_TRY_ASSIGN(folder.correction, read_correction(path, folder.nominal.camera.width, folder.nominal.camera.height,
+                                                       folder.saturation_dn, folder.noise));
+  if (!folder.noise) folder.noise = folder.correction.noise;
   return folder;
 }
 
@@ -123,7 +133,11 @@ Result<PoseFrames> load_pose(const CalibFolder& folder, const std::string& pose)
   frames.name = pose;
   const std::string base = folder.path + "/poses/" + pose + "/";
   ENAMEL_TRY_ASSIGN(frames.white, load_sized(folder, base + "white.png"));
-  ENAMEL_TRY_ASSIGN(frames.black, load_sized(folder, base + "black.png"));
+  if (!folder.correction.is_empty()) {
+    frames.raw_white = frames.white;
+    folder.correction.apply(frames.white);
+  }
+  ENAMEL_TRY_ASSIGN(frames.black, load_corrected(folder, base + "black.png"));
   ENAMEL_TRY_ASSIGN(frames.along_u, load_fringes(folder, pose, 'v', folder.cycles_u));
   ENAMEL_TRY_ASSIGN(frames.along_v, load_fringes(folder, pose, 'h', folder.cycles_v));
   return frames;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calib/fringe/phase.hpp"
+#include "calib/io/frame_correction.hpp"
 #include "calib/model/rig.hpp"
 #include "calib/target/pixel_noise.hpp"
 #include "calib/target/target.hpp"
@@ -20,13 +21,15 @@ struct CalibFolder {
   TargetDesign target;
   std::vector<std::string> poses;       ///< names of the folders under poses/, sorted
   std::vector<int> cycles_u, cycles_v;  ///< rising; of v_<cycles>_* and h_<cycles>_*
-  std::optional<PixelNoise> noise;      ///< of one image; absent where rig.json states none
+  std::optional<PixelNoise> noise;      ///< of one image; absent where neither rig.json nor step 0 tells
+  FrameCorrection correction;           ///< step 0: load_pose applies it
   double saturation_dn = 255;           ///< full scale of the sensor
 };
 
 /// All images of one pose, DN.
 struct PoseFrames {
   std::string name;
+  Map<float> raw_white;  ///< white as the sensor gave it; empty where step 0 changed nothing
   Map<float> white, black;
   std::vector<FringeLevel> along_u, along_v;  ///< by rising cycles
 };
@@ -41,5 +44,8 @@ struct PoseFrames {
 
 /// A grey PNG of 8 or 16 bit as it stands. Errors: kCalibrationFolder, kImageInvalid.
 [[nodiscard]] Result<Map<float>> load_grey(const std::string& path);
+
+/// The same; kImageInvalid when it is of another size.
+[[nodiscard]] Result<Map<float>> load_grey(const std::string& path, int width, int height);
 
 }  // namespace enamel::calib

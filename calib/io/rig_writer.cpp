@@ -55,8 +55,10 @@ Result<std::string> solved_rig_text(const Rig& nominal, const SolvedRig& solved)
   if (!json.contains("serial")) json["serial"] = nominal.serial;
   json["calibrated_at"] = solved.calibrated_at;
   json["covariance"] = {{"parameters", solved.parameter_names}, {"matrix", matrix_json(solved.covariance)}};
-  json["residuals"] = {
-      {"rms_camera_px", solved.rms_camera_px}, {"rms_projector_px", solved.rms_projector_px}, {"poses", solved.poses}};
+  json["residuals"] = {{"rms_camera_px", solved.rms_camera_px},
+                       {"rms_projector_px", solved.rms_projector_px},
+                       {"poses", solved.poses},
+                       {"target_shape_solved", solved.is_shape_solved}};
   if (solved.response) {
     json["response"] = {{"level", solved.response->level},
                         {"emission", solved.response->emission},

@@ -19,6 +19,7 @@ struct SolvedRig {
   std::optional<ProjectorResponse> response;  ///< where the folder has pictures of it
   double rms_camera_px = 0, rms_projector_px = 0;
   int poses = 0;
+  bool is_shape_solved = false;  ///< of the target: its scale is then held by the mean pitch alone
 };
 
 /// The nominal file with its optics replaced and what a solved rig adds; keys that nobody knows are kept, `nominal` is

@@ -65,6 +65,7 @@ class Ground {
 struct GroundPoint {
   Vec3d place;
   double height_mm = 0;  ///< of the board there
+  Vector2d camera_px{0, 0};
 };
 
 std::vector<GroundPoint> ground_points(const CoordinateMap& u, const Ground& ground, const RigState& rig,
@@ -85,7 +86,7 @@ std::vector<GroundPoint> ground_points(const CoordinateMap& u, const Ground& gro
       const double mean = sum / (kBlock_px * kBlock_px);
       if (!std::isfinite(mean)) continue;
       points.push_back({triangulate(rig, camera_ray(rig.camera, cu, cv), mean, start_mm),
-                        ground.height_mm(cu, cv, rig.dot_offsets_mm)});
+                        ground.height_mm(cu, cv, rig.dot_offsets_mm), Vector2d(cu, cv)});
     }
   }
   return points;
@@ -96,12 +97,12 @@ struct Flat {
   Eigen::Matrix3d axes;  // columns: in the plane along camera x, across, normal away from the camera
 };
 
-Flat best_plane(const std::vector<Vec3d>& points) {
+Flat best_plane(const std::vector<GroundPoint>& points) {
   Flat flat;
   flat.middle = Vec3d::Zero();
-  for (const Vec3d& p : points) flat.middle += p / static_cast<double>(points.size());
+  for (const GroundPoint& p : points) flat.middle += p.place / static_cast<double>(points.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Vec3d& p : points) spread += (p - flat.middle) * (p - flat.middle).transpose();
+  for (const GroundPoint& p : points) spread += (p.place - flat.middle) * (p.place - flat.middle).transpose();
   Vec3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
   if (normal.z() < 0) normal = -normal;
   const Vec3d x = (Vec3d::UnitX() - normal.x() * normal).normalized();
@@ -110,26 +111,21 @@ Flat best_plane(const std::vector<Vec3d>& points) {
 }
 
 /// The points of a board as if it were flat: its own height taken off along the plane's normal.
-std::vector<Vec3d> flattened(const std::vector<GroundPoint>& points) {
-  std::vector<Vec3d> out;
-  out.reserve(points.size());
-  for (const GroundPoint& p : points) out.push_back(p.place);
-  if (out.size() < kMinPoints) return out;
-  const Vec3d normal = best_plane(out).axes.col(2);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] += points[i].height_mm * normal;
-  return out;
+void flatten(std::vector<GroundPoint>& points) {
+  const Vec3d normal = best_plane(points).axes.col(2);
+  for (GroundPoint& p : points) p.place += p.height_mm * normal;
 }
 
 /// Drops points far off the plane of the rest: specks and shadow borders.
-void drop_gross(std::vector<Vec3d>& points) {
+void drop_gross(std::vector<GroundPoint>& points) {
   const Flat flat = best_plane(points);
-  const auto height = [&](const Vec3d& p) { return std::abs(flat.axes.col(2).dot(p - flat.middle)); };
+  const auto height = [&](const GroundPoint& p) { return std::abs(flat.axes.col(2).dot(p.place - flat.middle)); };
   std::vector<double> heights;
   heights.reserve(points.size());
-  for (const Vec3d& p : points) heights.push_back(height(p));
+  for (const GroundPoint& p : points) heights.push_back(height(p));
   std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2), heights.end());
   const double limit = kGrossSigmas * heights[heights.size() / 2] / 0.6745;
-  std::erase_if(points, [&](const Vec3d& p) { return height(p) > limit; });
+  std::erase_if(points, [&](const GroundPoint& p) { return height(p) > limit; });
 }
 
 }  // namespace
@@ -138,8 +134,11 @@ Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, c
                                const RigState& rig, const PixelNoise& image_noise, const Ripple& ripple,
                                double clearance_mm) {
   ENAMEL_TRY_ASSIGN(const CoordinateMap u, decode_coordinate(frames.along_u, rig.projector.width, image_noise));
-  std::vector<Vec3d> points = flattened(ground_points(u, Ground(dots, target, clearance_mm), rig, ripple));
-  if (points.size() >= kMinPoints) drop_gross(points);
+  std::vector<GroundPoint> points = ground_points(u, Ground(dots, target, clearance_mm), rig, ripple);
+  if (points.size() >= kMinPoints) {
+    flatten(points);
+    drop_gross(points);
+  }
   if (points.size() < kMinPoints) {
     return fail(ErrorCode::kCalibrationPoses,
                 fmt::format("pose {}: {} usable places on the ground between the dots", frames.name, points.size()));
@@ -148,13 +147,16 @@ Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, c
   Eigen::Matrix<double, 6, 6> h = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
   double squares = 0;
-  for (const Vec3d& p : points) {
-    const Vec3d q = flat.axes.transpose() * (p - flat.middle);
+  std::vector<PlaneHeight> heights;
+  heights.reserve(points.size());
+  for (const GroundPoint& p : points) {
+    const Vec3d q = flat.axes.transpose() * (p.place - flat.middle);
     const double x = q.x() / kHalfPlane_mm, y = q.y() / kHalfPlane_mm, z = 1e3 * q.z();
     const Eigen::Matrix<double, 6, 1> j = (Eigen::Matrix<double, 6, 1>() << 1, x, y, x * x, x * y, y * y).finished();
     h += j * j.transpose();
     b += j * z;
     squares += z * z;
+    heights.push_back({p.camera_px, z});
   }
   const Eigen::Matrix<double, 6, 6> inverse = h.inverse();
   const Eigen::Matrix<double, 6, 1> fit = inverse * b;
@@ -165,7 +167,8 @@ Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, c
                     .depth_mm = flat.middle.z(),
                     .rms_um = std::sqrt(squares / static_cast<double>(points.size())),
                     .shape = {fit[3], fit[5], fit[4]},
-                    .sigma = {sigma(3), sigma(5), sigma(4)}};
+                    .sigma = {sigma(3), sigma(5), sigma(4)},
+                    .heights = std::move(heights)};
 }
 
 std::array<DepthShape, 3> shapes_over_depth(const std::vector<PlaneCheck>& planes, DepthRange range) {

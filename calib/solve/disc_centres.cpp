@@ -92,7 +92,8 @@ double refine_centres(std::vector<PoseView>& poses, const TargetDesign& target, 
     const Pose& T_cam_target = state.T_cam_target[j];
     for (DotView& dot : poses[j].dots) {
       const Vec3d place = target.place(dot.dot) + state.dot_offsets_mm[static_cast<std::size_t>(dot.dot)];
-      const Vector2d centre = dot.ellipse.centre - disc_bias(state.camera, T_cam_target, place, target.radius_mm);
+      Vector2d centre = dot.ellipse.centre;  // a chessboard's corner has no extent and no bias
+      if (target.radius_mm > 0) centre -= disc_bias(state.camera, T_cam_target, place, target.radius_mm);
       largest = std::max(largest, (centre - dot.camera_px).norm());
       dot.camera_px = centre;
       refine_projector(dot, PlaneMap(state, T_cam_target, place));

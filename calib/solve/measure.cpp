@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "calib/solve/board_view.hpp"
 #include "calib/target/dot_grid.hpp"
 
 namespace enamel::calib {
@@ -92,20 +93,30 @@ Result<void> check_sharp(const PoseView& pose, std::size_t fitted, const TargetD
   return {};
 }
 
+Result<PoseView> measure_board(const PoseFrames& frames, const TargetDesign& target, const CoordinateMap& u,
+                               const CoordinateMap& v) {
+  ENAMEL_TRY_ASSIGN(const auto corners, find_chessboard(frames.white, target));
+  PoseView pose = board_view(frames.name, corners, target, u, v);
+  ENAMEL_TRY(check_sharp(pose, pose.dots.size(), target));
+  return pose;
+}
+
 }  // namespace
 
 Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& target, const PixelNoise& image_noise,
                               double saturation_dn, std::array<int, 2> projector_size_px, EdgeModel edges) {
+  ENAMEL_TRY_ASSIGN(const auto u, decode_coordinate(frames.along_u, projector_size_px[0], image_noise));
+  ENAMEL_TRY_ASSIGN(const auto v, decode_coordinate(frames.along_v, projector_size_px[1], image_noise));
+  if (target.type == TargetType::kChessboard) return measure_board(frames, target, u, v);
   const LitImage lit = lit_image(frames, image_noise);
   ENAMEL_TRY_ASSIGN(const DotGrid grid, find_dot_grid(lit.image, target));
-  const double saturated = saturated_share(frames.white, grid, saturation_dn);
+  const Map<float>& as_taken = frames.raw_white.size() > 0 ? frames.raw_white : frames.white;
+  const double saturated = saturated_share(as_taken, grid, saturation_dn);
   if (target.is_white_on_dark && saturated > kMaxSaturated) {
     return fail(
         ErrorCode::kCalibrationPoses,
         fmt::format("saturated: {:.0f} % of the dots' pixels are at full scale; lower the exposure", 100 * saturated));
   }
-  ENAMEL_TRY_ASSIGN(const auto u, decode_coordinate(frames.along_u, projector_size_px[0], image_noise));
-  ENAMEL_TRY_ASSIGN(const auto v, decode_coordinate(frames.along_v, projector_size_px[1], image_noise));
   PoseView pose{.name = frames.name, .dots = {}, .blur_px = 0};
   std::vector<double> blurs;
   for (const GridDot& dot : grid.dots) {

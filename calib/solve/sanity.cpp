@@ -13,6 +13,7 @@ namespace enamel::calib {
 namespace {
 
 constexpr double kMinTurn_deg = 10;
+constexpr double kMaxBaselineShare = 0.08;
 constexpr double kDepthSlack = 3;  // beyond a third or three times the range no lens tolerance explains it
 
 /// Depth at which the target would have to be for its dots to lie as far apart as they are seen, mm.
@@ -85,6 +86,16 @@ Result<void> check_tilts(const std::vector<Pose>& poses) {
       ErrorCode::kCalibrationPoses,
       fmt::format("all poses are parallel within {:.1f} degrees: focal length and distance cannot be told apart",
                   widest));
+}
+
+Result<void> check_baseline(const Pose& T_proj_cam, const TargetDesign& target, const Rig& nominal) {
+  const auto& t = nominal.T_proj_cam;
+  const double design_mm = std::hypot(t[0][3], t[1][3], t[2][3]), seen_mm = T_proj_cam.translation().norm();
+  if (!(design_mm > 0) || std::abs(seen_mm / design_mm - 1) <= kMaxBaselineShare) return {};
+  return fail(
+      ErrorCode::kCalibrationUnits,
+      fmt::format("pitch_mm {} puts camera and projector {:.2f} mm apart, the design says {:.2f}: {:.4g} would fit",
+                  target.pitch_mm, seen_mm, design_mm, target.pitch_mm * design_mm / seen_mm));
 }
 
 }  // namespace enamel::calib

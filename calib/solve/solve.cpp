@@ -55,6 +55,7 @@ class Solver {
   Solver(std::vector<PoseView> views, const TargetDesign& target, const Rig& nominal, const SolveOptions& options)
       : target_(target), nominal_(nominal), options_(options) {
     s_.poses = std::move(views);
+    s_.options.shape = options.shape_prior;
   }
 
   Result<Solution> run() {
@@ -62,6 +63,7 @@ class Solver {
     remove_ripple();
     ENAMEL_TRY(start());
     ENAMEL_TRY(check_tilts(s_.state.T_cam_target));
+    ENAMEL_TRY(check_baseline(s_.state.T_proj_cam, target_, nominal_));
     step("bundle");
     settle();
     ENAMEL_TRY(reject_bad_poses());

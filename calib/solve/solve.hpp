@@ -18,6 +18,7 @@ enum class ShapeChoice { kAuto, kPerfect, kSolve };
 
 struct SolveOptions {
   ShapeChoice shape = ShapeChoice::kAuto;
+  ShapePrior shape_prior;                           ///< how far a real target is off its drawing
   std::array<double, 2> fringe_period_px{};         ///< of the finest fringes along u and v
   std::function<void(const std::string&)> on_step;  ///< progress; may be empty
 };

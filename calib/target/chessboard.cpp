@@ -37,6 +37,9 @@ Result<std::vector<BoardCorner>> find_chessboard(const Map<float>& image, const 
     return fail(ErrorCode::kTargetNotFound,
                 fmt::format("no chessboard of {} x {} inner corners in view", target.cols, target.rows));
   }
+  // The detector may start at either end of the same board: the one from which columns run right or down is kept.
+  const cv::Point2f along = corners[static_cast<std::size_t>(target.cols - 1)] - corners[0];
+  if (along.x + along.y < 0) std::reverse(corners.begin(), corners.end());
   const int window =
       std::clamp(static_cast<int>(kWindowShare * smallest_distance(corners)), kMinWindow_px, kMaxWindow_px);
   cv::cornerSubPix(grey, corners, {window, window}, {-1, -1},

@@ -78,14 +78,24 @@ class Calibrate : public testing::Test {
     return own_ / "set";
   }
   std::string rig() const { return own_ / "rig.json"; }
-  test::Ran solve(const std::string& folder) const {
-    return test::run({test::program("enamel"), "calibrate", "solve", folder, "--out", rig(), "--json"},
-                     std::chrono::seconds(300));
+  test::Ran solve(const std::string& folder, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> argv{test::program("enamel"), "calibrate", "solve", folder, "--out", rig(), "--json"};
+    argv.insert(argv.end(), more.begin(), more.end());
+    return test::run(argv, std::chrono::seconds(300));
+  }
+  /// Another subcommand with the test's own store.
+  test::Ran with_store(const std::string& command, std::vector<std::string> more) const {
+    more.insert(more.begin(), {test::program("enamel"), "calibrate", command, "--store", own_ / "store"});
+    return test::run(more);
   }
   static void edit(const std::string& path, const std::string& from, const std::string& to) {
     std::string text = read_file(path).value();
     ASSERT_NE(text.find(from), std::string::npos);
     ASSERT_TRUE(write_file(path, text.replace(text.find(from), from.size(), to)));
+  }
+  static void expect_message(const test::Ran& ran, const std::string& says) {
+    EXPECT_EQ(ran.code, 2) << ran.err;
+    EXPECT_THAT(ran.err, testing::HasSubstr(says));
   }
   void expect_refused(const test::Ran& ran, const std::string& says) const {
     EXPECT_EQ(ran.code, 2) << ran.err;
@@ -136,6 +146,52 @@ TEST_F(Calibrate, projector_that_is_not_linear_is_refused_before_anything_is_sol
   const auto straight = solve(folder);
   EXPECT_EQ(straight.code, 0) << straight.err;
   EXPECT_THAT(read_file(rig()).value(), testing::HasSubstr("\"emission\""));
+}
+
+TEST_F(Calibrate, accepted_one_is_installed_listed_shown_and_reported) {
+  const std::string folder = copy();
+  const auto ran = solve(folder, {"--install", "--store", own_ / "store", "--report", own_ / "report"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_THAT(read_file(own_ / "report/calibration.html").value(), testing::HasSubstr("class=\"verdict accepted\""));
+  const auto report = nlohmann::json::parse(read_file(own_ / "report/calibration.json").value());
+  EXPECT_EQ(report["poses"].size(), static_cast<std::size_t>(kPoses));
+  EXPECT_EQ(report["parameters"].size(), 22U);
+  EXPECT_EQ(report["residuals"]["rows"].size(), 63U * kPoses);
+  const auto list = nlohmann::json::parse(with_store("list", {"--json"}).out);
+  ASSERT_EQ(list.size(), 1U);
+  EXPECT_EQ(list[0]["serial"], "EN-11");
+  EXPECT_TRUE(list[0]["current"]);
+  EXPECT_EQ(read_file(list[0]["path"]).value(), read_file(rig()).value());
+  const auto reverted = with_store("revert", {"EN-11"});
+  EXPECT_EQ(reverted.code, 2);
+  EXPECT_THAT(reverted.err, testing::HasSubstr("is the oldest"));
+  const auto shown =
+      nlohmann::json::parse(test::run({test::program("enamel"), "calibrate", "show", rig(), "--json"}).out);
+  EXPECT_EQ(shown["verdict"], "accepted");
+  EXPECT_EQ(shown["sha256"], "valid");
+  edit(rig(), "\"width\": 640", "\"width\": 641");
+  const auto changed = test::run({test::program("enamel"), "calibrate", "show", rig()});
+  EXPECT_EQ(changed.code, 2);
+  EXPECT_THAT(changed.out, testing::HasSubstr("changed after solving"));
+}
+
+TEST_F(Calibrate, a_set_of_another_probe_is_refused_before_it_is_measured) {
+  const auto ran = solve(copy(), {"--serial", "EN-12"});
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_THAT(ran.err, testing::AllOf(testing::HasSubstr("EN-11"), testing::HasSubstr("EN-12")));
+  EXPECT_FALSE(fs::exists(rig()));
+}
+
+TEST_F(Calibrate, dark_frames_and_flat_field_are_used) {
+  const std::string folder = copy();
+  for (const char* name : {"/dark_0.png", "/dark_1.png"}) write_png(folder + name, Map<float>(640, 480, 4.0F));
+  write_png(folder + "/flat.png", Map<float>(640, 480, 180.0F));
+  const auto ran = solve(folder);
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_THAT(ran.out,
+              testing::AllOf(testing::HasSubstr("2 dark frames subtracted"), testing::HasSubstr("flat field divided")));
+  write_png(folder + "/flat.png", Map<float>(640, 480, 255.0F));
+  expect_message(solve(folder), "flat.png is saturated");
 }
 
 TEST_F(Calibrate, metres_for_millimetres_are_refused) {

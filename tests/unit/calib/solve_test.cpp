@@ -163,6 +163,11 @@ void all_parallel(test::CalibScene& scene, std::vector<PoseView>& views) {
 
 void in_metres(test::CalibScene& scene, std::vector<PoseView>& /*views*/) { scene.target.pitch_mm /= 1000; }
 
+void other_pitch(test::CalibScene& scene, std::vector<PoseView>& /*views*/) {
+  scene.target.pitch_mm *= 1.15;
+  scene.target.radius_mm *= 1.15;
+}
+
 void mirrored(test::CalibScene& /*scene*/, std::vector<PoseView>& views) {
   for (PoseView& view : views)
     for (DotView& dot : view.dots) {
@@ -177,6 +182,7 @@ INSTANTIATE_TEST_SUITE_P(Sets, BadViews,
                          testing::Values(Bad{"two_poses", keep_two, ErrorCode::kCalibrationPoses, "2 usable poses"},
                                          Bad{"parallel", all_parallel, ErrorCode::kCalibrationPoses, "parallel"},
                                          Bad{"metres", in_metres, ErrorCode::kCalibrationUnits, "pitch_mm"},
+                                         Bad{"other_pitch", other_pitch, ErrorCode::kCalibrationUnits, "would fit"},
                                          Bad{"mirrored", mirrored, ErrorCode::kTargetMirrored, "in 6 of 6 poses"}),
                          [](const auto& p) { return std::string(p.param.name); });
 

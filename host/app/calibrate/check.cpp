@@ -1,0 +1,59 @@
+// enamel calibrate check: planes of a calibration folder as a rig sees them.
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host/app/calibrate/set.hpp"
+#include "host/app/calibrate/subcommand.hpp"
+#include "host/app/calibrate/verdict.hpp"
+
+namespace enamel::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string folder, rig;
+  std::vector<std::string> poses;
+};
+
+Result<int> run_check(const Options& o) {
+  SteadyClock clock;
+  ENAMEL_TRY_ASSIGN(const calib::Rig rig, load_intact(o.rig));
+  ENAMEL_TRY_ASSIGN(const calib::CalibFolder folder, calib::open_calib_folder(o.folder));
+  if (!rig.serial.empty() && !folder.nominal.serial.empty() && rig.serial != folder.nominal.serial) {
+    return fail(ErrorCode::kRigForeign,
+                o.rig + " is of probe " + rig.serial + ", the pictures are of probe " + folder.nominal.serial);
+  }
+  ENAMEL_TRY_ASSIGN(calib::MeasuredFolder measured, measure(folder, clock));
+  const std::vector<calib::PoseView> views = o.poses.empty() ? measured.views : std::vector<calib::PoseView>{};
+  ENAMEL_TRY_ASSIGN(const auto chosen, take_held_out(o.poses, measured));
+  ENAMEL_TRY_ASSIGN(const auto planes,
+                    check_planes(folder, o.poses.empty() ? views : chosen, calib::state_of(rig), measured));
+  double squares = 0, points = 0;
+  for (const auto& p : planes) {
+    squares += p.rms_um * p.rms_um * static_cast<double>(p.points);
+    points += static_cast<double>(p.points);
+  }
+  Json json{{"plane_rms_um", points > 0 ? std::sqrt(squares / points) : 0.0}};
+  add_shapes(json, calib::shapes_over_depth(planes, range_of(rig)));
+  json["planes"] = planes_json(planes);
+  json["poses_rejected"] = notes_json(measured.rejected);
+  std::puts(json.dump(1).c_str());
+  return 0;
+}
+
+}  // namespace
+
+CalibrateCommand add_calibrate_check(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* check = app.add_subcommand("check", "planes of a calibration folder as a rig sees them (JSON)");
+  check->add_option("DIR", o->folder, "calibration folder")->required();
+  check->add_option("--rig", o->rig, "rig.json to judge")->required();
+  check->add_option("--poses", o->poses, "only these poses")->delimiter(',');
+  return {check, [o] { return run_check(*o); }};
+}
+
+}  // namespace enamel::app

@@ -1,0 +1,44 @@
+// enamel calibrate compare: what the difference of two rigs does to geometry.
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "calib/judge/volume.hpp"
+#include "host/app/calibrate/set.hpp"
+#include "host/app/calibrate/subcommand.hpp"
+
+namespace enamel::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string rig, other;
+};
+
+Result<int> run_compare(const Options& o) {
+  ENAMEL_TRY_ASSIGN(const calib::Rig rig, load_intact(o.rig));
+  ENAMEL_TRY_ASSIGN(const calib::Rig other, load_intact(o.other));
+  const auto d = calib::compare_rigs(calib::state_of(rig), calib::state_of(other), range_of(other));
+  Json json{{"p95_um", d.p95_um}, {"rms_um", d.rms_um}, {"max_um", d.max_um}, {"scale_ppm", d.scale_ppm}};
+  for (std::size_t k = 0; k < d.planes.size(); ++k) {
+    json["depth_mm"].push_back(d.depth_mm[k]);
+    json["sag_um"].push_back(d.planes[k].sag_um());
+    json["twist_um"].push_back(d.planes[k].twist_um);
+  }
+  std::puts(json.dump(1).c_str());
+  return 0;
+}
+
+}  // namespace
+
+CalibrateCommand add_calibrate_compare(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* compare = app.add_subcommand("compare", "what the difference of two rigs does to geometry (JSON)");
+  compare->add_option("RIG", o->rig, "rig.json")->required();
+  compare->add_option("REFERENCE", o->other, "rig.json")->required();
+  return {compare, [o] { return run_compare(*o); }};
+}
+
+}  // namespace enamel::app
