@@ -12,6 +12,7 @@
 #include "calib/io/rig_writer.hpp"
 #include "calib/judge/judgement.hpp"
 #include "calib/solve/measure_folder.hpp"
+#include "host/app/calibrate_capture.hpp"
 #include "host/app/command.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/file.hpp"
@@ -275,6 +276,8 @@ void add_solve(CLI::App& app, Options& o) {
 Run add_calibrate(CLI::App& app) {
   auto o = std::make_shared<Options>();
   app.require_subcommand(1);
+  CLI::App* capture = app.add_subcommand("capture", "pictures of a target from a live probe, pose by pose");
+  const Run run_capture = add_calibrate_capture(*capture);
   add_solve(app, *o);
   CLI::App* check = app.add_subcommand("check", "planes of a calibration folder as a rig sees them (JSON)");
   check->add_option("DIR", o->folder, "calibration folder")->required();
@@ -283,7 +286,8 @@ Run add_calibrate(CLI::App& app) {
   CLI::App* compare = app.add_subcommand("compare", "what the difference of two rigs does to geometry (JSON)");
   compare->add_option("RIG", o->rig, "rig.json")->required();
   compare->add_option("REFERENCE", o->other, "rig.json")->required();
-  return [o, check, compare]() -> Result<int> {
+  return [o, check, compare, capture, run_capture]() -> Result<int> {
+    if (capture->parsed()) return run_capture();
     if (check->parsed()) return run_check(*o);
     if (compare->parsed()) return run_compare(*o);
     return run_solve(*o);
