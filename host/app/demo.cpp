@@ -120,16 +120,17 @@ Result<void> scan_uncalibrated(const Demo& demo, const std::string& path, const 
   return fail(ErrorCode::kInternal, "enamel replay ended with code " + std::to_string(code));
 }
 
-// Both accuracies side by side, and in calibrate.json. Told on stderr: stdout carries the report.
+// Both accuracies side by side, and in calibrate.json.
 Result<void> compare_both(const Demo& demo) {
   const nlohmann::json before = accuracy_of(demo.scan.run.out + "/uncalibrated");
   const nlohmann::json after = accuracy_of(demo.scan.run.out);
-  std::fprintf(stderr, "SIMULATED             %14s %14s\n", "design values", "calibrated");
+  std::FILE* const where = demo.scan.run.json ? stderr : stdout;  // with --json, stdout is the report alone
+  std::fprintf(where, "SIMULATED             %14s %14s\n", "design values", "calibrated");
   for (const char* key : {"mean_abs_um", "p95_um", "coverage_pct", "end_error_um"}) {
     const auto text = [&](const nlohmann::json& a) {
       return a.contains(key) && a[key].is_number() ? fmt::format("{:.2f}", a[key].get<double>()) : std::string("none");
     };
-    std::fprintf(stderr, "  %-20s%14s %14s\n", key, text(before).c_str(), text(after).c_str());
+    std::fprintf(where, "  %-20s%14s %14s\n", key, text(before).c_str(), text(after).c_str());
   }
   const nlohmann::json both{{"simulated", true}, {"uncalibrated", before}, {"calibrated", after}};
   return write_file(demo.scan.run.out + "/calibrate.json", both.dump(1) + "\n");

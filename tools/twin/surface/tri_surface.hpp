@@ -32,7 +32,7 @@ struct Ball {
 struct Surroundings {
   TriSurface mesh;
   std::vector<Ball> balls;        ///< traced as exact spheres
-  std::optional<DotPrint> print;  ///< overrides the mesh's albedo
+  std::optional<DotPrint> print{};  ///< overrides the mesh's albedo
 };
 
 /// Area-weighted vertex normals from the facets.
