@@ -7,7 +7,7 @@
 namespace enamel::calib {
 namespace {
 
-// Two white frames of a board at rest differ by noise alone. A shift of 0.3 px changes the edges of the dots, one to
+// Two frames of a board at rest differ by noise alone. A shift of 0.3 px changes the edges of the dots, one to
 // two per cent of the image, by a fifth of their step.
 constexpr double kMotionSigmas = 6;
 constexpr double kMovedShare = 0.001;
@@ -71,24 +71,39 @@ GatherEvent PoseGatherer::add(int set, const std::array<Map<float>, 4>& frames) 
   return event;
 }
 
-bool PoseGatherer::moved(const Map<float>& white) const {
+PoseGatherer::Look PoseGatherer::look() const {
+  Look out{sweep_.front()[0], sweep_.back()[0]};
+  for (std::size_t i = 0; i < out.even.size(); ++i) {
+    for (std::size_t k = 1; k < 4; ++k) out.even[i] += sweep_.back()[k][i];
+    out.even[i] *= 0.25F;
+  }
+  return out;
+}
+
+bool PoseGatherer::is_changed(const Map<float>& now, const Map<float>& before, int averaged) const {
+  const PixelNoise noise = noise_.of_mean(averaged);
   std::size_t changed = 0;
-  for (std::size_t i = 0; i < white.size(); ++i) {
-    const double a = static_cast<double>(white[i]), b = static_cast<double>(reference_[i]);
-    const double variance = 2 * noise_.variance(0.5 * (a + b));
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const double a = static_cast<double>(now[i]), b = static_cast<double>(before[i]);
+    const double variance = 2 * noise.variance(0.5 * (a + b));
     changed += (a - b) * (a - b) > kMotionSigmas * kMotionSigmas * variance ? 1U : 0U;
   }
-  return static_cast<double>(changed) > kMovedShare * static_cast<double>(white.size());
+  return static_cast<double>(changed) > kMovedShare * static_cast<double>(now.size());
+}
+
+bool PoseGatherer::moved(const Look& now) const {
+  return is_changed(now.white, reference_->white, 1) || is_changed(now.even, reference_->even, 4);
 }
 
 GatherEvent PoseGatherer::end_of_sweep() {
   GatherEvent event = GatherEvent::kNothing;
-  if (!reference_.empty() && moved(sweep_[0][0])) {
-    if (!is_taken_) event = GatherEvent::kMoved;
-    reference_ = {};
+  Look now = look();
+  if (reference_ && moved(now)) {
+    if (!is_taken_ && gathered_ > 1) event = GatherEvent::kMoved;
+    reference_.reset();
   }
-  if (reference_.empty()) {
-    reference_ = sweep_[0][0];
+  if (!reference_) {
+    reference_ = std::move(now);
     sum_.assign(sweep_.size(), {});
     gathered_ = 0;
     is_taken_ = false;

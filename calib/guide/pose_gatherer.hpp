@@ -25,7 +25,7 @@ struct MultiSets {
 /// What became of the frames handed over last.
 enum class GatherEvent : std::uint8_t {
   kNothing,
-  kMoved,  ///< the target moved before the pose had enough sweeps
+  kMoved,  ///< the target had rested for two sweeps or more, and moved before there were enough
   kPose,   ///< a pose is complete: take() it
 };
 
@@ -48,14 +48,21 @@ class PoseGatherer {
  private:
   using Sets = std::vector<std::array<Map<float>, 4>>;
   [[nodiscard]] GatherEvent end_of_sweep();
-  [[nodiscard]] bool moved(const Map<float>& white) const;
+  /// How a sweep begins and how it ends: both the same as in the pose's first sweep means that nothing moved between.
+  struct Look {
+    Map<float> white;
+    Map<float> even;  ///< mean of the last set's four steps: an even light
+  };
+  [[nodiscard]] Look look() const;
+  [[nodiscard]] bool is_changed(const Map<float>& now, const Map<float>& before, int averaged) const;
+  [[nodiscard]] bool moved(const Look& now) const;
 
   MultiSets sets_;
   int sweeps_;
   PixelNoise noise_;
-  Sets sweep_;            ///< under way
-  Sets sum_;              ///< of the pose's sweeps
-  Map<float> reference_;  ///< white frame of the pose's first sweep; empty: none yet
+  Sets sweep_;                     ///< under way
+  Sets sum_;                       ///< of the pose's sweeps
+  std::optional<Look> reference_;  ///< of the pose's first sweep
   int gathered_ = 0;
   bool is_taken_ = false;  ///< the reference is that of a pose already handed out
   std::uint64_t broken_ = 0;

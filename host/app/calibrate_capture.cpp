@@ -122,10 +122,13 @@ Result<void> gather(const Options& o, PoseFeed& feed, Guide& guide, Clock& clock
 }
 
 /// The folder, or the reason why there is none.
-Result<int> conclude(const Options& o, Guide& guide, const std::string& target_text) {
+Result<int> conclude(const Options& o, Guide& guide, std::uint64_t broken_sweeps, const std::string& target_text) {
   const calib::Coverage coverage = guide.coverage();
   const char* verdict = coverage.is_enough() ? "complete" : guide.has_poses() ? "usable" : "refused";
-  const Json json = guide.json(verdict);
+  Json json = guide.json(verdict);
+  json["broken_sweeps"] = broken_sweeps;
+  if (broken_sweeps > 0) log::warn("calibrate", "{} sweeps dropped: bursts were lost on the way", broken_sweeps);
+  if (guide.has_poses()) ENAMEL_TRY(guide.commit(target_text, o.sweeps));
   if (o.json) std::puts(json.dump(1).c_str());
   if (!guide.has_poses()) {
     std::string detail = fmt::format("{} of {} poses taken, {} refused", coverage.poses, o.poses, guide.refused());
@@ -134,9 +137,9 @@ Result<int> conclude(const Options& o, Guide& guide, const std::string& target_t
       detail += ", the last: " + (*row)["reasons"][0].get<std::string>();
       break;
     }
+    if (json["poses"].empty()) detail += fmt::format("; the target never rested for {} sweeps", o.sweeps);
     return fail(ErrorCode::kCalibrationPoses, detail + "; " + o.out + " is not written");
   }
-  ENAMEL_TRY(guide.commit(target_text, o.sweeps));
   for (const auto& what : coverage.missing) log::warn("calibrate", "would still help: {}", what);
   if (!o.json) {
     std::printf("%s%d poses -> %s\n", json["simulated"].get<bool>() ? "SIMULATED: " : "", coverage.poses,
@@ -164,7 +167,7 @@ Result<int> run_capture(const Options& o) {
   ENAMEL_TRY(gather(o, *feed, guide, clock));
   feed->stop();
   if (const auto error = feed->error(); error && !guide.has_poses()) return tl::unexpected<Error>(*error);
-  return conclude(o, guide, target_text);
+  return conclude(o, guide, feed->broken_sweeps(), target_text);
 }
 
 }  // namespace

@@ -47,6 +47,8 @@ class PoseFeed final : private host::FeedSink {
   [[nodiscard]] bool ended() const { return ended_.load(std::memory_order_acquire); }
   /// kProbeNotFound, kProbeLost, kRigMissing, kRigInvalid, kPatternSet …
   [[nodiscard]] std::optional<Error> error() const;
+  /// Sweeps dropped because a burst of theirs never came. After stop().
+  [[nodiscard]] std::uint64_t broken_sweeps() const { return gatherer_ ? gatherer_->broken_sweeps() : 0; }
   /// Ends the session and waits for it.
   void stop();
 

@@ -71,8 +71,22 @@ TEST(PoseGatherer, TakesAPoseOnlyOnceUntilTheTargetMoves) {
 TEST(PoseGatherer, MotionBetweenSweepsIsTold) {
   auto gatherer = gatherer_of(3);
   sweep(gatherer, 0);
+  sweep(gatherer, 0);
   EXPECT_EQ(sweep(gatherer, 1), GatherEvent::kMoved);
   EXPECT_EQ(gatherer.sweeps_so_far(), 1);
+}
+
+TEST(PoseGatherer, MotionWithinASweepIsTold) {
+  auto gatherer = gatherer_of(3);
+  sweep(gatherer, 0);
+  sweep(gatherer, 0);
+  GatherEvent last = GatherEvent::kNothing;
+  for (int set = 0; set < 3; ++set) {  // the white frame still fits, the last fringes do not
+    const int shift_px = set == 2 ? 1 : 0;
+    last = gatherer.add(set, {picture(100, shift_px), picture(set == 0 ? 5 : 100, shift_px), picture(100, shift_px),
+                              picture(set == 0 ? 5 : 100, shift_px)});
+  }
+  EXPECT_EQ(last, GatherEvent::kMoved);
 }
 
 TEST(PoseGatherer, ALostBurstDropsItsSweepAlone) {

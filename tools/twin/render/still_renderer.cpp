@@ -10,6 +10,7 @@ namespace enamel::twin {
 namespace {
 
 constexpr std::size_t kPixelsPerTask = 4096;
+constexpr float kEdgeStep = 0.01F;  // of albedo: less is texture or rounding
 
 StillSample sample_of(const Lane& lane) {
   return {lane.u, lane.v, static_cast<float>(lane.weight), static_cast<float>(lane.ambient),
@@ -96,7 +97,7 @@ StillView StillRenderer::trace(const Pose& T_model_cam) const {
           high = std::max(high, rows[v].high[u]);
         }
       }
-      is_edge[y][x] = low != high;
+      is_edge[y][x] = high - low > kEdgeStep;
       if (is_edge[y][x]) trace_edge_pixel(at, static_cast<int>(x), static_cast<int>(y), fine[y]);
     }
   });

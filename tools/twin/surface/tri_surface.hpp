@@ -31,7 +31,7 @@ struct Ball {
 /// What stands before the probe.
 struct Surroundings {
   TriSurface mesh;
-  std::vector<Ball> balls;        ///< traced as exact spheres
+  std::vector<Ball> balls;          ///< traced as exact spheres
   std::optional<DotPrint> print{};  ///< overrides the mesh's albedo
 };
 
