@@ -36,7 +36,7 @@ Result<Calibration> load_calibration(const std::string& path) {
   ENAMEL_TRY_ASSIGN(c.rig, calib::load_rig(path));
   if (!calib::is_rig_intact(c.rig.text))
     return fail(ErrorCode::kRigInvalid, path + ": its sha256 is not that of its content; it was changed after solving");
-  const auto report = read_file((std::filesystem::path(path).parent_path() / "solve.json").string());
+  const auto report = read_file(std::filesystem::path(path).replace_extension(".report.json").string());
   if (report) c.report_json = *report;
   c.source = path;
   return c;

@@ -15,8 +15,8 @@ struct Calibration {
   std::string source;       ///< its path, or where else it came from
 };
 
-/// A rig file, and solve.json beside it where there is one. Errors: those of load_rig; kRigInvalid when the file was
-/// changed after it was solved.
+/// A rig file, and what its solver said of it where that lies beside it: X.report.json to X.json. Errors: those of
+/// load_rig; kRigInvalid when the file was changed after it was solved.
 [[nodiscard]] Result<Calibration> load_calibration(const std::string& path);
 
 /// The one in `path` when given, else what the recording was measured with, else what the bursts carry. Errors:

@@ -20,10 +20,10 @@ struct DemoCalibration {
 /// Runs a program to its end; its exit code. Errors: kCancelled at a stop signal, kFileNotFound.
 [[nodiscard]] Result<int> run_child(const std::vector<std::string>& argv, const ChildOptions& options, Clock& clock);
 
-/// Folder calib-<key> of `cache`: the calibration folder, solved.json and solve.json; made when it is missing, whole or
-/// not at all. The key covers the scene's rig, twin, solver and seed (`scene_key`: of everything but the solver). Runs
-/// `enamel-twin calibrate` and `enamel calibrate solve`. Errors: kCancelled, kCalibrationRefused, kFileWrite,
-/// kInternal.
+/// Folder calib-<key> of `cache`: the calibration folder, solved.json and solved.report.json; made when it is missing,
+/// whole or not at all. The key covers the scene's rig, twin, solver and seed (`scene_key`: of everything but the
+/// solver). Runs `enamel-twin calibrate` and `enamel calibrate solve`. Errors: kCancelled, kCalibrationRefused,
+/// kFileWrite, kInternal.
 [[nodiscard]] Result<DemoCalibration> demo_calibration(const std::string& scene, std::uint64_t seed,
                                                        const std::string& cache, const std::string& scene_key,
                                                        Clock& clock);

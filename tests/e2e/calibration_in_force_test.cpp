@@ -24,6 +24,8 @@ std::string write_calibration(const TempFolder& tmp, const std::string& serial, 
   rig["camera"]["fx"] = focal_scale * rig["camera"]["fx"].get<double>();
   const std::string path = tmp / ("rig-" + serial + ".json");
   EXPECT_TRUE(write_file(path, rig.dump(1)));
+  const Json report{{"verdict", "accepted"}, {"expected", {{"p95_um", 0.25}, {"p95_bound_um", 0.5}}}};
+  EXPECT_TRUE(write_file(tmp / ("rig-" + serial + ".report.json"), report.dump(1)));
   return path;
 }
 
@@ -45,6 +47,8 @@ TEST(CalibrationInForce, ScanRecordsItAndReplayMeasuresWithIt) {
   const Json live = json_of(tmp / "session/report.json");
   EXPECT_EQ(live["calibration"]["source"], rig);
   EXPECT_EQ(live["calibration"]["sha256"].get<std::string>().size(), 64U);
+  EXPECT_EQ(live["calibration"]["verdict"], "accepted");
+  EXPECT_EQ(live["calibration"]["expected_p95_um"], 0.25);
   EXPECT_FALSE(live["calibration"]["foreign"].get<bool>());
   const auto replay = [&](const std::string& name, std::vector<std::string> more) {
     std::vector<std::string> argv{program("enamel"), "replay", tmp / "session", "--out", tmp / name, "--headless"};
@@ -56,11 +60,13 @@ TEST(CalibrationInForce, ScanRecordsItAndReplayMeasuresWithIt) {
   const Json again = replay("again", {});
   EXPECT_EQ(again["calibration"]["source"], "recording");
   EXPECT_EQ(again["calibration"]["sha256"], live["calibration"]["sha256"]);
+  EXPECT_EQ(again["calibration"]["expected_p95_um"], 0.25);
   EXPECT_EQ(again["hash"], live["hash"]) << "the recording carries what measured it";
   // Control: the probe's own calibration gives another result.
   const Json own = replay("own", {"--rig", std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe.json"});
   EXPECT_NE(own["hash"], live["hash"]);
   EXPECT_NE(own["calibration"]["sha256"], live["calibration"]["sha256"]);
+  EXPECT_FALSE(own["calibration"].contains("verdict"));
 }
 
 TEST(CalibrationInForce, AnotherProbesIsRefused) {
