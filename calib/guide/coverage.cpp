@@ -39,9 +39,10 @@ std::string emptiest_part(const Coverage& c) {
   for (int r = 0; r < 3; ++r) {
     for (int k = 0; k < 3; ++k) {
       int empty = 0;
-      for (int y = r * Coverage::kRows / 3; y < (r + 1) * Coverage::kRows / 3; ++y)
+      for (int y = r * Coverage::kRows / 3; y < (r + 1) * Coverage::kRows / 3; ++y) {
         for (int x = k * Coverage::kColumns / 3; x < (k + 1) * Coverage::kColumns / 3; ++x)
           empty += c.dots_in_cell[static_cast<std::size_t>(y * Coverage::kColumns + x)] == 0 ? 1 : 0;
+      }
       if (empty <= best) continue;
       best = empty;
       where = std::string(rows[static_cast<std::size_t>(r)]) + columns[static_cast<std::size_t>(k)];
@@ -75,9 +76,10 @@ Coverage coverage_of(const std::vector<SeenPose>& poses, const Rig& nominal, con
   for (std::size_t i = 0; i < c.by_side.size(); ++i) {
     if (c.by_side[i] < wanted.per_side) c.missing.push_back(fmt::format("the board turned to the {}", kSides[i]));
   }
-  if (c.field_share < wanted.field)
+  if (c.field_share < wanted.field) {
     c.missing.push_back(fmt::format("dots in the {} of the image ({:.0f} % of the field seen, {:.0f} % wanted)",
                                     emptiest_part(c), 100 * c.field_share, 100 * wanted.field));
+  }
   if (c.poses < wanted.poses) c.missing.push_back(fmt::format("{} more poses", wanted.poses - c.poses));
   return c;
 }
