@@ -80,7 +80,7 @@ Coverage coverage_of(const std::vector<SeenPose>& poses, const Rig& nominal, con
     c.missing.push_back(fmt::format("dots in the {} of the image ({:.0f} % of the field seen, {:.0f} % wanted)",
                                     emptiest_part(c), 100 * c.field_share, 100 * wanted.field));
   }
-  if (c.poses < wanted.poses) c.missing.push_back(fmt::format("{} more poses", wanted.poses - c.poses));
+  if (c.poses < wanted.poses) c.missing.push_back(fmt::format("more poses ({} of {})", c.poses, wanted.poses));
   return c;
 }
 

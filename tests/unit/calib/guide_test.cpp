@@ -142,7 +142,7 @@ TEST(Coverage, NamesWhatIsMissingUntilThereIsEnough) {
   EXPECT_EQ(c.by_side, (std::array<int, 4>{2, 1, 1, 1}));
   ASSERT_EQ(c.missing.size(), 2U);
   EXPECT_NE(c.missing[0].find("far depth"), std::string::npos);
-  EXPECT_NE(c.missing[1].find("1 more poses"), std::string::npos);
+  EXPECT_NE(c.missing[1].find("more poses (5 of 6)"), std::string::npos);
   poses.push_back(seen(54, 100, 320, 240));
   EXPECT_TRUE(calib::coverage_of(poses, *rig, wanted).is_enough());
   for (auto& pose : poses) {
