@@ -109,7 +109,7 @@ Result<void> write_calibration_folder(const SceneConfig& scene, const std::strin
   const std::string partial = folder + ".partial";
   fs::remove_all(partial, ec);
   ENAMEL_TRY(make_folder(partial));
-  const Result<void> written = write_all(scene, partial, on_pose);
+  Result<void> written = write_all(scene, partial, on_pose);
   if (!written) {
     fs::remove_all(partial, ec);
     return written;
