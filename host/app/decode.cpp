@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "host/app/calibration.hpp"
 #include "host/app/command.hpp"
 #include "host/app/input.hpp"
 #include "host/app/run_options.hpp"
@@ -28,7 +29,8 @@ Result<int> run_decode(const Options& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const LoadedConfig config, load_config(o.run));
   ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(o.input));
-  ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_for(o.rig, *stream, o.input));
+  ENAMEL_TRY_ASSIGN(const Calibration calibration, calibration_for(o.rig, *stream, o.input));
+  ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_to_measure(calibration, *stream));
   for (const std::string& key : rig.unknown_keys) log::info("rig", "unknown key '{}' kept and ignored", key);
   ENAMEL_TRY_ASSIGN(const proto::Burst burst, stream->burst_with_id({o.burst}));
   if (!proto::is_consistent(burst)) return fail(ErrorCode::kCaptureCorrupt, "burst " + std::to_string(o.burst));

@@ -1,14 +1,19 @@
-// enamel demo: twin -> recording (cached) -> enamel-probe -> DDS -> this process -> mesh, accuracy, picture.
+// enamel demo: twin -> recording and calibration (cached) -> enamel-probe -> DDS -> this process -> mesh, accuracy,
+// picture. With --calibrate the same scan is first shown as the probe left the factory.
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "host/app/child_process.hpp"
 #include "host/app/command.hpp"
+#include "host/app/demo_calibration.hpp"
 #include "host/app/input.hpp"
 #include "host/app/scan_run.hpp"
 #include "host/record/burst_stream.hpp"
@@ -27,6 +32,7 @@ struct Demo {
   std::string scene;
   std::string cache;
   std::uint64_t seed = 1;
+  bool show_uncalibrated = false;
 };
 
 // Beside the sources of the build that this program lies in: build/<preset>/bin/enamel -> config/scenes.
@@ -73,9 +79,7 @@ void prune_cache(const std::string& cache, const fs::path& keep) {
   for (std::size_t i = 0; i + kKept - 1 < files.size(); ++i) fs::remove(files[i].second, ec);
 }
 
-Result<std::string> recording(const Demo& demo, Clock& clock) {
-  ENAMEL_TRY(make_folder(demo.cache));
-  ENAMEL_TRY_ASSIGN(const std::string key, cache_key(demo));
+Result<std::string> recording(const Demo& demo, const std::string& key, Clock& clock) {
   const std::string path = demo.cache + "/demo-" + key + ".mcap";
   std::error_code ec;
   if (fs::exists(path, ec)) {
@@ -86,12 +90,10 @@ Result<std::string> recording(const Demo& demo, Clock& clock) {
   log::info("demo",
             "rendering ahead: two cores render fewer than 30 bursts a second; the probe then plays at the true rate");
   const std::string partial = path + ".rendering.mcap";
-  ENAMEL_TRY_ASSIGN(auto twin, ChildProcess::start({sibling_program("enamel-twin"), "render", demo.scene, "--seed",
-                                                    std::to_string(demo.seed), "--out", partial}));
-  while (!twin.poll() && !stop_requested()) clock.sleep_for(std::chrono::milliseconds(50));
-  if (stop_requested()) return fail(ErrorCode::kCancelled);
-  if (*twin.poll() != 0)
-    return fail(ErrorCode::kInternal, "enamel-twin ended with code " + std::to_string(*twin.poll()));
+  ENAMEL_TRY_ASSIGN(const int code, run_child({sibling_program("enamel-twin"), "render", demo.scene, "--seed",
+                                               std::to_string(demo.seed), "--out", partial},
+                                              {}, clock));
+  if (code != 0) return fail(ErrorCode::kInternal, "enamel-twin ended with code " + std::to_string(code));
   fs::rename(partial, path, ec);
   if (ec) return fail(ErrorCode::kFileWrite, path + ": " + ec.message());
   return path;
@@ -99,19 +101,42 @@ Result<std::string> recording(const Demo& demo, Clock& clock) {
 
 bool has_display() { return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr; }
 
-Result<int> run_demo(Demo& demo) {
-  SteadyClock clock;
-  install_stop_signals();
-  ENAMEL_TRY(make_folder(demo.scan.run.out));
-  if (!demo.scan.run.headless && !has_display()) {
-    log::warn("demo", "no display: the same without a window (as with --headless)");
-    demo.scan.run.headless = true;
+nlohmann::json accuracy_of(const std::string& folder) {
+  const auto text = read_file(folder + "/report.json");
+  const auto report = nlohmann::json::parse(text ? *text : "", nullptr, /*allow_exceptions=*/false);
+  if (!report.is_object() || !report.contains("accuracy")) return nlohmann::json::object();
+  return report["accuracy"];
+}
+
+// The recording as measured by what the probe believed of itself before it was calibrated.
+Result<void> scan_uncalibrated(const Demo& demo, const std::string& path, const std::string& rig, Clock& clock) {
+  log::info("demo", "the same scan with the factory's design values (replay of the recording)");
+  const std::string out = demo.scan.run.out + "/uncalibrated";
+  ENAMEL_TRY(make_folder(out));
+  ENAMEL_TRY_ASSIGN(const int code,
+                    run_child({sibling_program("enamel"), "replay", path, "--rig", rig, "--out", out, "--headless"},
+                              {.stdout_path = out + "/replay.out", .stderr_path = {}}, clock));
+  if (code == 0) return {};
+  return fail(ErrorCode::kInternal, "enamel replay ended with code " + std::to_string(code));
+}
+
+// Both accuracies side by side, and in calibrate.json.
+Result<void> compare_both(const Demo& demo) {
+  const nlohmann::json before = accuracy_of(demo.scan.run.out + "/uncalibrated");
+  const nlohmann::json after = accuracy_of(demo.scan.run.out);
+  std::FILE* const where = demo.scan.run.json ? stderr : stdout;  // with --json, stdout is the report alone
+  std::fprintf(where, "SIMULATED             %14s %14s\n", "design values", "calibrated");
+  for (const char* key : {"mean_abs_um", "p95_um", "coverage_pct", "end_error_um"}) {
+    const auto text = [&](const nlohmann::json& a) {
+      return a.contains(key) && a[key].is_number() ? fmt::format("{:.2f}", a[key].get<double>()) : std::string("none");
+    };
+    std::fprintf(where, "  %-20s%14s %14s\n", key, text(before).c_str(), text(after).c_str());
   }
-  ENAMEL_TRY_ASSIGN(const std::string path, recording(demo, clock));
-  {
-    ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(path));
-    demo.scan.truth = {attached_text(*stream, "truth/surface.ply"), attached_text(*stream, "truth/poses.csv")};
-  }
+  const nlohmann::json both{{"simulated", true}, {"uncalibrated", before}, {"calibrated", after}};
+  return write_file(demo.scan.run.out + "/calibrate.json", both.dump(1) + "\n");
+}
+
+Result<int> run_live(Demo& demo, const std::string& path) {
   demo.scan.dds_tag = "enamel-demo-" + std::to_string(::getpid());
   demo.scan.serial = "TWIN-DEMO";
   demo.scan.start_at_once = true;
@@ -127,6 +152,33 @@ Result<int> run_demo(Demo& demo) {
   return run_scan(demo.scan);
 }
 
+Result<int> run_demo(Demo& demo) {
+  SteadyClock clock;
+  install_stop_signals();
+  ENAMEL_TRY(make_folder(demo.scan.run.out));
+  if (!demo.scan.run.headless && !has_display()) {
+    log::warn("demo", "no display: the same without a window (as with --headless)");
+    demo.scan.run.headless = true;
+  }
+  ENAMEL_TRY(make_folder(demo.cache));
+  ENAMEL_TRY_ASSIGN(const std::string key, cache_key(demo));
+  ENAMEL_TRY_ASSIGN(const std::string path, recording(demo, key, clock));
+  ENAMEL_TRY_ASSIGN(const DemoCalibration calibration, demo_calibration(demo.scene, demo.seed, demo.cache, key, clock));
+  {
+    ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(path));
+    demo.scan.truth = {attached_text(*stream, "truth/surface.ply"), attached_text(*stream, "truth/poses.csv")};
+  }
+  if (demo.show_uncalibrated) {
+    ENAMEL_TRY(scan_uncalibrated(demo, path, calibration.nominal_rig, clock));
+  }
+  demo.scan.rig_path = calibration.solved_rig;
+  ENAMEL_TRY_ASSIGN(const int code, run_live(demo, path));
+  if (demo.show_uncalibrated) {
+    ENAMEL_TRY(compare_both(demo));
+  }
+  return code;
+}
+
 }  // namespace
 
 Run add_demo(CLI::App& app) {
@@ -138,7 +190,9 @@ Run add_demo(CLI::App& app) {
   app.add_option("--out", demo->scan.run.out, "folder for the results")->capture_default_str();
   app.add_option("--seed", demo->seed, "another patient, path, tremor and noise")->capture_default_str();
   app.add_option("--scene", demo->scene, "what the twin renders")->capture_default_str();
-  app.add_option("--cache", demo->cache, "where rendered recordings are kept")->capture_default_str();
+  app.add_option("--cache", demo->cache, "where rendered recordings and calibrations are kept")->capture_default_str();
+  app.add_flag("--calibrate", demo->show_uncalibrated,
+               "scan, calibrate, scan: also measures with the factory's design values and sets both side by side");
   return [demo]() -> Result<int> { return run_demo(*demo); };
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "host/app/calibration.hpp"
 #include "host/app/command.hpp"
 #include "host/app/input.hpp"
 #include "host/app/run_options.hpp"
@@ -58,7 +59,10 @@ Result<int> run_replay(const Options& o) {
   ENAMEL_TRY_ASSIGN(auto stream, host::open_bursts(resolved_input(o.input)));
   if (stream->info().truncated) tell({ErrorCode::kCaptureTruncated, o.input});
   if (stream->info().bursts == 0) return fail(ErrorCode::kEmptyInput, o.input);
-  ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_for(o.rig, *stream, o.input));
+  ENAMEL_TRY_ASSIGN(const Calibration calibration, calibration_for(o.rig, *stream, o.input));
+  ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_to_measure(calibration, *stream));
+  const auto recorded_rig = calib::parse_rig(stream->rig_text());
+  const std::string device_serial = recorded_rig ? recorded_rig->serial : std::string();
   ENAMEL_TRY(make_folder(o.run.out));
   const Truth truth{attached_text(*stream, "truth/surface.ply"), attached_text(*stream, "truth/poses.csv")};
   const std::uint64_t total = stream->info().bursts;
@@ -80,6 +84,7 @@ Result<int> run_replay(const Options& o) {
   report.bursts = outcome.counts;
   report.simulated = session->simulated();
   report.config_toml = config.text;
+  report.calibration_json = calibration_json(calibration, device_serial);
   report.notes["source"] = o.input;
   report.notes["pace"] = o.paced ? "recorded speed, live shedding rules" : "lossless, as fast as possible";
   Screen::State state{.scan = view::ScanState::kFinished,

@@ -25,6 +25,14 @@ std::string number(double value, const char* format, const char* unit) {
   return std::string(text) + unit;
 }
 
+void print_calibration(const nlohmann::json& c) {
+  if (!c.is_object()) return;
+  std::string words = c.value("nominal", false) ? "design values" : c.value("verdict", "as it is");
+  if (c.contains("expected_p95_um"))
+    words += number(c["expected_p95_um"].get<double>(), ", expected within %.2f", " um");
+  row("calibration", words + ", sha256 " + c.value("sha256", "").substr(0, 12));
+}
+
 void print_accuracy(const nlohmann::json& a) {
   const auto get = [&](const char* key) { return a.contains(key) && a[key].is_number() ? a[key].get<double>() : 0.0; };
   row("mean absolute deviation", number(get("mean_abs_um"), "%.1f", " um"));
@@ -91,6 +99,9 @@ void print_summary(const host::Report& report, bool json) {
   }
   row("mesh",
       std::to_string(report.mesh_vertices) + " vertices, " + std::to_string(report.mesh_triangles) + " triangles");
+  if (!report.calibration_json.empty()) {
+    print_calibration(nlohmann::json::parse(report.calibration_json, nullptr, /*allow_exceptions=*/false));
+  }
   if (!report.accuracy_json.empty()) {
     print_accuracy(nlohmann::json::parse(report.accuracy_json, nullptr, /*allow_exceptions=*/false));
   }

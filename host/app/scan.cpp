@@ -12,6 +12,7 @@ Run add_scan(CLI::App& app) {
   add_run_options(app, scan->run);
   app.add_option("--probe", scan->serial, "serial of the probe; needed when there is more than one");
   app.add_option("--session", scan->run.out, "folder for recording and results")->capture_default_str();
+  app.add_option("--rig", scan->rig_path, "calibration to measure with instead of the probe's own");
   app.add_option("--seconds", scan->seconds, "end after this long")->check(CLI::PositiveNumber);
   app.add_option("--wait-seconds", scan->wait_seconds, "how long to wait for a probe")->capture_default_str();
   app.add_option("--dds-tag", scan->dds_tag, "only probes with the same tag are seen")->capture_default_str();

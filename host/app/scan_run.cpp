@@ -2,8 +2,10 @@
 
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <utility>
 
+#include "host/app/calibration.hpp"
 #include "host/app/screen.hpp"
 #include "host/session/live_session.hpp"
 #include "protocol/base/file.hpp"
@@ -59,13 +61,18 @@ class RateMeter {
   double rate_ = 0;
 };
 
-host::LiveSessionConfig session_config(const ScanRun& scan, const LoadedConfig& config, Clock& clock) {
+host::LiveSessionConfig session_config(const ScanRun& scan, const LoadedConfig& config,
+                                       const std::optional<Calibration>& calibration, Clock& clock) {
   host::LiveSessionConfig c;
   c.link.serial = scan.serial;
   c.feed.session_id = static_cast<std::uint32_t>(to_ns(clock.now()) / 1'000'000) | 1U;
   c.feed.start_at_once = scan.start_at_once;
   c.feed.find_timeout = Nanoseconds(static_cast<std::int64_t>(scan.wait_seconds * 1e9));
   c.pipeline = config.pipeline;
+  if (calibration) {
+    c.calibration = calibration->rig;
+    c.calibration_report = calibration->report_json;
+  }
   c.config_text = config.text;
   c.program = "enamel " ENAMEL_VERSION;
   if (scan.record) c.recording_path = scan.run.out + "/capture.mcap";
@@ -124,10 +131,14 @@ int told(const Error& error) {
 Result<int> run_scan(const ScanRun& scan) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const LoadedConfig config, load_config(scan.run));
+  std::optional<Calibration> calibration;
+  if (!scan.rig_path.empty()) {
+    ENAMEL_TRY_ASSIGN(calibration, load_calibration(scan.rig_path));
+  }
   ENAMEL_TRY(make_folder(scan.run.out));
   ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create({.domain = 77, .tag = scan.dds_tag}));
   ENAMEL_TRY_ASSIGN(const auto session,
-                    host::LiveSession::create(participant, session_config(scan, config, clock), clock));
+                    host::LiveSession::create(participant, session_config(scan, config, calibration, clock), clock));
   Screen screen("enamel", clock);
   if (!scan.run.headless) ENAMEL_TRY(screen.open_window());
   install_stop_signals();
@@ -136,6 +147,8 @@ Result<int> run_scan(const ScanRun& scan) {
   ENAMEL_TRY_ASSIGN(const auto outcome, session->finish());
 
   host::Report report = first_report(scan, outcome, config, state.simulated);
+  if (const auto rig = session->rig())
+    report.calibration_json = calibration_json(calibration.value_or(Calibration{*rig, "", "probe"}), rig->serial);
   state.scan = view::ScanState::kFinished;
   state.counters = {outcome.counts.captured, outcome.counts.fused,      outcome.counts.rejected_total(),
                     outcome.counts.shed,     outcome.counts.incomplete, outcome.counts.lost_on_wire};

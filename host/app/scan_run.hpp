@@ -17,6 +17,7 @@ struct ScanRun {
   double seconds = 0;          ///< 0: until the probe's session ends
   double wait_seconds = 15;    ///< for a probe to appear
   bool start_at_once = false;  ///< else the person starts with the space bar
+  std::string rig_path;        ///< calibration to measure with; empty: the probe's own
   bool record = true;          ///< capture.mcap in the output folder
   Truth truth;
   std::map<std::string, std::string> notes;  ///< for the report

@@ -33,6 +33,9 @@ std::string to_json(const Report& r) {
   if (!r.accuracy_json.empty()) {
     out["accuracy"] = nlohmann::json::parse(r.accuracy_json, nullptr, /*allow_exceptions=*/false);
   }
+  if (!r.calibration_json.empty()) {
+    out["calibration"] = nlohmann::json::parse(r.calibration_json, nullptr, /*allow_exceptions=*/false);
+  }
   return out.dump(1) + "\n";
 }
 

@@ -23,7 +23,8 @@ struct Report {
   std::string hash;  ///< SHA-256 over every stage's output of every burst, in order, and the mesh
   std::uint64_t mesh_vertices = 0;
   std::uint64_t mesh_triangles = 0;
-  std::string accuracy_json;  ///< object with the keys of `enamel compare --json`, empty when the truth is not known
+  std::string accuracy_json;     ///< object with the keys of `enamel compare --json`, empty when the truth is not known
+  std::string calibration_json;  ///< object: which calibration measured, by its sha256, and what is expected of it
   std::map<std::string, std::string> notes;  ///< facts for people: what drew the picture, which pace, seed
   std::string config_toml;                   ///< resolved configuration
   bool simulated = false;

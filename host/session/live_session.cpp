@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "calib/model/measuring_rig.hpp"
+#include "host/record/calibration_attachment.hpp"
 #include "host/session/probe_counts.hpp"
 #include "protocol/base/log.hpp"
 
@@ -74,8 +76,11 @@ void LiveSession::run_record() {
 Result<void> LiveSession::start_pipeline(const proto::DeviceInfo& info) {
   std::string text(info.calibration_blob.begin(), info.calibration_blob.end());
   if (text.empty()) return fail(ErrorCode::kRigMissing, "probe " + info.serial + " carries none");
-  ENAMEL_TRY_ASSIGN(const calib::Rig rig, calib::parse_rig(text));
+  ENAMEL_TRY_ASSIGN(calib::Rig rig, calib::parse_rig(text));
   if (rig.crc32 != info.calib_crc32) return fail(ErrorCode::kRigInvalid, "damaged on its way from the probe");
+  if (config_.calibration) {
+    ENAMEL_TRY_ASSIGN(rig, calib::measuring_rig(*config_.calibration, rig));
+  }
   const ScanPipelineOptions options{
       .workers = config_.workers, .preview_model = config_.preview_model, .calib_crc32 = rig.crc32};
   ENAMEL_TRY_ASSIGN(pipeline_, ScanPipeline::create(rig, config_.pipeline, options, clock_));
@@ -83,6 +88,10 @@ Result<void> LiveSession::start_pipeline(const proto::DeviceInfo& info) {
     const capture::CaptureHeader header{text, config_.program, {{"serial", info.serial}, {"model", info.model}}};
     ENAMEL_TRY_ASSIGN(recorder_, Recorder::create(config_.recording_path, header));
     recorder_->attach(capture::kConfigAttachment, "application/toml", config_.config_text);
+    if (config_.calibration) {
+      recorder_->attach(kCalibrationAttachment, "application/json", config_.calibration->text);
+      recorder_->attach(kCalibrationReportAttachment, "application/json", config_.calibration_report);
+    }
     recorder_->note(info, clock_.now());
   }
   {

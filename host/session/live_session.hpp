@@ -25,10 +25,12 @@ struct LiveSessionConfig {
   ProbeLinkConfig link;
   FeedConfig feed;
   PipelineConfig pipeline;
-  std::string config_text;      ///< resolved configuration, attached to the recording
-  std::string recording_path;   ///< empty: none
-  std::string program;          ///< "enamel 0.1.0"
-  std::size_t gate_bursts = 8;  ///< waiting room; a burst is 1.2 MB
+  std::optional<calib::Rig> calibration;  ///< measures instead of the probe's own; one of another serial is refused
+  std::string calibration_report;         ///< JSON of the solver, attached to the recording; may be empty
+  std::string config_text;                ///< resolved configuration, attached to the recording
+  std::string recording_path;             ///< empty: none
+  std::string program;                    ///< "enamel 0.1.0"
+  std::size_t gate_bursts = 8;            ///< waiting room; a burst is 1.2 MB
   int workers = 2;
   bool preview_model = true;  ///< mesh the growing model for a window
 };

@@ -36,6 +36,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "calib/judge": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] + ALGO),
     "calib/report": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve", "calib/judge"] +
                      ALGO),
+    "calib/guide": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] + ALGO),
     "tools/twin": (4, PROTOCOL + FIRMWARE + ["calib/model"]),
     "viewer/scene": (4, BASE + ["pipeline/types"]),
     "viewer/gl": (4, BASE + ["pipeline/types", "viewer/scene"]),

@@ -3,41 +3,13 @@
 #include <cmath>
 #include <utility>
 
+#include "tools/twin/board/board_source.hpp"
 #include "tools/twin/render/seen.hpp"
 
 namespace enamel::twin {
 namespace {
 
 constexpr double kTruthBallEdgeMm = 0.1;
-
-ProjectorConfig effective_projector(const SceneConfig& c) {
-  ProjectorConfig p = c.projector;
-  p.round_levels = c.effects.round_levels;
-  if (!c.effects.gamma) p.gamma = p.lut_gamma = 1.0;
-  if (!c.effects.defocus) p.defocus_px_per_mm = 0;
-  return p;
-}
-
-RenderConfig effective_render(const SceneConfig& c) {
-  RenderConfig r = c.render;
-  r.light.falloff = c.effects.falloff;
-  r.light.shadow = c.effects.shadow;
-  if (!c.effects.ambient) r.light.ambient = 0;
-  return r;
-}
-
-SensorConfig sensor_of(const SceneConfig& c, const calib::NoiseValues& noise) {
-  SensorConfig s;
-  s.psf_sigma_px = c.effects.camera_psf ? c.psf_sigma_px : 0;
-  s.full_well_e = noise.full_well_e;
-  s.read_noise_e = noise.read_noise_e;
-  s.gain_e_per_dn = noise.gain_e_per_dn;
-  s.black_dn = noise.black_dn;
-  s.bits = noise.bits;
-  s.shot_noise = c.effects.shot_noise;
-  s.read_noise = c.effects.read_noise;
-  return s;
-}
 
 TremorConfig effective_tremor(const SceneConfig& c) {
   TremorConfig t = c.tremor;
@@ -74,7 +46,7 @@ struct TwinSource::Impl {
         truth_surface(truth_mesh(scene.surroundings(), kTruthBallEdgeMm)),
         renderer(instrument, scene, effective_render(c)),
         seen(instrument, truth_surface),
-        sensor(sensor_of(c, *rig.noise)),
+        sensor(effective_sensor(c, *rig.noise)),
         tremor(effective_tremor(c), c.seed),
         path(make_path(c, body.arch)),
         scene_json(std::move(body.description_json)) {
@@ -101,6 +73,9 @@ Result<std::unique_ptr<TwinSource>> TwinSource::create(const SceneConfig& config
   if (!effective.noise) return fail(ErrorCode::kRigInvalid, "the twin needs `noise` in the rig");
   if (effective.patterns.mode == calib::PatternMode::kMulti) {
     return fail(ErrorCode::kPatternSet, "the twin renders sets of four frames, the rig describes a calibration set");
+  }
+  if (config.path == PathKind::kCalibration) {
+    return fail(ErrorCode::kConfigValue, "path.type = calibration shows a board: use `enamel-twin calibrate`");
   }
   ENAMEL_TRY_ASSIGN(Body body, make_body(config));
   return std::unique_ptr<TwinSource>(new TwinSource(std::make_unique<Impl>(config, effective, std::move(body))));
@@ -171,6 +146,10 @@ Result<std::unique_ptr<fw::BurstSource>> open_twin_source(const std::string& sce
                                                           std::optional<std::uint64_t> seed) {
   ENAMEL_TRY_ASSIGN(SceneConfig scene, load_scene(scene_path));
   if (seed) scene.seed = *seed;
+  if (scene.path == PathKind::kCalibration) {
+    ENAMEL_TRY_ASSIGN(auto board, BoardSource::create(scene));
+    return std::unique_ptr<fw::BurstSource>(std::move(board));
+  }
   ENAMEL_TRY_ASSIGN(auto source, TwinSource::create(scene));
   return std::unique_ptr<fw::BurstSource>(std::move(source));
 }

@@ -11,6 +11,7 @@ struct CalibrateCommand {
   Run run;
 };
 
+CalibrateCommand add_calibrate_capture(CLI::App& app);
 CalibrateCommand add_calibrate_check(CLI::App& app);
 CalibrateCommand add_calibrate_compare(CLI::App& app);
 CalibrateCommand add_calibrate_list(CLI::App& app);

@@ -66,7 +66,7 @@ double four_step_error(double gamma, double* peak = nullptr) {
   config.black_fraction = 0;
   config.blur_sigma_px = 1.0;  // smooths the pixels' staircase, leaves the period of 240
   config.defocus_px_per_mm = 0;
-  const ProjectorLight light(rig, config, 40, 56);
+  const ProjectorLight light(pattern_levels(rig), config, 40, 56);
   double sum = 0, worst = 0;
   constexpr int kPoints = 4800;
   for (int i = 0; i < kPoints; ++i) {
@@ -95,7 +95,7 @@ TEST(TwinProjector, BlurAttenuatesAFringeByItsTransferFunction) {
   ProjectorConfig config;
   config.round_levels = false;
   config.gamma = config.lut_gamma = 1;
-  const ProjectorLight light(rig, config, 40, 56);
+  const ProjectorLight light(pattern_levels(rig), config, 40, 56);
   for (const double z : {42.0, 49.0, 55.0}) {
     double c = 0, s = 0;
     constexpr int kPoints = 960;

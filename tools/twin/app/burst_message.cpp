@@ -37,6 +37,7 @@ proto::Burst to_message(const fw::SimBurst& burst, std::uint32_t calib_crc32) {
   b.height = static_cast<std::uint16_t>(burst.height);
   b.bit_depth = static_cast<std::uint8_t>(burst.bit_depth);
   b.codec = burst.bit_depth > 8 ? proto::Codec::kRaw16 : proto::Codec::kRaw8;
+  b.pattern_set = static_cast<std::uint8_t>(burst.pattern_set);
   b.frame_period_ns = static_cast<std::uint32_t>(burst.t_exposure_ns[1] - burst.t_exposure_ns[0]);
   b.illum_us = burst.exposure_us;
   b.temp_centi_c = static_cast<std::int16_t>(std::lround(burst.temp_c * 100));

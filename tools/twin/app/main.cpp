@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -14,8 +15,10 @@
 #include "protocol/base/clock.hpp"
 #include "protocol/base/progress.hpp"
 #include "tools/twin/app/burst_message.hpp"
+#include "tools/twin/app/calibration_folder.hpp"
 #include "tools/twin/app/preview.hpp"
 #include "tools/twin/app/render_sink.hpp"
+#include "tools/twin/board/board_source.hpp"
 #include "tools/twin/surface/mesh_file.hpp"
 #include "tools/twin/truth_files.hpp"
 #include "tools/twin/twin_source.hpp"
@@ -30,6 +33,7 @@ namespace twin = enamel::twin;
 struct Options {
   std::string scene, out;
   std::optional<std::uint64_t> seed;
+  std::optional<int> poses;
   std::vector<std::string> overrides;
   std::size_t threads = 0;
   bool truth_maps = false;
@@ -94,6 +98,48 @@ Result<void> render(const Options& o) {
   return {};
 }
 
+/// The scene's rig before a board; a rig.json stands for a scene of default values.
+Result<twin::SceneConfig> calibration_scene(const Options& o) {
+  twin::SceneConfig scene;
+  if (std::filesystem::path(o.scene).extension() == ".json") {
+    if (!o.overrides.empty()) return enamel::fail(ErrorCode::kUsage, "--set needs a scene file, not a rig");
+    scene.rig_path = o.scene;
+    scene.seed = o.seed.value_or(scene.seed);
+  } else {
+    ENAMEL_TRY_ASSIGN(scene, scene_of(o));
+  }
+  scene.calibration.poses = o.poses.value_or(scene.calibration.poses);
+  return scene;
+}
+
+Result<void> record_board(const twin::SceneConfig& scene, const std::string& out, const enamel::Clock& clock) {
+  ENAMEL_TRY_ASSIGN(const auto source, twin::BoardSource::create(scene));
+  ENAMEL_TRY_ASSIGN(const auto sink, twin::open_sink(out, source->rig_text()));
+  ENAMEL_TRY_ASSIGN(const enamel::calib::Rig nominal, enamel::calib::parse_rig(source->rig_text()));
+  enamel::Progress progress(clock, "render bursts", source->count().value_or(0));
+  for (;;) {
+    ENAMEL_TRY_ASSIGN(const auto burst, source->next());
+    if (!burst) break;
+    ENAMEL_TRY(sink->burst(twin::to_message(*burst, nominal.crc32)));
+    progress.advance();
+  }
+  progress.finish();
+  ENAMEL_TRY(sink->file("target.json", twin::target_json(scene.board)));
+  ENAMEL_TRY(sink->file("truth/rig.json", source->stage().rig().text));
+  return sink->finish();
+}
+
+Result<void> calibrate(const Options& o) {
+  const enamel::SteadyClock clock;
+  ENAMEL_TRY_ASSIGN(const twin::SceneConfig scene, calibration_scene(o));
+  if (std::filesystem::path(o.out).extension() == ".mcap") return record_board(scene, o.out, clock);
+  enamel::Progress progress(clock, "render poses", static_cast<std::uint64_t>(scene.calibration.poses));
+  ENAMEL_TRY(twin::write_calibration_folder(scene, o.out, [&] { progress.advance(); }));
+  progress.finish();
+  std::printf("%d poses -> %s\n", scene.calibration.poses, o.out.c_str());
+  return {};
+}
+
 Result<void> preview(const Options& o) {
   ENAMEL_TRY_ASSIGN(const twin::SceneConfig scene, scene_of(o));
   return twin::write_preview(scene, o.out);
@@ -106,7 +152,8 @@ int report(const Result<void>& result) {
 }
 
 void add_common(CLI::App* sub, Options& o) {
-  sub->add_option("SCENE", o.scene, "scene file (TOML); keys: docs/twin-scene.md")->required();
+  sub->add_option("SCENE", o.scene, "scene file (TOML); keys: docs/twin-scene.md. For calibrate also a rig.json")
+      ->required();
   sub->add_option("--seed", o.seed, "another patient, path, tremor and noise");
   sub->add_option("--set", o.overrides, "key=value, overrides the scene file");
   sub->add_option("--threads", o.threads, "0: all cores; the result is the same for any number");
@@ -120,6 +167,12 @@ int run(int argc, char** argv) {
   add_common(render_cmd, o);
   render_cmd->add_option("--out", o.out, "recording (.mcap) or folder")->required();
   render_cmd->add_flag("--truth-maps", o.truth_maps, "depth, lit and order maps of every burst");
+  CLI::App* calibrate_cmd =
+      app.add_subcommand("calibrate", "a calibration board before the scene's rig: calibration folder or recording");
+  add_common(calibrate_cmd, o);
+  calibrate_cmd->add_option("--out", o.out, "calibration folder, or recording (.mcap) of a live calibration")
+      ->required();
+  calibrate_cmd->add_option("--poses", o.poses, "stands of the board")->check(CLI::Range(1, 99));
   CLI::App* preview_cmd = app.add_subcommand("preview", "shaded picture of the scene's body from four sides");
   add_common(preview_cmd, o);
   preview_cmd->add_option("--out", o.out, "PNG file")->required();
@@ -131,6 +184,7 @@ int run(int argc, char** argv) {
   std::optional<tbb::global_control> limit;
   if (o.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, o.threads);
   if (preview_cmd->parsed()) return report(preview(o));
+  if (calibrate_cmd->parsed()) return report(calibrate(o));
   return report(render(o));
 }
 

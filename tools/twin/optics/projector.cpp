@@ -49,9 +49,22 @@ double emission_of_level(const ProjectorConfig& config, double level) {
   return config.black_fraction + (1.0 - config.black_fraction) * x;
 }
 
-ProjectorLight::ProjectorLight(const calib::Rig& rig, const ProjectorConfig& config, double near_mm, double far_mm)
-    : config_(config), axis_v_(rig.patterns.axis_v) {
-  const int n = axis_v_ ? rig.projector.height : rig.projector.width;
+PatternLevels pattern_levels(const calib::Rig& rig) {
+  PatternLevels levels;
+  levels.axis_v = rig.patterns.axis_v;
+  const int n = levels.axis_v ? rig.projector.height : rig.projector.width;
+  for (int frame = 0; frame < 4; ++frame) {
+    for (int i = 0; i < n; ++i) {
+      levels.frames[static_cast<std::size_t>(frame)].push_back(pattern_level(rig.patterns, frame, i));
+    }
+  }
+  return levels;
+}
+
+ProjectorLight::ProjectorLight(const PatternLevels& levels, const ProjectorConfig& config, double near_mm,
+                               double far_mm)
+    : config_(config), axis_v_(levels.axis_v) {
+  const std::size_t n = levels.frames[0].size();
   constexpr double kSigmaFloor = 0.02;  // a sharp pixel edge, still resolved by the table
   sigma2_min_ = std::max(config.blur_sigma_px * config.blur_sigma_px, kSigmaFloor * kSigmaFloor);
   const double sigma2_max = std::max({sigma2_at(near_mm - 2.0), sigma2_at(far_mm + 2.0), sigma2_min_});
@@ -59,13 +72,12 @@ ProjectorLight::ProjectorLight(const calib::Rig& rig, const ProjectorConfig& con
   bins_ = static_cast<std::size_t>(std::ceil((sigma2_max - sigma2_min_) / kBinWidth)) + 2;
   bins_per_unit_ = 1.0 / kBinWidth;
   bin_limit_ = static_cast<double>(bins_ - 2) + 0.999999;
-  stride_ = static_cast<std::size_t>((n + 2 * kMargin) * kFine) + 2;
+  stride_ = static_cast<std::size_t>((static_cast<double>(n) + 2 * kMargin) * kFine) + 2;
   for (int frame = 0; frame < 4; ++frame) {
-    std::vector<double> emission(static_cast<std::size_t>(n));
-    for (int i = 0; i < n; ++i) {
-      double level = pattern_level(rig.patterns, frame, i);
-      if (config.round_levels) level = std::nearbyint(level);
-      emission[static_cast<std::size_t>(i)] = emission_of_level(config, level);
+    std::vector<double> emission(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double level = levels.frames[static_cast<std::size_t>(frame)][i];
+      emission[i] = emission_of_level(config, config.round_levels ? std::nearbyint(level) : level);
     }
     tables_[static_cast<std::size_t>(frame)].resize(bins_ * stride_);
     tbb::parallel_for(std::size_t{0}, bins_, [&](std::size_t b) {

@@ -25,9 +25,17 @@ struct ProjectorConfig {
 /// Emission 0…1 of a commanded level, through table and response.
 [[nodiscard]] double emission_of_level(const ProjectorConfig& config, double level);
 
+/// Commanded levels 0…255 of four frames, one a projector pixel along the pattern axis, before rounding.
+struct PatternLevels {
+  bool axis_v = false;
+  std::array<std::vector<double>, 4> frames;
+};
+/// Of the rig's pattern set. Needs a set of four frames, not mode multi.
+[[nodiscard]] PatternLevels pattern_levels(const calib::Rig& rig);
+
 class ProjectorLight {
  public:
-  ProjectorLight(const calib::Rig& rig, const ProjectorConfig& config, double near_mm, double far_mm);
+  ProjectorLight(const PatternLevels& levels, const ProjectorConfig& config, double near_mm, double far_mm);
 
   [[nodiscard]] double sigma2_at(double z_p) const {
     const double d = config_.defocus_px_per_mm * (z_p - config_.focus_mm);

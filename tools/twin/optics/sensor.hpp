@@ -31,4 +31,25 @@ void apply_psf(std::vector<float>& image, int width, int height, double sigma_px
 [[nodiscard]] std::vector<std::uint8_t> digitise(const std::vector<float>& electrons, const SensorConfig& config,
                                                  const ExposureId& id);
 
+/// Mean and variance of one sample of a pixel, DN, behind photon and read noise, full well and converter.
+struct SampleMoments {
+  double mean = 0, variance = 0;
+};
+
+/// The same mean light taken `frames` times and averaged, DN. Drawn from the normal distribution with the moments of
+/// one sample: the limit that the mean of sixteen frames is near, at the cost of one draw.
+class FrameAverager {
+ public:
+  FrameAverager(const SensorConfig& config, int frames);
+
+  [[nodiscard]] SampleMoments moments(double mean_e) const;
+  [[nodiscard]] std::vector<float> average(const std::vector<float>& electrons, const ExposureId& id) const;
+
+ private:
+  SensorConfig config_;
+  double frames_;
+  double step_e_ = 0;                 ///< between entries of the table
+  std::vector<SampleMoments> table_;  ///< by mean electrons
+};
+
 }  // namespace enamel::twin

@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/twin/render/optics_model.hpp"
-#include "tools/twin/surface/ray_scene.hpp"
+#include "tools/twin/render/light_tracer.hpp"
 
 namespace enamel::twin {
 
@@ -36,28 +35,19 @@ class BurstRenderer {
   [[nodiscard]] TruthMaps truth(const Pose& T_model_cam) const;
 
  private:
-  struct View;
-  struct Lane;
-  using Lights = std::array<Lane, kPacket>;
   using RowSums = std::array<std::vector<double>, 4>;
 
-  enum class Shade : std::uint8_t;
-
-  static void darken(Lane& lane);
   static void agree(const std::array<std::vector<Shade>, 2>& outer, std::vector<Shade>& known);
-  /// known: by column, what needs no shadow ray any more; nullptr: nothing.
-  void trace_packet(const View& view, const double* directions, const Shade* known, int x0, Lights& lights) const;
-  void add_light(const Lights& lights, std::size_t x0, std::size_t frame, bool all_frames, RowSums& sums) const;
-  void light_lane(const View& view, const Vec3d& ray_cam, const RayScene::Surfel& s, Lane& lane) const;
+  [[nodiscard]] double axis_coordinate(const Lane& lane) const { return instrument_.light.axis_v() ? lane.v : lane.u; }
+  void add_light(const Lanes8& lights, std::size_t x0, std::size_t frame, bool all_frames, RowSums& sums) const;
   void render_row(const std::vector<View>& views, bool is_static, int y, RowSums& sums) const;
   void truth_row(const View& view, int y, TruthMaps& maps) const;
 
   const Instrument& instrument_;
-  const RayScene& scene_;
+  LightTracer tracer_;
   RenderConfig config_;
   SamplePattern pattern_;
   int width_, height_;
-  double gain_ = 0;                 ///< full-well fraction per albedo * cos / r^2
   std::vector<double> directions_;  ///< x/z, y/z a sample: [row][sample][column][2]
   std::vector<double> centres_;     ///< the same at pixel centres
 };

@@ -13,16 +13,26 @@
 #include "tools/twin/path/trajectory.hpp"
 #include "tools/twin/render/optics_model.hpp"
 #include "tools/twin/surface/artefacts.hpp"
+#include "tools/twin/surface/dot_board.hpp"
 
 namespace enamel::twin {
 
-enum class ObjectKind : std::uint8_t { kJaw, kPlane, kSpheres, kSteps, kFile };
-enum class PathKind : std::uint8_t { kViews, kArch };
+enum class ObjectKind : std::uint8_t { kJaw, kPlane, kSpheres, kSteps, kFile, kBoard };
+enum class PathKind : std::uint8_t { kViews, kArch, kCalibration };
 
 struct FileObjectConfig {
   std::string path;          ///< PLY, STL or OBJ, mm
   double max_edge_mm = 0.3;  ///< longer edges are split; 0: left as they are
   double albedo = 0.8;
+};
+
+/// How a board is shown to the probe for calibration.
+struct CalibrationConfig {
+  int poses = 12;
+  int frames = 16;                        ///< averaged into each picture of a calibration folder
+  int sweeps = 4;                         ///< live: how often the whole pattern set is shown at each pose
+  std::vector<int> cycles{1, 4, 16, 64};  ///< periods across the projector, rising
+  double mean = 127, amplitude = 120;     ///< 8-bit levels of the fringes
 };
 
 /// true = simulated. Off means ideal, never another device: with lens_distortion off the rig has no distortion either.
@@ -51,6 +61,8 @@ struct SceneConfig {
   StepsConfig steps;
   JawConfig jaw;
   FileObjectConfig file;
+  DotBoardConfig board;
+  CalibrationConfig calibration;
   PathKind path = PathKind::kViews;
   std::vector<ViewConfig> views;
   ArchPathConfig arch_path;
@@ -67,6 +79,11 @@ void bind_scene(ConfigReader& reader, SceneConfig& config);
 /// Rig as the effects leave it: distortion zero and the text rewritten when lens_distortion is off, 16-bit converter
 /// when adc is off. `text` is untouched when neither is. Errors: kRigInvalid.
 [[nodiscard]] Result<calib::Rig> apply_effects(const calib::Rig& rig, const Effects& effects);
+
+/// What the effects leave of projector, light and sensor.
+[[nodiscard]] ProjectorConfig effective_projector(const SceneConfig& config);
+[[nodiscard]] RenderConfig effective_render(const SceneConfig& config);
+[[nodiscard]] SensorConfig effective_sensor(const SceneConfig& config, const calib::NoiseValues& noise);
 
 /// Body in model coordinates, texture applied. Errors of mesh files.
 struct Body {

@@ -36,6 +36,35 @@ Body make_jaw_body(const SceneConfig& config, Json& objects) {
 
 }  // namespace
 
+ProjectorConfig effective_projector(const SceneConfig& c) {
+  ProjectorConfig p = c.projector;
+  p.round_levels = c.effects.round_levels;
+  if (!c.effects.gamma) p.gamma = p.lut_gamma = 1.0;
+  if (!c.effects.defocus) p.defocus_px_per_mm = 0;
+  return p;
+}
+
+RenderConfig effective_render(const SceneConfig& c) {
+  RenderConfig r = c.render;
+  r.light.falloff = c.effects.falloff;
+  r.light.shadow = c.effects.shadow;
+  if (!c.effects.ambient) r.light.ambient = 0;
+  return r;
+}
+
+SensorConfig effective_sensor(const SceneConfig& c, const calib::NoiseValues& noise) {
+  SensorConfig s;
+  s.psf_sigma_px = c.effects.camera_psf ? c.psf_sigma_px : 0;
+  s.full_well_e = noise.full_well_e;
+  s.read_noise_e = noise.read_noise_e;
+  s.gain_e_per_dn = noise.gain_e_per_dn;
+  s.black_dn = noise.black_dn;
+  s.bits = noise.bits;
+  s.shot_noise = c.effects.shot_noise;
+  s.read_noise = c.effects.read_noise;
+  return s;
+}
+
 Result<Body> make_body(const SceneConfig& config) {
   Body body;
   Json objects = Json::array();
@@ -56,6 +85,10 @@ Result<Body> make_body(const SceneConfig& config) {
       body.surroundings = make_steps(config.steps);
       objects.push_back({{"type", "mesh"}, {"file", "surface.ply"}});
       break;
+    case ObjectKind::kBoard:
+      body.surroundings = make_dot_board(config.board, config.seed);
+      objects.push_back(Json::parse(target_json(config.board)));
+      break;
     case ObjectKind::kFile: {
       ENAMEL_TRY_ASSIGN(body.surroundings.mesh, load_mesh(config.file.path, static_cast<float>(config.file.albedo)));
       if (config.file.max_edge_mm > 0) refine_edges(body.surroundings.mesh, config.file.max_edge_mm);
@@ -63,7 +96,7 @@ Result<Body> make_body(const SceneConfig& config) {
       break;
     }
   }
-  if (config.effects.texture) {
+  if (config.effects.texture && config.object != ObjectKind::kBoard) {
     apply_texture(body.surroundings.mesh, config.texture_amplitude, config.texture_scale_mm, config.seed);
   }
   const Json scene{{"frame", "model"}, {"units", "mm"}, {"seed", config.seed}, {"objects", objects}};

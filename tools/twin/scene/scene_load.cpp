@@ -8,12 +8,14 @@ namespace enamel::twin {
 namespace {
 
 using Names = std::string_view;
-constexpr std::array<std::pair<Names, ObjectKind>, 5> kObjects{{{"jaw", ObjectKind::kJaw},
+constexpr std::array<std::pair<Names, ObjectKind>, 6> kObjects{{{"jaw", ObjectKind::kJaw},
                                                                 {"plane", ObjectKind::kPlane},
                                                                 {"spheres", ObjectKind::kSpheres},
                                                                 {"steps", ObjectKind::kSteps},
-                                                                {"file", ObjectKind::kFile}}};
-constexpr std::array<std::pair<Names, PathKind>, 2> kPaths{{{"views", PathKind::kViews}, {"arch", PathKind::kArch}}};
+                                                                {"file", ObjectKind::kFile},
+                                                                {"board", ObjectKind::kBoard}}};
+constexpr std::array<std::pair<Names, PathKind>, 3> kPaths{
+    {{"views", PathKind::kViews}, {"arch", PathKind::kArch}, {"calibration", PathKind::kCalibration}}};
 constexpr std::array<std::pair<Names, JawSide>, 2> kSides{{{"lower", JawSide::kLower}, {"upper", JawSide::kUpper}}};
 
 void bind_effects(ConfigReader r, Effects& e) {
@@ -65,7 +67,7 @@ void bind_render(ConfigReader& r, SceneConfig& c) {
 }
 
 void bind_object(ConfigReader r, SceneConfig& c) {
-  r.bind("type", c.object, kObjects, "jaw, plane, spheres, steps or file");
+  r.bind("type", c.object, kObjects, "jaw, plane, spheres, steps, file or board");
   r.bind("plane.half_mm", c.plane.half_mm, {1, 500}, "half edge of the plane");
   r.bind("spheres.diameters_mm", c.spheres.diameters_mm, {0.1, 100}, "one a ball, along x");
   r.bind("spheres.pitch_mm", c.spheres.pitch_mm, {0.1, 200}, "centre to centre");
@@ -88,6 +90,25 @@ void bind_object(ConfigReader r, SceneConfig& c) {
   r.bind("file.albedo", c.file.albedo, {0, 1}, "reflectance");
 }
 
+void bind_board(ConfigReader r, DotBoardConfig& b) {
+  r.bind("cols", b.cols, {3, 100}, "dots along x");
+  r.bind("rows", b.rows, {3, 100}, "dots along y");
+  r.bind("pitch_mm", b.pitch_mm, {0.05, 100}, "from dot to dot");
+  r.bind("radius_mm", b.radius_mm, {0.01, 50}, "of a dot");
+  r.bind("margin_mm", b.margin_mm, {0, 100}, "from the outermost dots' centres to the edge");
+  r.bind("dot_error_um", b.dot_error_um, {0, 1000}, "error of the print, rms an axis");
+  r.bind("bow_um", b.bow_um, {-5000, 5000}, "rise of the middle over the corners");
+  r.bind("doubled", b.is_doubled, "a second grid beside the first");
+  r.bind("dot_albedo", b.dot_albedo, {0, 1}, "reflectance of the dots");
+  r.bind("ground_albedo", b.ground_albedo, {0, 1}, "reflectance between them");
+}
+
+void bind_calibration(ConfigReader r, CalibrationConfig& c) {
+  r.bind("poses", c.poses, {1, 99}, "stands of the board, drawn by the seed");
+  r.bind("frames", c.frames, {1, 1000}, "averaged into each picture of a calibration folder");
+  r.bind("sweeps", c.sweeps, {1, 100}, "live: how often all patterns are shown at a stand");
+}
+
 void bind_view(ConfigReader r, ViewConfig& v) {
   r.bind("distance_mm", v.distance_mm, {1, 1000}, "camera to target");
   r.bind("tilt_x_deg", v.tilt_x_deg, {-89, 89}, "about the camera's x axis, through the target");
@@ -107,7 +128,8 @@ void bind_pass(ConfigReader r, PassConfig& p) {
 }
 
 void bind_path(ConfigReader r, SceneConfig& c) {
-  r.bind("type", c.path, kPaths, "views (stands and straight flights) or arch (along a jaw)");
+  r.bind("type", c.path, kPaths,
+         "views (stands and straight flights), arch (along a jaw) or calibration (a board, by seed)");
   r.bind("speed_mm_s", c.arch_path.speed_mm_s, {0.1, 200}, "arch: speed of the point looked at");
   r.bind("turn_s", c.arch_path.turn_s, {0.05, 10}, "arch: from one pass to the next");
   r.bind("distance_mm", c.arch_path.distance_mm, {1, 1000}, "arch: camera to the point looked at");
@@ -126,6 +148,10 @@ void bind_path(ConfigReader r, SceneConfig& c) {
 void check(ConfigReader& r, const SceneConfig& c) {
   if (c.path == PathKind::kArch && c.object != ObjectKind::kJaw) r.reject("path.type", "an arch path needs a jaw");
   if (c.path == PathKind::kArch && c.arch_path.passes.empty()) r.reject("path.type", "no [[path.pass]] given");
+  if ((c.path == PathKind::kCalibration) != (c.object == ObjectKind::kBoard)) {
+    r.reject("path.type", "a calibration path goes with object.type = board, and only with it");
+  }
+  if (2 * c.board.radius_mm >= c.board.pitch_mm) r.reject("board.radius_mm", "the dots touch");
   if (c.path == PathKind::kViews && c.views.empty()) r.reject("path.type", "no [[path.view]] given");
   if (c.object == ObjectKind::kFile && c.file.path.empty()) r.reject("object.type", "object.file.path is not given");
   if (c.timing.exposure_ms > c.timing.frame_period_ms) r.reject("timing.exposure_ms", "longer than the frame period");
@@ -144,6 +170,8 @@ void bind_scene(ConfigReader& reader, SceneConfig& config) {
   bind_projector(reader.table("projector"), config.projector);
   bind_render(reader, config);
   bind_object(reader.table("object"), config);
+  bind_board(reader.table("board"), config.board);
+  bind_calibration(reader.table("calibration"), config.calibration);
   bind_path(reader.table("path"), config);
   check(reader, config);
 }

@@ -160,6 +160,7 @@ bool RayScene::resolve(const HitPacket& hits, std::size_t i, const Vec3d& origin
   const Vec3f s = w * v0.normal + u * v1.normal + v * v2.normal;
   out.normal = s.cast<double>() / static_cast<double>(s.norm());
   out.albedo = w * v0.albedo + u * v1.albedo + v * v2.albedo;
+  if (surroundings_.print) out.albedo = surroundings_.print->albedo(origin + out.t * direction);
   return true;
 }
 

@@ -4,7 +4,10 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
+
+#include "tools/twin/surface/dot_print.hpp"
 
 namespace enamel::twin {
 
@@ -28,7 +31,8 @@ struct Ball {
 /// What stands before the probe.
 struct Surroundings {
   TriSurface mesh;
-  std::vector<Ball> balls;  ///< traced as exact spheres
+  std::vector<Ball> balls;          ///< traced as exact spheres
+  std::optional<DotPrint> print{};  ///< overrides the mesh's albedo
 };
 
 /// Area-weighted vertex normals from the facets.

@@ -1,0 +1,60 @@
+// Camera rays to the surface and on to the projector: how much light one sample of a pixel brings back, and from which
+// projector coordinate. Immutable after construction; queries may run on any thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tools/twin/render/optics_model.hpp"
+#include "tools/twin/surface/ray_scene.hpp"
+
+namespace enamel::twin {
+
+/// The instrument at one pose, seen from the model.
+struct View {
+  View(const Instrument& instrument, const Pose& T_model_cam);
+  Eigen::Matrix3d R_model_cam, R_proj_cam;
+  Vec3d camera, projector, t_proj_cam;  ///< centres in model coordinates
+};
+
+/// What one camera ray brings back.
+struct Lane {
+  bool hit = false, in_projector = false;
+  bool faces = false;   ///< the facet is turned to the light
+  bool lit = false;     ///< … and nothing stands between
+  double z = 0;         ///< camera z, mm
+  double u = 0, v = 0;  ///< projector coordinates
+  double weight = 0;    ///< full-well fraction at emission 1
+  double ambient = 0;   ///< full-well fraction
+  double sigma2 = 0;    ///< projector blur, px²
+  float albedo = 0;
+};
+using Lanes8 = std::array<Lane, kPacket>;
+
+/// Light and shade of a pixel as far as samples traced before tell.
+enum class Shade : std::uint8_t { kUnknown, kDark, kLit };
+
+class LightTracer {
+ public:
+  /// Keeps references: instrument and scene must outlive the tracer.
+  LightTracer(const Instrument& instrument, const RayScene& scene, const LightConfig& light);
+
+  /// The first n <= kPacket rays of `directions` (x/z, y/z a ray, camera frame). known: one a ray, what needs no shadow
+  /// ray; nullptr: nothing is known.
+  void trace(const View& view, const double* directions, std::size_t n, const Shade* known, Lanes8& lanes) const;
+
+ private:
+  void light(const View& view, const Vec3d& ray_cam, const RayScene::Surfel& s, Lane& lane) const;
+
+  const Instrument& instrument_;
+  const RayScene& scene_;
+  LightConfig light_;
+  double gain_ = 0;  ///< full-well fraction per albedo * cos / r^2
+};
+
+/// x/z, y/z of the rays through (x + dx[s], y + dy[s]): [row][sample][column][2].
+[[nodiscard]] std::vector<double> ray_table(const Lens& lens, int width, int height, const std::vector<double>& dx,
+                                            const std::vector<double>& dy);
+
+}  // namespace enamel::twin
