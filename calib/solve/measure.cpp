@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "calib/solve/ground.hpp"
 #include "calib/target/dot_grid.hpp"
 
 namespace enamel::calib {
@@ -106,7 +107,7 @@ Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& targ
   }
   ENAMEL_TRY_ASSIGN(const auto u, decode_coordinate(frames.along_u, projector_size_px[0], image_noise));
   ENAMEL_TRY_ASSIGN(const auto v, decode_coordinate(frames.along_v, projector_size_px[1], image_noise));
-  PoseView pose{.name = frames.name, .dots = {}, .blur_px = 0};
+  PoseView pose{.name = frames.name, .dots = {}, .ground = {}, .blur_px = 0};
   std::vector<double> blurs;
   for (const GridDot& dot : grid.dots) {
     const auto fit = fit_dot(lit, grid, dot, edges);
@@ -123,6 +124,8 @@ Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& targ
   }
   pose.blur_px = median(blurs);
   ENAMEL_TRY(check_sharp(pose, pose.dots.size(), target));
+  const double period_px = static_cast<double>(projector_size_px[0]) / frames.along_u.back().cycles;
+  pose.ground = ground_samples(u, pose, target, period_px);
   return pose;
 }
 

@@ -117,14 +117,12 @@ void show(const Json& json, bool as_json) {
 }
 
 /// Planes of the named poses by a rig; poses whose ground cannot be used are passed over with a warning.
-Result<std::vector<calib::PlaneCheck>> check_planes(const calib::CalibFolder& folder,
-                                                    const std::vector<calib::PoseView>& views,
-                                                    const calib::RigState& rig, const calib::MeasuredFolder& measured) {
+std::vector<calib::PlaneCheck> check_planes(const calib::CalibFolder& folder, const std::vector<calib::PoseView>& views,
+                                            const calib::RigState& rig, const calib::Ripple& ripple) {
   std::vector<calib::PlaneCheck> planes;
   if (folder.target.type != calib::TargetType::kCircleGrid) return planes;
   for (const calib::PoseView& view : views) {
-    ENAMEL_TRY_ASSIGN(const auto frames, calib::load_pose(folder, view.name));
-    auto plane = calib::check_plane(frames, view, folder.target, rig, measured.noise, measured.ripple);
+    auto plane = calib::check_plane(view, folder.target, rig, ripple);
     if (plane) {
       planes.push_back(std::move(*plane));
     } else {
@@ -199,8 +197,8 @@ Result<int> run_solve(const Options& o) {
   }
   solution->rejected.insert(solution->rejected.begin(), measured.rejected.begin(), measured.rejected.end());
   solution->notes.insert(solution->notes.begin(), measured.notes.begin(), measured.notes.end());
-  ENAMEL_TRY_ASSIGN(auto planes,
-                    check_planes(folder, held_out.empty() ? solution->poses : held_out, solution->state, measured));
+  const auto& judges = held_out.empty() ? solution->poses : held_out;
+  auto planes = check_planes(folder, judges, solution->state, measured.ripple);
   const auto judgement = calib::judge(*solution, std::move(planes), !held_out.empty(), range_of(folder.nominal));
   if (judgement.is_accepted) ENAMEL_TRY(write_rig(o, folder, measured, *solution));
   Json json = verdict_json(*solution, judgement);
@@ -229,8 +227,8 @@ Result<int> run_check(const Options& o) {
   ENAMEL_TRY_ASSIGN(calib::MeasuredFolder measured, measure(folder, clock));
   const std::vector<calib::PoseView> views = o.hold_out.empty() ? measured.views : std::vector<calib::PoseView>{};
   ENAMEL_TRY_ASSIGN(const auto chosen, take_held_out(o, measured));
-  ENAMEL_TRY_ASSIGN(const auto planes,
-                    check_planes(folder, o.hold_out.empty() ? views : chosen, calib::state_of(rig), measured));
+  const auto planes =
+      check_planes(folder, o.hold_out.empty() ? views : chosen, calib::state_of(rig), measured.ripple);
   double squares = 0, points = 0;
   for (const auto& p : planes) {
     squares += p.rms_um * p.rms_um * static_cast<double>(p.points);
