@@ -11,6 +11,7 @@
 
 #include "calib/io/rig_writer.hpp"
 #include "calib/judge/judgement.hpp"
+#include "calib/judge/step_effect.hpp"
 #include "calib/solve/measure_folder.hpp"
 #include "host/app/command.hpp"
 #include "protocol/base/clock.hpp"
@@ -71,6 +72,19 @@ void add_shapes(Json& json, const std::array<calib::DepthShape, 3>& shapes) {
   }
 }
 
+Json steps_json(const std::vector<calib::StepEffect>& steps) {
+  Json out = Json::array();
+  for (const auto& s : steps) {
+    out.push_back({{"step", s.step},
+                   {"plane_rms_um", s.plane_rms_um},
+                   {"plane_rms_sigma_um", s.plane_rms_sigma_um},
+                   {"plane_p95_um", s.plane_p95_um},
+                   {"sag_um", s.sag_um},
+                   {"sag_sigma_um", s.sag_sigma_um}});
+  }
+  return out;
+}
+
 Json verdict_json(const calib::Solution& s, const calib::Judgement& j) {
   Json json{{"verdict", j.is_accepted ? "accepted" : "refused"}, {"reasons", j.reasons}};
   json["rms_camera_px"] = s.result.rms_camera_px;
@@ -79,6 +93,8 @@ Json verdict_json(const calib::Solution& s, const calib::Judgement& j) {
   json["poses_rejected"] = notes_json(s.rejected);
   add_shapes(json, j.shapes);
   json["plane_rms_um"] = j.plane_rms_um;
+  json["plane_noise_um"] = j.plane_noise_um;
+  json["plane_unexplained_um"] = j.plane_unexplained_um;
   json["planes_held_out"] = j.are_planes_held_out;
   json["planes"] = planes_json(j.planes);
   json["expected"] = {{"p95_um", j.predicted.p95_um},
@@ -105,6 +121,12 @@ void print(const Json& json) {
                 json["depth_mm"][k].get<double>(), json["sag_um"][k].get<double>(),
                 json["sag_sigma_um"][k].get<double>(), json["twist_um"][k].get<double>(),
                 json["twist_sigma_um"][k].get<double>());
+  }
+  for (const auto& s : json["steps"]) {
+    std::printf("after %-12s planes %.4f +- %.4f um rms, %.3f um p95, sag or twist %.3f +- %.3f um\n",
+                s["step"].get<std::string>().c_str(), s["plane_rms_um"].get<double>(),
+                s["plane_rms_sigma_um"].get<double>(), s["plane_p95_um"].get<double>(), s["sag_um"].get<double>(),
+                s["sag_sigma_um"].get<double>());
   }
   std::printf("poses used         %d\n", json["poses_used"].get<int>());
   for (const auto& p : json["poses_rejected"])
@@ -160,6 +182,7 @@ Result<void> write_rig(const Options& o, const calib::CalibFolder& folder, const
                           .covariance = solution.result.covariance,
                           .calibrated_at = calib::capture_time_utc(o.folder),
                           .response = measured.response,
+                          .correction = solution.state.correction,
                           .rms_camera_px = solution.result.rms_camera_px,
                           .rms_projector_px = solution.result.rms_projector_px,
                           .poses = static_cast<int>(solution.poses.size())};
@@ -202,6 +225,7 @@ Result<int> run_solve(const Options& o) {
   const auto judgement = calib::judge(*solution, std::move(planes), !held_out.empty(), range_of(folder.nominal));
   if (judgement.is_accepted) ENAMEL_TRY(write_rig(o, folder, measured, *solution));
   Json json = verdict_json(*solution, judgement);
+  json["steps"] = steps_json(calib::step_effects(*solution, judges, folder.target, measured.ripple, range_of(folder.nominal)));
   json["seconds"] = seconds();
   show(json, o.json);
   if (judgement.is_accepted) return 0;

@@ -91,7 +91,8 @@ TEST(RigWriter, text_reads_back_and_guards_itself) {
                    .parameter_names = {"camera.fx"},
                    .covariance = Eigen::MatrixXd::Identity(1, 1),
                    .calibrated_at = "2026-01-31T12:00:00Z",
-                   .response = {}};
+                   .response = {},
+                   .correction = {}};
   const auto text = solved_rig_text(nominal, solved);
   ASSERT_TRUE(text) << text.error().message();
   const Rig back = parse_rig(*text).value();
