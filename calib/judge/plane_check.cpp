@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMinPoints = 100;
 constexpr double kHalfPlane_mm = 8;
 constexpr double kGrossSigmas = 5;
-constexpr double kStart_mm = 48;  // of the search for a depth
+constexpr double kStart_mm = 48;        // of the search for a depth
 constexpr double kSlopePrior_um = 0.5;  // sigma of what bow and twist change from the near to the far end
 
 struct GroundPoint {

@@ -16,12 +16,12 @@ namespace {
 
 constexpr double kMinRadius_mm = 1, kMaxRadius_mm = 6;
 constexpr int kDraws = 1500;
-constexpr std::size_t kVoters = 1500;   // points that a draw is tried on
-constexpr double kNear_mm = 0.03;       // of a point that votes for a sphere
-constexpr std::size_t kMinPoints = 500; // of a sphere
+constexpr std::size_t kVoters = 1500;    // points that a draw is tried on
+constexpr double kNear_mm = 0.03;        // of a point that votes for a sphere
+constexpr std::size_t kMinPoints = 500;  // of a sphere
 constexpr double kGrossSigmas = 4;
 constexpr int kFitSteps = 12;
-constexpr double kAround_mm = 0.15;     // a found sphere's surroundings, where the next one is not sought
+constexpr double kAround_mm = 0.15;  // a found sphere's surroundings, where the next one is not sought
 constexpr double kMaxLength_um = 5, kMaxForm_um = 15;
 const double kMinCosine = std::cos(55 * std::numbers::pi / 180);
 
@@ -176,7 +176,8 @@ Result<BarCheck> check_bar(std::vector<BarPoint> points) {
                   "no two spheres of 1 to 6 mm radius are in view; show both to camera and projector");
     }
     sphere = *fit;
-    std::erase_if(points, [&](const BarPoint& p) { return (p.place - fit->centre).norm() < fit->radius_mm + kAround_mm; });
+    std::erase_if(points,
+                  [&](const BarPoint& p) { return (p.place - fit->centre).norm() < fit->radius_mm + kAround_mm; });
   }
   if (check.spheres[0].radius_mm > check.spheres[1].radius_mm) std::swap(check.spheres[0], check.spheres[1]);
   const Vec3d way = check.spheres[1].centre - check.spheres[0].centre;
@@ -193,9 +194,10 @@ std::vector<std::string> judge_bar(const BarCheck& check, const BarDesign& desig
   const auto length = [&](const std::string& what, double measured_mm, double sigma_mm, double true_mm) {
     const double off_um = 1e3 * (measured_mm - true_mm);
     if (std::abs(off_um) - 2e3 * sigma_mm > kMaxLength_um) {
-      reasons.push_back(fmt::format("{} is off by {:+.1f} +- {:.1f} um, limit {:.0f} um: the scale or the lens is not what "
-                                    "it was; calibrate again",
-                                    what, off_um, 1e3 * sigma_mm, kMaxLength_um));
+      reasons.push_back(
+          fmt::format("{} is off by {:+.1f} +- {:.1f} um, limit {:.0f} um: the scale or the lens is not what "
+                      "it was; calibrate again",
+                      what, off_um, 1e3 * sigma_mm, kMaxLength_um));
     }
   };
   for (std::size_t i = 0; i < 2; ++i) {
@@ -203,8 +205,9 @@ std::vector<std::string> judge_bar(const BarCheck& check, const BarDesign& desig
     const std::string name = i == 0 ? "the smaller sphere" : "the larger sphere";
     length("the diameter of " + name, s.diameter_mm(), s.diameter_sigma_mm(), design.diameter_mm[i]);
     if (s.form_p95_um > kMaxForm_um) {
-      reasons.push_back(fmt::format("{} is out of round by {:.1f} um (95 %), limit {:.0f} um: clean the bar, more light",
-                                    name, s.form_p95_um, kMaxForm_um));
+      reasons.push_back(
+          fmt::format("{} is out of round by {:.1f} um (95 %), limit {:.0f} um: clean the bar, more light", name,
+                      s.form_p95_um, kMaxForm_um));
     }
   }
   length("the distance of the spheres", check.distance_mm, check.distance_sigma_mm, design.distance_mm);

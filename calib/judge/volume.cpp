@@ -29,8 +29,8 @@ void add_depth(const RigState& solved, const RigState& reference, double z_mm, P
       const double up = projector_u(reference, ray * z_mm);
       if (!(up > -0.5 && up < reference.projector.width - 0.5)) continue;
       const double q = 1 / z_mm;
-      pairs.reference.push_back(
-          reference.correction ? Vec3d(ray / (q + correction_at(*reference.correction, u, v, q))) : Vec3d(ray * z_mm));
+      pairs.reference.push_back(reference.correction ? Vec3d(ray / (q + correction_at(*reference.correction, u, v, q)))
+                                                     : Vec3d(ray * z_mm));
       pairs.solved.push_back(triangulate(solved, camera_ray(solved.camera, u, v), up, z_mm));
     }
   }

@@ -14,7 +14,7 @@ namespace enamel::calib {
 /// Corrected: 1/z = 1/z_parametric + delta. Outside the intervals the field continues with its border values.
 struct CorrectionField {
   std::array<double, 2> u_px{}, v_px{}, inverse_mm{};  ///< low, high of each axis
-  std::array<int, 3> terms{};        ///< along u, v, Phi; at most kMaxCorrectionTerms
+  std::array<int, 3> terms{};                          ///< along u, v, Phi; at most kMaxCorrectionTerms
   std::vector<double> coefficients;  ///< 1/mm, terms[0] * terms[1] * terms[2], the last index runs fastest
 };
 

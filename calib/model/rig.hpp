@@ -59,9 +59,9 @@ struct Rig {
   std::optional<double> temp_c;                 ///< of the probe while the calibration's pictures were taken
   std::optional<CorrectionField> correction;    ///< what the lens model leaves; lens.hpp's functions know nothing of it
   std::optional<TemperatureTerms> temperature;  ///< drift about `temp_c`; applied by rig_at()
-  std::vector<std::string> unknown_keys;  ///< kept in `text`, ignored here; the caller may give notice
-  std::string text;                       ///< the file byte for byte
-  std::uint32_t crc32 = 0;                ///< CRC-32 of `text`: Burst::calib_crc32
+  std::vector<std::string> unknown_keys;        ///< kept in `text`, ignored here; the caller may give notice
+  std::string text;                             ///< the file byte for byte
+  std::uint32_t crc32 = 0;                      ///< CRC-32 of `text`: Burst::calib_crc32
 };
 
 /// Errors: kRigInvalid (syntax, NaN or infinite numbers, missing or ill-typed key, impossible value; the detail names

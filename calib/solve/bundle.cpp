@@ -17,7 +17,7 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr double kPlaneHuber = 3;  // of a ground sample's whitened distance
-constexpr double kHuber = 4.5;  // of a dot's four whitened residuals together: 0.02 % of good dots lie beyond
+constexpr double kHuber = 4.5;     // of a dot's four whitened residuals together: 0.02 % of good dots lie beyond
 
 /// A dot seen by both instruments. The projector's coordinate at the predicted camera place is that at the measured
 /// one, moved by the local map.
@@ -161,11 +161,10 @@ void add_planes(const std::vector<PoseView>& poses, const TargetDesign& target, 
                 const RigState& state, ceres::Problem& problem, Blocks& b) {
   for (std::size_t j = 0; j < poses.size(); ++j) {
     for (const GroundSample& s : condensed(poses[j].ground, target, state, state.T_cam_target[j])) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PlaneCost, 1, 9, 9, 6, 6>(
-              new PlaneCost(plane_cost(s, target, state, state.T_cam_target[j], options.variance.ground))),
-          new ceres::HuberLoss(kPlaneHuber), b.camera.data(), b.projector.data(), b.relative.data(),
-          b.motions[j].data());
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PlaneCost, 1, 9, 9, 6, 6>(new PlaneCost(
+                                   plane_cost(s, target, state, state.T_cam_target[j], options.variance.ground))),
+                               new ceres::HuberLoss(kPlaneHuber), b.camera.data(), b.projector.data(),
+                               b.relative.data(), b.motions[j].data());
     }
   }
 }
@@ -228,8 +227,8 @@ std::vector<double> plane_chi2(const std::vector<PoseView>& poses, const TargetD
   for (std::size_t j = 0; j < poses.size(); ++j) {
     for (const GroundSample& s : condensed(poses[j].ground, target, state, state.T_cam_target[j])) {
       double r = 0;
-      plane_cost(s, target, state, state.T_cam_target[j], variance_factor)(
-          b.camera.data(), b.projector.data(), b.relative.data(), b.motions[j].data(), &r);
+      plane_cost(s, target, state, state.T_cam_target[j], variance_factor)(b.camera.data(), b.projector.data(),
+                                                                           b.relative.data(), b.motions[j].data(), &r);
       out.push_back(r * r);
     }
   }

@@ -59,8 +59,8 @@ std::vector<GroundSample> condensed(const std::vector<GroundSample>& ground, con
   std::vector<CellMean> cells(static_cast<std::size_t>(target.size()));
   std::vector<double> size;
   for (const GroundSample& s : ground) {
-    CellMean& cell = cells[static_cast<std::size_t>(
-        target.index({static_cast<int>(s.cell.x()), static_cast<int>(s.cell.y())}))];
+    CellMean& cell =
+        cells[static_cast<std::size_t>(target.index({static_cast<int>(s.cell.x()), static_cast<int>(s.cell.y())}))];
     cell.samples.push_back(&s);
     cell.beyond_px.push_back(s.projector_u_px - predicted(s));
     size.push_back(std::abs(cell.beyond_px.back()));

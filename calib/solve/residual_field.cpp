@@ -22,9 +22,9 @@ constexpr std::array<std::array<int, 3>, 5> kSizes{{{3, 3, 1}, {3, 3, 2}, {4, 4,
 struct Distance {
   Eigen::Vector2d px{0, 0};
   double inverse_mm = 0;
-  double value = 0;      ///< n . X - d - height
-  double by_inverse = 0; ///< d(value) / d(1/z)
-  Vec3d by_plane;        ///< d(value) / d(tilt, tilt, distance)
+  double value = 0;       ///< n . X - d - height
+  double by_inverse = 0;  ///< d(value) / d(1/z)
+  Vec3d by_plane;         ///< d(value) / d(tilt, tilt, distance)
 };
 
 using Plane = std::vector<Distance>;
@@ -36,8 +36,8 @@ Plane read_plane(const PoseView& pose, const TargetDesign& target, const RigStat
     const PlaneCost cost = plane_cost(s, target, state, T_cam_target, 1);
     const Vec3d ray(cost.ray[0], cost.ray[1], 1);
     const double distance = normal.dot(ray * cost.z_mm - T_cam_target.translation()) - cost.height_mm;
-    // All but the distance itself is taken where the plane is, not where noise puts the point: a depth that is too large
-    // would weigh more than one that is too small, and the field would learn to shrink.
+    // All but the distance itself is taken where the plane is, not where noise puts the point: a depth that is too
+    // large would weigh more than one that is too small, and the field would learn to shrink.
     const double z_mm = plane_depth_mm(T_cam_target, ray, cost.height_mm);
     const Vec3d on_target = T_cam_target.inverse() * (ray * z_mm);
     plane.push_back({s.camera_px, 1 / z_mm, cost.weight_per_mm * distance,
@@ -81,7 +81,8 @@ std::vector<Plane> read_planes(const std::vector<PoseView>& poses, const TargetD
 
 /// The field's variables over what the planes cover; beyond it the field stands still.
 CorrectionField empty_field(const std::vector<Plane>& planes, const std::array<int, 3>& terms) {
-  CorrectionField f{.u_px = {1e9, -1e9}, .v_px = {1e9, -1e9}, .inverse_mm = {1e9, -1e9}, .terms = terms, .coefficients = {}};
+  CorrectionField f{
+      .u_px = {1e9, -1e9}, .v_px = {1e9, -1e9}, .inverse_mm = {1e9, -1e9}, .terms = terms, .coefficients = {}};
   const auto widen = [](std::array<double, 2>& interval, double x) {
     interval = {std::min(interval[0], x), std::max(interval[1], x)};
   };
@@ -182,7 +183,8 @@ FieldChoice choose_field(const std::vector<PoseView>& poses, const TargetDesign&
     normals.push_back(std::move(each));
   }
   const auto& trials = choice.trials;
-  const auto best = std::max_element(trials.begin(), trials.end(), [](const auto& a, const auto& b) { return a.gain < b.gain; });
+  const auto best =
+      std::max_element(trials.begin(), trials.end(), [](const auto& a, const auto& b) { return a.gain < b.gain; });
   for (std::size_t k = 0; k < trials.size(); ++k) {
     const bool helps = trials[k].gain > trials[k].gain_sigma;
     if (!helps || trials[k].gain < best->gain - best->gain_sigma) continue;

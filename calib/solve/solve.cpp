@@ -216,8 +216,8 @@ class Solver {
 
   /// What the lens model leaves moves dots as a bent target would. The ground, which had no part in either, tells one
   /// from the other: a target's shape travels with the target, a lens's error stays with the camera. True when a
-  /// correction field, fitted without the plane it is judged by, makes the planes flatter than the solved shape does, by
-  /// more than a standard error.
+  /// correction field, fitted without the plane it is judged by, makes the planes flatter than the solved shape does,
+  /// by more than a standard error.
   bool is_lens_to_blame(const Solution& perfect) {
     const FieldChoice lens = choose_field(perfect.poses, target_, perfect.state);
     if (!lens.field) return false;
@@ -238,7 +238,8 @@ class Solver {
   /// Step 3 takes the ground for a plane. A board whose shape is solved too is known by its dots alone, from the same
   /// pictures: its ground has nothing to add to them.
   void choose_planes() {
-    const bool has_ground = std::any_of(s_.poses.begin(), s_.poses.end(), [](const auto& p) { return !p.ground.empty(); });
+    const bool has_ground =
+        std::any_of(s_.poses.begin(), s_.poses.end(), [](const auto& p) { return !p.ground.empty(); });
     if (!has_ground || s_.is_shape_solved) return;
     step("planes");
     s_.options.with_planes = true;

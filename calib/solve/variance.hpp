@@ -13,7 +13,8 @@ namespace enamel::calib {
                                                 const BundleOptions& options, const RigState& state);
 
 /// Factor of the ground's variance by the median of its chi² (one degree of freedom): dust and shadow borders have no
-/// say. At least 1: the scatter inside the blocks is what the pixels bring, what planes show beyond it does not average.
+/// say. At least 1: the scatter inside the blocks is what the pixels bring, what planes show beyond it does not
+/// average.
 [[nodiscard]] double ground_factor(std::vector<double> chi2);
 
 struct WorstPose {

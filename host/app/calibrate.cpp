@@ -13,6 +13,7 @@
 #include "calib/judge/judgement.hpp"
 #include "calib/judge/step_effect.hpp"
 #include "calib/solve/measure_folder.hpp"
+#include "host/app/calibrate_bar.hpp"
 #include "host/app/command.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/file.hpp"
@@ -31,6 +32,7 @@ struct Options {
   std::string folder, out, rig, other;
   std::string target = "auto";
   std::vector<std::string> hold_out;
+  BarOptions bar;
   bool json = false;
 };
 
@@ -225,7 +227,8 @@ Result<int> run_solve(const Options& o) {
   const auto judgement = calib::judge(*solution, std::move(planes), !held_out.empty(), range_of(folder.nominal));
   if (judgement.is_accepted) ENAMEL_TRY(write_rig(o, folder, measured, *solution));
   Json json = verdict_json(*solution, judgement);
-  json["steps"] = steps_json(calib::step_effects(*solution, judges, folder.target, measured.ripple, range_of(folder.nominal)));
+  json["steps"] =
+      steps_json(calib::step_effects(*solution, judges, folder.target, measured.ripple, range_of(folder.nominal)));
   json["seconds"] = seconds();
   show(json, o.json);
   if (judgement.is_accepted) return 0;
@@ -240,9 +243,17 @@ Result<calib::Rig> load_intact(const std::string& path) {
   return rig;
 }
 
+Result<int> run_bar(const Options& o, const calib::Rig& rig) {
+  ENAMEL_TRY_ASSIGN(const Json json, check_bar(rig, o.bar));
+  std::puts(json.dump(1).c_str());
+  return json["verdict"] == "accepted" ? 0 : exit_code(ErrorCode::kCalibrationRefused);
+}
+
 Result<int> run_check(const Options& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, load_intact(o.rig));
+  if (!o.bar.capture.empty()) return run_bar(o, rig);
+  if (o.folder.empty()) return fail(ErrorCode::kUsage, "calibrate check wants a calibration folder or --bar");
   ENAMEL_TRY_ASSIGN(const calib::CalibFolder folder, calib::open_calib_folder(o.folder));
   if (!rig.serial.empty() && !folder.nominal.serial.empty() && rig.serial != folder.nominal.serial) {
     return fail(ErrorCode::kRigForeign,
@@ -251,8 +262,7 @@ Result<int> run_check(const Options& o) {
   ENAMEL_TRY_ASSIGN(calib::MeasuredFolder measured, measure(folder, clock));
   const std::vector<calib::PoseView> views = o.hold_out.empty() ? measured.views : std::vector<calib::PoseView>{};
   ENAMEL_TRY_ASSIGN(const auto chosen, take_held_out(o, measured));
-  const auto planes =
-      check_planes(folder, o.hold_out.empty() ? views : chosen, calib::state_of(rig), measured.ripple);
+  const auto planes = check_planes(folder, o.hold_out.empty() ? views : chosen, calib::state_of(rig), measured.ripple);
   double squares = 0, points = 0;
   for (const auto& p : planes) {
     squares += p.rms_um * p.rms_um * static_cast<double>(p.points);
@@ -298,10 +308,13 @@ Run add_calibrate(CLI::App& app) {
   auto o = std::make_shared<Options>();
   app.require_subcommand(1);
   add_solve(app, *o);
-  CLI::App* check = app.add_subcommand("check", "planes of a calibration folder as a rig sees them (JSON)");
-  check->add_option("DIR", o->folder, "calibration folder")->required();
+  CLI::App* check = app.add_subcommand("check", "planes or a two-sphere bar as a rig sees them (JSON)");
+  check->add_option("DIR", o->folder, "calibration folder: its planes");
   check->add_option("--rig", o->rig, "rig.json to judge")->required();
   check->add_option("--poses", o->hold_out, "only these poses")->delimiter(',');
+  check->add_option("--bar", o->bar.capture, "recording or exchange folder of a two-sphere bar at rest");
+  check->add_option("--bar-mm", o->bar.design_mm, "its diameters, the smaller first, and the distance")->delimiter(',');
+  check->add_option("--bursts", o->bar.bursts, "bursts of the bar to measure")->delimiter(',')->capture_default_str();
   CLI::App* compare = app.add_subcommand("compare", "what the difference of two rigs does to geometry (JSON)");
   compare->add_option("RIG", o->rig, "rig.json")->required();
   compare->add_option("REFERENCE", o->other, "rig.json")->required();

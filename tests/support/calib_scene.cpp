@@ -135,8 +135,8 @@ std::vector<calib::GroundSample> make_ground(const CalibScene& s, const Pose& T,
     for (int u = 5; u < s.truth.camera.width; u += 10) {
       const Vec3d ray = ray_of(s.truth.camera, Vector2d(u, v));
       const Vec3d hit = ray * (normal.dot(T.translation()) / normal.dot(ray));
-      const Vector2d cell = (back * hit).head<2>() / s.target.pitch_mm +
-                            0.5 * Vector2d(s.target.cols - 1, s.target.rows - 1);
+      const Vector2d cell =
+          (back * hit).head<2>() / s.target.pitch_mm + 0.5 * Vector2d(s.target.cols - 1, s.target.rows - 1);
       const Vector2d nearest(std::round(cell.x()), std::round(cell.y()));
       const bool inside = cell.minCoeff() > 0 && cell.x() < s.target.cols - 1 && cell.y() < s.target.rows - 1;
       if (!inside || (cell - nearest).norm() * s.target.pitch_mm < s.target.radius_mm + 0.5) continue;
@@ -174,8 +174,7 @@ std::vector<calib::PoseView> make_views(const CalibScene& s, const ViewNoise& no
           const Vector2d at(std::round(centre.x()) + 1.6 * u, std::round(centre.y()) + 1.6 * v);
           const Vec3d ray = ray_of(s.truth.camera, at);
           const Vec3d hit = ray * (normal.dot(p) / normal.dot(ray));
-          const Vector2d q = projector_pixel(s, hit) +
-                             noise.projector_px * Vector2d(rng.normal(), rng.normal());
+          const Vector2d q = projector_pixel(s, hit) + noise.projector_px * Vector2d(rng.normal(), rng.normal());
           dot.samples.push_back({at, q, Vector2d::Constant(noise.projector_px * noise.projector_px)});
         }
       }

@@ -55,8 +55,8 @@ struct SensorModel {
 /// Photon transfer line of an image of this sensor.
 [[nodiscard]] calib::PixelNoise noise_of(const SensorModel& sensor);
 
-/// 95th percentile and the largest distance of points over 40 to 56 mm from where they are, after the best rigid motion;
-/// relative scale; the largest bow along x or y of a facing plane at 42, 48, 54 mm, over 16 mm; um.
+/// 95th percentile and the largest distance of points over 40 to 56 mm from where they are, after the best rigid
+/// motion; relative scale; the largest bow along x or y of a facing plane at 42, 48, 54 mm, over 16 mm; um.
 struct RigError {
   double p95_um = 0, max_um = 0, scale_ppm = 0;
   double without_scale_p95_um = 0;  ///< after the best similarity

@@ -32,7 +32,8 @@ double worst_distance_um(const calib::Rig& rig) {
 
 /// A field of that many micrometres at 48 mm in every one of its terms.
 calib::CorrectionField field_of(double um) {
-  calib::CorrectionField f{.u_px = {0, 639}, .v_px = {0, 479}, .inverse_mm = {1.0 / 56, 1.0 / 40}, .terms = {3, 3, 3}, .coefficients = {}};
+  calib::CorrectionField f{
+      .u_px = {0, 639}, .v_px = {0, 479}, .inverse_mm = {1.0 / 56, 1.0 / 40}, .terms = {3, 3, 3}, .coefficients = {}};
   f.coefficients.assign(27, um * 1e-3 / (48.0 * 48.0));
   return f;
 }
@@ -52,7 +53,8 @@ TEST(RayDepth, correction_moves_depth_by_what_it_says) {
   for (const std::size_t i : {0U, 640U * 240 + 320U, 640U * 480 - 1}) {
     const float phase = plain.phase_mid_rad[i];
     const double q = static_cast<double>(plain.inverse_depth(i, phase));
-    const double delta = calib::correction_at(*rig.correction, static_cast<double>(i % 640), static_cast<double>(i / 640), q);
+    const double delta =
+        calib::correction_at(*rig.correction, static_cast<double>(i % 640), static_cast<double>(i / 640), q);
     ASSERT_GT(std::abs(delta), 1e-8);
     // A float of 1/48 resolves 2e-9.
     EXPECT_NEAR(static_cast<double>(moved.inverse_depth(i, phase)) - q, delta, 1e-8);
