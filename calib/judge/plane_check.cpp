@@ -18,6 +18,7 @@ constexpr double kStart_mm = 48;        // of the search for a depth
 constexpr double kSlopePrior_um = 0.5;  // sigma of what bow and twist change from the near to the far end
 
 struct GroundPoint {
+  Eigen::Vector2d camera_px{0, 0};
   Vec3d place;
   double height_mm = 0;  ///< of the board there
   double noise_mm = 0;   ///< sigma along z that the pixels' noise explains
@@ -32,7 +33,7 @@ std::vector<GroundPoint> ground_points(const std::vector<GroundSample>& ground, 
     const Vec3d p = triangulate(rig, ray, s.projector_u_px, kStart_mm);
     const double sigma_px = std::sqrt(s.variance_px2);
     const Vec3d moved = triangulate(rig, ray, s.projector_u_px + sigma_px, p.z());
-    points.push_back({p, board_height_mm(target, s.cell, rig.dot_offsets_mm), (moved - p).norm()});
+    points.push_back({s.camera_px, p, board_height_mm(target, s.cell, rig.dot_offsets_mm), (moved - p).norm()});
   }
   return points;
 }
@@ -77,6 +78,44 @@ void drop_gross(std::vector<GroundPoint>& points) {
   std::erase_if(points, [&](const GroundPoint& p) { return height(p) > limit; });
 }
 
+double p95_of(std::vector<PlaneHeight> heights) {
+  const auto at = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() * 95 / 100);
+  std::nth_element(heights.begin(), at, heights.end(),
+                   [](const PlaneHeight& a, const PlaneHeight& b) { return std::abs(a.height_um) < std::abs(b.height_um); });
+  return std::abs(at->height_um);
+}
+
+/// Heights over the best plane, and the quadratic through them.
+PlaneCheck measure_flat(const std::vector<GroundPoint>& points) {
+  PlaneCheck out{.pose = {}, .points = points.size(), .shape = {}, .sigma = {}, .heights = {}};
+  const Flat flat = best_plane(points);
+  Eigen::Matrix<double, 6, 6> h = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
+  double squares = 0, noise = 0;
+  for (const GroundPoint& p : points) {
+    const Vec3d q = flat.axes.transpose() * (p.place - flat.middle);
+    const double x = q.x() / kHalfPlane_mm, y = q.y() / kHalfPlane_mm, z = 1e3 * q.z();
+    const Eigen::Matrix<double, 6, 1> j = (Eigen::Matrix<double, 6, 1>() << 1, x, y, x * x, x * y, y * y).finished();
+    h += j * j.transpose();
+    b += j * z;
+    squares += z * z;
+    noise += 1e6 * p.noise_mm * p.noise_mm;
+    out.heights.push_back({p.camera_px, z});
+  }
+  const double n = static_cast<double>(points.size());
+  const Eigen::Matrix<double, 6, 6> inverse = h.inverse();
+  const Eigen::Matrix<double, 6, 1> fit = inverse * b;
+  const double left = (squares - fit.dot(b)) / (n - 6);
+  const auto sigma = [&](Eigen::Index i) { return std::sqrt(std::max(0.0, left * inverse(i, i))); };
+  out.depth_mm = flat.middle.z();
+  out.rms_um = std::sqrt(squares / n);
+  out.noise_um = std::sqrt(noise / n);
+  out.p95_um = p95_of(out.heights);
+  out.shape = {fit[3], fit[5], fit[4]};
+  out.sigma = {sigma(3), sigma(5), sigma(4)};
+  return out;
+}
+
 }  // namespace
 
 Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, const TargetDesign& target,
@@ -102,36 +141,9 @@ Result<PlaneCheck> check_plane(const PoseView& view, const TargetDesign& target,
     return fail(ErrorCode::kCalibrationPoses,
                 fmt::format("pose {}: {} usable places on the ground between the dots", view.name, points.size()));
   }
-  const Flat flat = best_plane(points);
-  Eigen::Matrix<double, 6, 6> h = Eigen::Matrix<double, 6, 6>::Zero();
-  Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
-  double squares = 0, noise = 0;
-  std::vector<double> distances;
-  for (const GroundPoint& p : points) {
-    const Vec3d q = flat.axes.transpose() * (p.place - flat.middle);
-    const double x = q.x() / kHalfPlane_mm, y = q.y() / kHalfPlane_mm, z = 1e3 * q.z();
-    const Eigen::Matrix<double, 6, 1> j = (Eigen::Matrix<double, 6, 1>() << 1, x, y, x * x, x * y, y * y).finished();
-    h += j * j.transpose();
-    b += j * z;
-    squares += z * z;
-    noise += 1e6 * p.noise_mm * p.noise_mm;
-    distances.push_back(std::abs(z));
-  }
-  const auto p95 = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() * 95 / 100);
-  std::nth_element(distances.begin(), p95, distances.end());
-  const double n = static_cast<double>(points.size());
-  const Eigen::Matrix<double, 6, 6> inverse = h.inverse();
-  const Eigen::Matrix<double, 6, 1> fit = inverse * b;
-  const double left = (squares - fit.dot(b)) / (n - 6);
-  const auto sigma = [&](Eigen::Index i) { return std::sqrt(std::max(0.0, left * inverse(i, i))); };
-  return PlaneCheck{.pose = view.name,
-                    .points = points.size(),
-                    .depth_mm = flat.middle.z(),
-                    .rms_um = std::sqrt(squares / n),
-                    .noise_um = std::sqrt(noise / n),
-                    .p95_um = *p95,
-                    .shape = {fit[3], fit[5], fit[4]},
-                    .sigma = {sigma(3), sigma(5), sigma(4)}};
+  PlaneCheck check = measure_flat(points);
+  check.pose = view.name;
+  return check;
 }
 
 std::array<DepthShape, 3> shapes_over_depth(const std::vector<PlaneCheck>& planes, DepthRange range) {

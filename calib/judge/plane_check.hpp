@@ -10,6 +10,11 @@
 
 namespace enamel::calib {
 
+struct PlaneHeight {
+  Eigen::Vector2d camera_px{0, 0};  ///< middle of the 5 x 5 pixels
+  double height_um = 0;             ///< over the best plane, positive away from the camera
+};
+
 struct PlaneCheck {
   std::string pose;
   std::size_t points = 0;  ///< means over 5 x 5 pixels
@@ -19,6 +24,7 @@ struct PlaneCheck {
   double p95_um = 0;       ///< 95th percentile of the distances
   PlaneShape shape;        ///< bow and twist over 16 mm in the plane's own axes, positive away from the camera
   PlaneShape sigma;        ///< standard errors of the above, from the scatter of the points
+  std::vector<PlaneHeight> heights;
 };
 
 /// Ground at least `clearance_mm` from any dot's edge, inside the outermost dots; the finest fringes along u, ripple
