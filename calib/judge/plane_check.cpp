@@ -80,8 +80,9 @@ void drop_gross(std::vector<GroundPoint>& points) {
 
 double p95_of(std::vector<PlaneHeight> heights) {
   const auto at = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() * 95 / 100);
-  std::nth_element(heights.begin(), at, heights.end(),
-                   [](const PlaneHeight& a, const PlaneHeight& b) { return std::abs(a.height_um) < std::abs(b.height_um); });
+  std::nth_element(heights.begin(), at, heights.end(), [](const PlaneHeight& a, const PlaneHeight& b) {
+    return std::abs(a.height_um) < std::abs(b.height_um);
+  });
   return std::abs(at->height_um);
 }
 

@@ -69,7 +69,8 @@ TEST(Steps, field_earns_its_place_where_the_projector_is_no_lens) {
     const auto steps = effects(s);
     ASSERT_EQ(steps.size(), 4U) << "no field was taken";
     expect_no_step_worse(steps);
-    EXPECT_LT(steps[3].plane_rms_um, steps[2].plane_rms_um - steps[2].plane_rms_sigma_um) << "poses without a part in it";
+    EXPECT_LT(steps[3].plane_rms_um, steps[2].plane_rms_um - steps[2].plane_rms_sigma_um)
+        << "poses without a part in it";
     const FieldTrial& trial = s.solution.field.trials[s.solution.field.taken];
     EXPECT_GT(trial.gain, 3 * trial.gain_sigma);
     EXPECT_LT(test::rig_error(s.solution.steps[3].state, s.scene).p95_um,
