@@ -50,8 +50,8 @@ TEST(RayDepth, correction_moves_depth_by_what_it_says) {
   const RayDepth plain = RayDepth::bake(rig, *rig.depth_range).value();
   rig.correction = field_of(2);
   const RayDepth moved = RayDepth::bake(rig, *rig.depth_range).value();
-  for (const std::size_t i : {0U, 640U * 240 + 320U, 640U * 480 - 1}) {
-    const float phase = plain.phase_mid_rad[i];
+  for (const std::size_t i : {0U, 640U * 400 + 500U, 640U * 480 - 1}) {
+    const float phase = 0.9F * plain.phase_near_rad[i] + 0.1F * plain.phase_far_rad[i];
     const double q = static_cast<double>(plain.inverse_depth(i, phase));
     const double delta =
         calib::correction_at(*rig.correction, static_cast<double>(i % 640), static_cast<double>(i / 640), q);
