@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/judge/judgement.hpp"
 #include "calib/judge/step_effect.hpp"
 #include "calib/solve/solve.hpp"
 #include "tests/support/calib_scene.hpp"
@@ -99,6 +100,28 @@ TEST(Steps, same_pictures_twice_are_one_pose) {
   ASSERT_EQ(solved->rejected.size(), poses);
   EXPECT_THAT(solved->rejected[0].reason, testing::HasSubstr("same pictures as pose 0"));
   EXPECT_FALSE(solved->is_shape_solved);
+}
+
+TEST(Judgement, uneven_planes_count_only_beyond_their_pixels_noise) {
+  const Solved s = solve_scene(340, 0, 0);
+  const auto says_uneven = [&](double rms_um, double noise_um) {
+    PlaneCheck plane{.pose = "0",
+                     .points = 2000,
+                     .depth_mm = 48,
+                     .rms_um = rms_um,
+                     .noise_um = noise_um,
+                     .shape = {},
+                     .sigma = {},
+                     .heights = {}};
+    plane.sigma = {1, 1, 1};
+    const Judgement j = judge(s.solution, {plane}, true, kRange);
+    return std::any_of(j.reasons.begin(), j.reasons.end(),
+                       [](const std::string& r) { return r.find("uneven beyond") != std::string::npos; });
+  };
+  EXPECT_FALSE(says_uneven(6.7, 6.7)) << "a good calibration from noisy pictures";
+  EXPECT_FALSE(says_uneven(1.9, 1.6));
+  EXPECT_TRUE(says_uneven(6.7, 5.5)) << "noise is no excuse for what it does not explain";
+  EXPECT_TRUE(says_uneven(4, 1.6));
 }
 
 // Drift law -----------------------------------------------------------------------------------------------------------

@@ -95,7 +95,11 @@ TEST(RigWriter, text_reads_back_and_guards_itself) {
                    .covariance = Eigen::MatrixXd::Identity(1, 1),
                    .calibrated_at = "2026-01-31T12:00:00Z",
                    .response = {},
-                   .correction = {}};
+                   .correction = CorrectionField{.u_px = {10, 600},
+                                                 .v_px = {20, 450},
+                                                 .inverse_mm = {0.018, 0.024},
+                                                 .terms = {2, 1, 2},
+                                                 .coefficients = {1e-7, -2e-7, 3e-7, 4e-8}}};
   const auto text = solved_rig_text(nominal, solved);
   ASSERT_TRUE(text) << text.error().message();
   const Rig back = parse_rig(*text).value();
@@ -103,6 +107,10 @@ TEST(RigWriter, text_reads_back_and_guards_itself) {
   EXPECT_EQ(back.projector.dist, scene.truth.projector.dist);
   EXPECT_EQ(back.T_proj_cam[0][3], scene.truth.T_proj_cam.matrix()(0, 3));
   EXPECT_EQ(back.serial, "EN-7");
+  ASSERT_TRUE(back.correction);
+  EXPECT_EQ(back.correction->terms, solved.correction->terms);
+  EXPECT_EQ(back.correction->inverse_mm, solved.correction->inverse_mm);
+  EXPECT_EQ(back.correction->coefficients, solved.correction->coefficients);
   EXPECT_THAT(*text, testing::HasSubstr("\"note\""));
   EXPECT_THAT(*text, testing::Not(testing::HasSubstr("\"nominal\"")));
   EXPECT_TRUE(is_rig_intact(*text));
