@@ -49,10 +49,6 @@ std::optional<AxisFit> fit_axis(std::span<const ProjectorSample> samples, const 
   return AxisFit{x, ldlt.solve(Vector6d::Unit(0))[0] * std::max(1.0, misfit)};
 }
 
-Eigen::Vector4d harmonics(double phase) {
-  return {std::sin(4 * phase), std::cos(4 * phase), std::sin(8 * phase), std::cos(8 * phase)};
-}
-
 }  // namespace
 
 std::vector<ProjectorSample> disc_samples(const CoordinateMap& u, const CoordinateMap& v, const Ellipse& disc,
@@ -89,10 +85,15 @@ std::optional<LocalMap> fit_local_map(std::span<const ProjectorSample> samples, 
   return map;
 }
 
+Eigen::Vector4d Ripple::harmonics(double coordinate_px, double period_px) {
+  const double phase = 2 * std::numbers::pi * coordinate_px / period_px;
+  return {std::sin(4 * phase), std::cos(4 * phase), std::sin(8 * phase), std::cos(8 * phase)};
+}
+
 double Ripple::at(int axis, double coordinate_px) const {
   const auto a = static_cast<std::size_t>(axis);
   if (!(period_px[a] > 0)) return 0;
-  return harmonics(2 * std::numbers::pi * coordinate_px / period_px[a]).dot(coefficients_px[a]);
+  return harmonics(coordinate_px, period_px[a]).dot(coefficients_px[a]);
 }
 
 void Ripple::remove(std::span<ProjectorSample> samples) const {
@@ -114,7 +115,7 @@ Ripple estimate_ripple(std::span<const std::vector<ProjectorSample>> discs, std:
       if (!fit) continue;
       for (const ProjectorSample& s : samples) {
         const double smooth = quadratic((s.camera_px - at) / scale).dot(fit->x);
-        const Eigen::Vector4d j = harmonics(2 * std::numbers::pi * smooth / period_px[a]);
+        const Eigen::Vector4d j = Ripple::harmonics(smooth, period_px[a]);
         h += j * j.transpose() / s.variance_px2[axis];
         b += j * (s.projector_px[axis] - smooth) / s.variance_px2[axis];
       }

@@ -43,6 +43,8 @@ struct Ripple {
   std::array<Eigen::Vector4d, 2> coefficients_px{Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero()};
 
   [[nodiscard]] double at(int axis, double coordinate_px) const;
+  /// sin 4phi, cos 4phi, sin 8phi, cos 8phi at a coordinate.
+  [[nodiscard]] static Eigen::Vector4d harmonics(double coordinate_px, double period_px);
   void remove(std::span<ProjectorSample> samples) const;
 };
 

@@ -64,6 +64,14 @@ Result<std::string> solved_rig_text(const Rig& nominal, const SolvedRig& solved)
                         {"emission", solved.response->emission},
                         {"residual", solved.response->residual}};
   }
+  json.erase("correction");  // that of an older solution
+  if (const auto& f = solved.correction) {
+    json["correction"] = {{"u_px", f->u_px},
+                          {"v_px", f->v_px},
+                          {"inverse_mm", f->inverse_mm},
+                          {"terms", f->terms},
+                          {"coefficients", f->coefficients}};
+  }
   json["sha256"] = hash_of(json);
   std::string text = json.dump(kIndent) + "\n";
   ENAMEL_TRY(parse_rig(text));

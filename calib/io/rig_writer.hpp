@@ -17,6 +17,7 @@ struct SolvedRig {
   Eigen::MatrixXd covariance;                 ///< px, rad, mm by parameter
   std::string calibrated_at;                  ///< UTC, e.g. 2026-01-31T12:00:00Z
   std::optional<ProjectorResponse> response;  ///< where the folder has pictures of it
+  std::optional<CorrectionField> correction;  ///< where one earned its place
   double rms_camera_px = 0, rms_projector_px = 0;
   int poses = 0;
   bool is_shape_solved = false;  ///< of the target: its scale is then held by the mean pitch alone

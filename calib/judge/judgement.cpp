@@ -30,12 +30,17 @@ Judgement judge(const Solution& solution, std::vector<PlaneCheck> planes, bool a
   j.planes = std::move(planes);
   j.are_planes_held_out = are_planes_held_out;
   j.shapes = shapes_over_depth(j.planes, range);
-  double squares = 0, points = 0;
+  double squares = 0, noise = 0, points = 0;
   for (const PlaneCheck& p : j.planes) {
     squares += p.rms_um * p.rms_um * static_cast<double>(p.points);
+    noise += p.noise_um * p.noise_um * static_cast<double>(p.points);
     points += static_cast<double>(p.points);
   }
-  j.plane_rms_um = points > 0 ? std::sqrt(squares / points) : 0;
+  if (points > 0) {
+    j.plane_rms_um = std::sqrt(squares / points);
+    j.plane_noise_um = std::sqrt(noise / points);
+    j.plane_unexplained_um = std::sqrt(std::max(0.0, squares - noise) / points);
+  }
   Reasons reasons(j.reasons);
   const char* more = "more poses, tilted to all sides and over the whole depth";
   reasons.limit("camera reprojection rms", solution.result.rms_camera_px, limits.rms_camera_px, "px",
@@ -46,8 +51,8 @@ Judgement judge(const Solution& solution, std::vector<PlaneCheck> planes, bool a
   if (!solution.is_shape_solved)
     reasons.limit("expected scale error", j.predicted.scale_ppm, limits.scale_ppm, "ppm", more);
   if (!j.planes.empty()) {
-    reasons.limit("planes are seen with an rms of", j.plane_rms_um, limits.plane_rms_um, "um",
-                  "more light or averaging; keep the target clean");
+    reasons.limit("planes are seen uneven beyond their pixels' noise, rms", j.plane_unexplained_um, limits.plane_rms_um,
+                  "um", "keep the target clean and still, linearise the projector; or the lens is not of this model");
   }
   for (const DepthShape& s : j.shapes) {
     const auto bow = [&](const char* what, double PlaneShape::*part) {

@@ -5,89 +5,35 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "calib/judge/triangulate.hpp"
-#include "calib/target/homography.hpp"
+#include "calib/solve/ground.hpp"
+#include "calib/solve/triangulate.hpp"
 
 namespace enamel::calib {
 namespace {
 
-using Eigen::Vector2d;
-
-constexpr int kBlock_px = 5;
 constexpr std::size_t kMinPoints = 100;
 constexpr double kHalfPlane_mm = 8;
 constexpr double kGrossSigmas = 5;
+constexpr double kStart_mm = 48;        // of the search for a depth
 constexpr double kSlopePrior_um = 0.5;  // sigma of what bow and twist change from the near to the far end
 
-/// Target places (mm) of camera pixels, by the dots.
-class Ground {
- public:
-  Ground(const PoseView& dots, const TargetDesign& target, double clearance_mm)
-      : target_(target), clear_mm_(clearance_mm + target.radius_mm) {
-    std::vector<Vector2d> image, place;
-    for (const DotView& dot : dots.dots) {
-      image.push_back(dot.camera_px);
-      place.emplace_back(target.place(dot.dot).head<2>());
-    }
-    if (const auto h = fit_homography(image, place)) to_target_ = *h;
-  }
-
-  [[nodiscard]] bool contains(double u, double v) const {
-    const Vector2d cell = cell_of(u, v);
-    if (!(cell.x() > 0 && cell.y() > 0 && cell.x() < target_.cols - 1 && cell.y() < target_.rows - 1)) return false;
-    const Vector2d nearest(std::round(cell.x()), std::round(cell.y()));
-    return (cell - nearest).norm() * target_.pitch_mm > clear_mm_;
-  }
-
-  /// Height of the real board towards the camera, between four dots whose offsets are known; 0 for a perfect one.
-  [[nodiscard]] double height_mm(double u, double v, const std::vector<Vec3d>& offsets) const {
-    if (offsets.empty()) return 0;
-    const Vector2d cell = cell_of(u, v);
-    const int col = std::min(static_cast<int>(cell.x()), target_.cols - 2);
-    const int row = std::min(static_cast<int>(cell.y()), target_.rows - 2);
-    const double x = cell.x() - col, y = cell.y() - row;
-    const auto at = [&](int c, int r) { return offsets[static_cast<std::size_t>(target_.index({c, r}))].z(); };
-    return (1 - y) * ((1 - x) * at(col, row) + x * at(col + 1, row)) +
-           y * ((1 - x) * at(col, row + 1) + x * at(col + 1, row + 1));
-  }
-
- private:
-  /// Column and row, fractional.
-  [[nodiscard]] Vector2d cell_of(double u, double v) const {
-    return map_point(to_target_, {u, v}) / target_.pitch_mm + 0.5 * Vector2d(target_.cols - 1, target_.rows - 1);
-  }
-
-  const TargetDesign& target_;
-  double clear_mm_;
-  Eigen::Matrix3d to_target_ = Eigen::Matrix3d::Zero();
-};
-
 struct GroundPoint {
+  Eigen::Vector2d camera_px{0, 0};
   Vec3d place;
   double height_mm = 0;  ///< of the board there
-  Vector2d camera_px{0, 0};
+  double noise_mm = 0;   ///< sigma along z that the pixels' noise explains
 };
 
-std::vector<GroundPoint> ground_points(const CoordinateMap& u, const Ground& ground, const RigState& rig,
-                                       const Ripple& ripple) {
+std::vector<GroundPoint> ground_points(const std::vector<GroundSample>& ground, const TargetDesign& target,
+                                       const RigState& rig) {
   std::vector<GroundPoint> points;
-  const double start_mm = rig.T_cam_target.empty() ? 48.0 : rig.T_cam_target[0].translation().z();
-  for (int v0 = 0; v0 + kBlock_px <= u.value_px.height(); v0 += kBlock_px) {
-    for (int u0 = 0; u0 + kBlock_px <= u.value_px.width(); u0 += kBlock_px) {
-      const double cu = u0 + 0.5 * (kBlock_px - 1), cv = v0 + 0.5 * (kBlock_px - 1);
-      if (!ground.contains(cu, cv)) continue;
-      double sum = 0;
-      for (int y = v0; y < v0 + kBlock_px; ++y) {
-        for (int x = u0; x < u0 + kBlock_px; ++x) {
-          const double value = static_cast<double>(u.value_px(x, y));
-          sum += value - ripple.at(0, value);
-        }
-      }
-      const double mean = sum / (kBlock_px * kBlock_px);
-      if (!std::isfinite(mean)) continue;
-      points.push_back({triangulate(rig, camera_ray(rig.camera, cu, cv), mean, start_mm),
-                        ground.height_mm(cu, cv, rig.dot_offsets_mm), Vector2d(cu, cv)});
-    }
+  points.reserve(ground.size());
+  for (const GroundSample& s : ground) {
+    const Vec3d ray = camera_ray(rig.camera, s.camera_px.x(), s.camera_px.y());
+    const Vec3d p = triangulate(rig, ray, s.projector_u_px, kStart_mm);
+    const double sigma_px = std::sqrt(s.variance_px2);
+    const Vec3d moved = triangulate(rig, ray, s.projector_u_px + sigma_px, p.z());
+    points.push_back({s.camera_px, p, board_height_mm(target, s.cell, rig.dot_offsets_mm), (moved - p).norm()});
   }
   return points;
 }
@@ -110,10 +56,14 @@ Flat best_plane(const std::vector<GroundPoint>& points) {
   return flat;
 }
 
-/// The points of a board as if it were flat: its own height taken off along the plane's normal.
+/// The points of a board as if it were flat: its own height taken off along the plane's normal; the noise becomes that
+/// along the normal.
 void flatten(std::vector<GroundPoint>& points) {
   const Vec3d normal = best_plane(points).axes.col(2);
-  for (GroundPoint& p : points) p.place += p.height_mm * normal;
+  for (GroundPoint& p : points) {
+    p.noise_mm *= std::abs(normal.dot(p.place.normalized()));
+    p.place += p.height_mm * normal;
+  }
 }
 
 /// Drops points far off the plane of the rest: specks and shadow borders.
@@ -128,27 +78,21 @@ void drop_gross(std::vector<GroundPoint>& points) {
   std::erase_if(points, [&](const GroundPoint& p) { return height(p) > limit; });
 }
 
-}  // namespace
+double p95_of(std::vector<PlaneHeight> heights) {
+  const auto at = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() * 95 / 100);
+  std::nth_element(heights.begin(), at, heights.end(), [](const PlaneHeight& a, const PlaneHeight& b) {
+    return std::abs(a.height_um) < std::abs(b.height_um);
+  });
+  return std::abs(at->height_um);
+}
 
-Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, const TargetDesign& target,
-                               const RigState& rig, const PixelNoise& image_noise, const Ripple& ripple,
-                               double clearance_mm) {
-  ENAMEL_TRY_ASSIGN(const CoordinateMap u, decode_coordinate(frames.along_u, rig.projector.width, image_noise));
-  std::vector<GroundPoint> points = ground_points(u, Ground(dots, target, clearance_mm), rig, ripple);
-  if (points.size() >= kMinPoints) {
-    flatten(points);
-    drop_gross(points);
-  }
-  if (points.size() < kMinPoints) {
-    return fail(ErrorCode::kCalibrationPoses,
-                fmt::format("pose {}: {} usable places on the ground between the dots", frames.name, points.size()));
-  }
+/// Heights over the best plane, and the quadratic through them.
+PlaneCheck measure_flat(const std::vector<GroundPoint>& points) {
+  PlaneCheck out{.pose = {}, .points = points.size(), .shape = {}, .sigma = {}, .heights = {}};
   const Flat flat = best_plane(points);
   Eigen::Matrix<double, 6, 6> h = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
-  double squares = 0;
-  std::vector<PlaneHeight> heights;
-  heights.reserve(points.size());
+  double squares = 0, noise = 0;
   for (const GroundPoint& p : points) {
     const Vec3d q = flat.axes.transpose() * (p.place - flat.middle);
     const double x = q.x() / kHalfPlane_mm, y = q.y() / kHalfPlane_mm, z = 1e3 * q.z();
@@ -156,19 +100,51 @@ Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, c
     h += j * j.transpose();
     b += j * z;
     squares += z * z;
-    heights.push_back({p.camera_px, z});
+    noise += 1e6 * p.noise_mm * p.noise_mm;
+    out.heights.push_back({p.camera_px, z});
   }
+  const double n = static_cast<double>(points.size());
   const Eigen::Matrix<double, 6, 6> inverse = h.inverse();
   const Eigen::Matrix<double, 6, 1> fit = inverse * b;
-  const double left = (squares - fit.dot(b)) / static_cast<double>(points.size() - 6);
+  const double left = (squares - fit.dot(b)) / (n - 6);
   const auto sigma = [&](Eigen::Index i) { return std::sqrt(std::max(0.0, left * inverse(i, i))); };
-  return PlaneCheck{.pose = frames.name,
-                    .points = points.size(),
-                    .depth_mm = flat.middle.z(),
-                    .rms_um = std::sqrt(squares / static_cast<double>(points.size())),
-                    .shape = {fit[3], fit[5], fit[4]},
-                    .sigma = {sigma(3), sigma(5), sigma(4)},
-                    .heights = std::move(heights)};
+  out.depth_mm = flat.middle.z();
+  out.rms_um = std::sqrt(squares / n);
+  out.noise_um = std::sqrt(noise / n);
+  out.p95_um = p95_of(out.heights);
+  out.shape = {fit[3], fit[5], fit[4]};
+  out.sigma = {sigma(3), sigma(5), sigma(4)};
+  return out;
+}
+
+}  // namespace
+
+Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, const TargetDesign& target,
+                               const RigState& rig, const PixelNoise& image_noise, const Ripple& ripple,
+                               double clearance_mm) {
+  ENAMEL_TRY_ASSIGN(const CoordinateMap u, decode_coordinate(frames.along_u, rig.projector.width, image_noise));
+  PoseView view{.name = frames.name, .dots = {}, .ground = {}, .blur_px = dots.blur_px};
+  const double period_px = static_cast<double>(rig.projector.width) / frames.along_u.back().cycles;
+  view.ground = ground_samples(u, dots, target, period_px, clearance_mm);
+  return check_plane(view, target, rig, ripple);
+}
+
+Result<PlaneCheck> check_plane(const PoseView& view, const TargetDesign& target, const RigState& rig,
+                               const Ripple& ripple) {
+  std::vector<GroundSample> ground = view.ground;
+  remove_ripple(ripple, ground);
+  std::vector<GroundPoint> points = ground_points(ground, target, rig);
+  if (points.size() >= kMinPoints) {
+    flatten(points);
+    drop_gross(points);
+  }
+  if (points.size() < kMinPoints) {
+    return fail(ErrorCode::kCalibrationPoses,
+                fmt::format("pose {}: {} usable places on the ground between the dots", view.name, points.size()));
+  }
+  PlaneCheck check = measure_flat(points);
+  check.pose = view.name;
+  return check;
 }
 
 std::array<DepthShape, 3> shapes_over_depth(const std::vector<PlaneCheck>& planes, DepthRange range) {

@@ -20,6 +20,8 @@ struct PlaneCheck {
   std::size_t points = 0;  ///< means over 5 x 5 pixels
   double depth_mm = 0;     ///< of the points' middle
   double rms_um = 0;       ///< distance to the best plane
+  double noise_um = 0;     ///< rms that the pixels' own scatter explains
+  double p95_um = 0;       ///< 95th percentile of the distances
   PlaneShape shape;        ///< bow and twist over 16 mm in the plane's own axes, positive away from the camera
   PlaneShape sigma;        ///< standard errors of the above, from the scatter of the points
   std::vector<PlaneHeight> heights;
@@ -31,6 +33,10 @@ struct PlaneCheck {
 [[nodiscard]] Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, const TargetDesign& target,
                                              const RigState& rig, const PixelNoise& image_noise, const Ripple& ripple,
                                              double clearance_mm = 0.5);
+
+/// The same from ground that was measured with the dots (measure_pose).
+[[nodiscard]] Result<PlaneCheck> check_plane(const PoseView& view, const TargetDesign& target, const RigState& rig,
+                                             const Ripple& ripple);
 
 /// Bow and twist at a depth from planes around it: a straight line over depth through the planes' values, weighted by
 /// their standard errors, with a prior of 0.5 um on the slope. No planes: zeros.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "calib/judge/triangulate.hpp"
+#include "calib/solve/triangulate.hpp"
 #include "protocol/base/rng.hpp"
 
 namespace enamel::calib {
@@ -18,16 +18,19 @@ struct Pairs {
   std::vector<Vec3d> solved, reference;
 };
 
-/// Points of the reference at depth z, and where the solved rig puts them.
+/// Points of the reference around depth z (its correction moves them off by microns), and where the solved rig puts
+/// them.
 void add_depth(const RigState& solved, const RigState& reference, double z_mm, Pairs& pairs) {
   for (int r = 0; r < kRows; ++r) {
     for (int c = 0; c < kCols; ++c) {
       const double u = c * (reference.camera.width - 1.0) / (kCols - 1);
       const double v = r * (reference.camera.height - 1.0) / (kRows - 1);
-      const Vec3d p = camera_ray(reference.camera, u, v) * z_mm;
-      const double up = projector_u(reference, p);
+      const Vec3d ray = camera_ray(reference.camera, u, v);
+      const double up = projector_u(reference, ray * z_mm);
       if (!(up > -0.5 && up < reference.projector.width - 0.5)) continue;
-      pairs.reference.push_back(p);
+      const double q = 1 / z_mm;
+      pairs.reference.push_back(reference.correction ? Vec3d(ray / (q + correction_at(*reference.correction, u, v, q)))
+                                                     : Vec3d(ray * z_mm));
       pairs.solved.push_back(triangulate(solved, camera_ray(solved.camera, u, v), up, z_mm));
     }
   }
@@ -70,7 +73,7 @@ PlaneShape plane_shape(const RigState& solved, const RigState& reference, const 
     const double x = p.x() / kHalfPlane_mm, y = p.y() / kHalfPlane_mm;
     const Eigen::Matrix<double, 6, 1> j = (Eigen::Matrix<double, 6, 1>() << 1, x, y, x * x, x * y, y * y).finished();
     h += j * j.transpose();
-    b += j * (p.z() - z_mm) * 1e3;
+    b += j * (p.z() - pairs.reference[i].z()) * 1e3;
   }
   const Eigen::Matrix<double, 6, 1> x = h.ldlt().solve(b);
   return {x[3], x[5], x[4]};
@@ -172,6 +175,7 @@ RigState state_of(const Rig& rig) {
   RigState s;
   s.camera = rig.camera;
   s.projector = rig.projector;
+  s.correction = rig.correction;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 4; ++c)
       s.T_proj_cam.matrix()(r, c) = rig.T_proj_cam[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "calib/model/correction.hpp"
+#include "calib/model/temperature.hpp"
 #include "protocol/base/result.hpp"
 
 namespace enamel::calib {
@@ -53,9 +55,13 @@ struct Rig {
   std::optional<DepthRange> depth_range;  ///< absent: estimated or asked for, never assumed silently
   std::optional<NoiseValues> noise;
   std::string serial;
-  std::vector<std::string> unknown_keys;  ///< kept in `text`, ignored here; the caller may give notice
-  std::string text;                       ///< the file byte for byte
-  std::uint32_t crc32 = 0;                ///< CRC-32 of `text`: Burst::calib_crc32
+  std::string calibrated_at;                    ///< UTC, ISO 8601; empty for design values
+  std::optional<double> temp_c;                 ///< of the probe while the calibration's pictures were taken
+  std::optional<CorrectionField> correction;    ///< what the lens model leaves; lens.hpp's functions know nothing of it
+  std::optional<TemperatureTerms> temperature;  ///< drift about `temp_c`; applied by rig_at()
+  std::vector<std::string> unknown_keys;        ///< kept in `text`, ignored here; the caller may give notice
+  std::string text;                             ///< the file byte for byte
+  std::uint32_t crc32 = 0;                      ///< CRC-32 of `text`: Burst::calib_crc32
 };
 
 /// Errors: kRigInvalid (syntax, NaN or infinite numbers, missing or ill-typed key, impossible value; the detail names

@@ -1,5 +1,6 @@
 #include "calib/model/rig_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "calib/model/json_section.hpp"
@@ -104,6 +105,57 @@ NoiseValues read_noise(JsonSection s, std::vector<std::string>& unknown) {
   return n;
 }
 
+std::array<double, 2> read_interval(JsonSection& s, const char* key) {
+  const auto ends = s.numbers(key, 2);
+  if (!(ends[1] > ends[0])) s.refuse(key, "must be low < high");
+  return {ends[0], ends[1]};
+}
+
+CorrectionField read_correction(JsonSection s, std::vector<std::string>& unknown) {
+  CorrectionField f;
+  f.u_px = read_interval(s, "u_px");
+  f.v_px = read_interval(s, "v_px");
+  f.inverse_mm = read_interval(s, "inverse_mm");
+  const auto terms = s.numbers("terms", 3);
+  std::size_t count = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(terms[axis] >= 1 && terms[axis] <= kMaxCorrectionTerms[axis]) || terms[axis] != std::floor(terms[axis])) {
+      s.refuse("terms", "must be whole numbers from 1 to 5, 5, 4");
+      return f;
+    }
+    f.terms[axis] = static_cast<int>(terms[axis]);
+    count *= static_cast<std::size_t>(f.terms[axis]);
+  }
+  f.coefficients = s.numbers("coefficients", count);
+  s.append_unknown(unknown);
+  return f;
+}
+
+LensDrift read_drift(JsonSection s, std::vector<std::string>& unknown) {
+  const LensDrift drift{s.number_or("fx", 0), s.number_or("fy", 0), s.number_or("cx", 0), s.number_or("cy", 0)};
+  s.append_unknown(unknown);
+  return drift;
+}
+
+TemperatureTerms read_temperature(JsonSection s, std::vector<std::string>& unknown) {
+  TemperatureTerms t;
+  t.reference_c = s.number("reference_c");
+  t.range_c = read_interval(s, "range_c");
+  JsonSection per_k = s.section("per_kelvin");
+  if (per_k.has("camera")) t.camera = read_drift(per_k.section("camera"), unknown);
+  if (per_k.has("projector")) t.projector = read_drift(per_k.section("projector"), unknown);
+  const auto vector = [&](const char* key, std::array<double, 3>& out) {
+    if (!per_k.has(key)) return;
+    const auto values = per_k.numbers(key, 3);
+    std::copy(values.begin(), values.end(), out.begin());
+  };
+  vector("rotation_rad", t.rotation_rad);
+  vector("translation_mm", t.translation_mm);
+  per_k.append_unknown(unknown);
+  s.append_unknown(unknown);
+  return t;
+}
+
 Rig read_top(JsonSection& s) {
   Rig rig;
   if (s.string("format") != "rig/1") s.refuse("format", "must be rig/1");
@@ -121,6 +173,12 @@ Rig read_top(JsonSection& s) {
   }
   if (s.has("noise")) rig.noise = read_noise(s.section("noise"), rig.unknown_keys);
   if (s.has("serial")) rig.serial = s.string("serial");
+  if (s.has("calibrated_at")) rig.calibrated_at = s.string("calibrated_at");
+  if (s.has("temp_c")) rig.temp_c = s.number("temp_c");
+  if (s.has("correction")) rig.correction = read_correction(s.section("correction"), rig.unknown_keys);
+  if (s.has("temperature")) rig.temperature = read_temperature(s.section("temperature"), rig.unknown_keys);
+  // Written by the solver for those who judge a calibration; nothing here measures with them.
+  for (const char* key : {"schema", "sha256", "covariance", "residuals", "response"}) static_cast<void>(s.has(key));
   s.append_unknown(rig.unknown_keys);
   return rig;
 }

@@ -113,6 +113,16 @@ Result<ReportSection> planes(const ReportInput& in) {
   return ReportSection{"Planes", j.planes.empty() ? "<p>No planes were judged.</p>" : html};
 }
 
+ReportSection steps(const ReportInput& in) {
+  std::string html = "<table>" + row({"after", "planes, µm rms", "±", "95 %, µm", "sag or twist, µm", "±"}, "th");
+  for (const StepEffect& s : in.steps) {
+    html += row({escaped(s.step), fmt::format("{:.4f}", s.plane_rms_um), fmt::format("{:.4f}", s.plane_rms_sigma_um),
+                 fmt::format("{:.3f}", s.plane_p95_um), fmt::format("{:.3f}", s.sag_um),
+                 fmt::format("{:.3f}", s.sag_sigma_um)});
+  }
+  return {"Effect of each step", html + "</table><p>On the judging planes; ± one standard error.</p>"};
+}
+
 ReportSection poses(const ReportInput& in) {
   std::string html =
       "<table>" +
@@ -191,8 +201,8 @@ std::vector<PoseRow> pose_rows(const Solution& s, const TargetDesign& target) {
 Result<std::vector<ReportSection>> report_sections(const ReportInput& input) {
   ENAMEL_TRY_ASSIGN(ReportSection maps, planes(input));
   return std::vector<ReportSection>{
-      verdict(input),  residuals(input), coverage(input),  shapes(input, JudgementLimits{}.bow_um),
-      std::move(maps), poses(input),     parameters(input)};
+      verdict(input),  residuals(input), coverage(input), shapes(input, JudgementLimits{}.bow_um),
+      std::move(maps), steps(input),     poses(input),    parameters(input)};
 }
 
 }  // namespace enamel::calib

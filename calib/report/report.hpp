@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calib/judge/judgement.hpp"
+#include "calib/judge/step_effect.hpp"
 
 namespace enamel::calib {
 
@@ -34,6 +35,7 @@ struct ReportInput {
   std::string serial, calibrated_at;
   const Solution* solution = nullptr;
   const Judgement* judgement = nullptr;
+  std::vector<StepEffect> steps;
   TargetDesign target;
   DepthRange range;
   std::optional<double> response_residual;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "calib/solve/plane_cost.hpp"
 #include "calib/solve/projection.hpp"
 
 namespace enamel::calib {
@@ -15,7 +16,8 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-constexpr double kHuber = 4.5;  // of a dot's four whitened residuals together: 0.02 % of good dots lie beyond
+constexpr double kPlaneHuber = 3;  // of a ground sample's whitened distance
+constexpr double kHuber = 4.5;     // of a dot's four whitened residuals together: 0.02 % of good dots lie beyond
 
 /// A dot seen by both instruments. The projector's coordinate at the predicted camera place is that at the measured
 /// one, moved by the local map.
@@ -154,6 +156,19 @@ void build(const std::vector<PoseView>& poses, const TargetDesign& target, const
   problem.SetManifold(b.projector.data(), new ceres::SubsetManifold(9, {8}));
 }
 
+/// Means over the grid's cells at the state at hand: few terms that say next to all the samples do.
+void add_planes(const std::vector<PoseView>& poses, const TargetDesign& target, const BundleOptions& options,
+                const RigState& state, ceres::Problem& problem, Blocks& b) {
+  for (std::size_t j = 0; j < poses.size(); ++j) {
+    for (const GroundSample& s : condensed(poses[j].ground, target, state, state.T_cam_target[j])) {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PlaneCost, 1, 9, 9, 6, 6>(new PlaneCost(
+                                   plane_cost(s, target, state, state.T_cam_target[j], options.variance.ground))),
+                               new ceres::HuberLoss(kPlaneHuber), b.camera.data(), b.projector.data(),
+                               b.relative.data(), b.motions[j].data());
+    }
+  }
+}
+
 /// Covariance of the rig's parameters; empty when the problem leaves some of them open.
 Eigen::MatrixXd rig_covariance(ceres::Problem& problem, const Blocks& b) {
   ceres::Covariance::Options options;
@@ -189,6 +204,7 @@ BundleResult bundle(const std::vector<PoseView>& poses, const TargetDesign& targ
   Blocks blocks = blocks_of(state);
   ceres::Problem problem;
   build(poses, target, options, problem, blocks);
+  if (options.with_planes) add_planes(poses, target, options, state, problem, blocks);
   ceres::Solver::Options solver;
   solver.linear_solver_type = options.solve_shape ? ceres::SPARSE_NORMAL_CHOLESKY : ceres::DENSE_NORMAL_CHOLESKY;
   solver.num_threads = 1;
@@ -202,6 +218,21 @@ BundleResult bundle(const std::vector<PoseView>& poses, const TargetDesign& targ
   BundleResult result = summarise(poses, target, options, blocks);
   if (options.with_covariance) result.covariance = rig_covariance(problem, blocks);
   return result;
+}
+
+std::vector<double> plane_chi2(const std::vector<PoseView>& poses, const TargetDesign& target, const RigState& state,
+                               double variance_factor) {
+  const Blocks b = blocks_of(state);
+  std::vector<double> out;
+  for (std::size_t j = 0; j < poses.size(); ++j) {
+    for (const GroundSample& s : condensed(poses[j].ground, target, state, state.T_cam_target[j])) {
+      double r = 0;
+      plane_cost(s, target, state, state.T_cam_target[j], variance_factor)(b.camera.data(), b.projector.data(),
+                                                                           b.relative.data(), b.motions[j].data(), &r);
+      out.push_back(r * r);
+    }
+  }
+  return out;
 }
 
 BundleResult evaluate(const std::vector<PoseView>& poses, const TargetDesign& target, const BundleOptions& options,

@@ -1,5 +1,5 @@
-// Step 2: camera, projector, their relative pose, all target poses and, when asked, the target's own shape in one
-// least-squares problem.
+// Steps 2 and 3: camera, projector, their relative pose, all target poses and, when asked, the target's own shape and
+// the planes of its ground in one least-squares problem.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,6 +22,7 @@ struct ShapePrior {
 /// noise.
 struct VarianceFactors {
   double camera = 1, camera_floor_px2 = 0, projector = 1;
+  double ground = 1;  ///< of the samples between the dots
 };
 
 struct BundleOptions {
@@ -29,6 +30,9 @@ struct BundleOptions {
   ShapePrior shape;
   VarianceFactors variance;
   bool with_covariance = false;
+  /// Step 3: the distances of the ground's points from their planes join the dots, which hold the metric: planes alone
+  /// stay planes under every projective map.
+  bool with_planes = false;
 };
 
 /// The rig's parameters in this order: camera fx fy cx cy k1 k2 p1 p2, projector the same, T_proj_cam's rotation vector
@@ -57,6 +61,11 @@ struct BundleResult {
 /// The projector's residual is taken at the predicted camera place, so that it does not share the centre's error.
 [[nodiscard]] BundleResult bundle(const std::vector<PoseView>& poses, const TargetDesign& target,
                                   const BundleOptions& options, RigState& state);
+
+/// Squares of the whitened distances of the ground from its planes, all poses, means over the grid's cells; one degree
+/// of freedom each.
+[[nodiscard]] std::vector<double> plane_chi2(const std::vector<PoseView>& poses, const TargetDesign& target,
+                                             const RigState& state, double variance_factor);
 
 /// Residuals of a state as it stands.
 [[nodiscard]] BundleResult evaluate(const std::vector<PoseView>& poses, const TargetDesign& target,

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "calib/solve/board_view.hpp"
+#include "calib/solve/ground.hpp"
 #include "calib/target/dot_grid.hpp"
 
 namespace enamel::calib {
@@ -117,7 +118,7 @@ Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& targ
         ErrorCode::kCalibrationPoses,
         fmt::format("saturated: {:.0f} % of the dots' pixels are at full scale; lower the exposure", 100 * saturated));
   }
-  PoseView pose{.name = frames.name, .dots = {}, .blur_px = 0};
+  PoseView pose{.name = frames.name, .dots = {}, .ground = {}, .blur_px = 0};
   std::vector<double> blurs;
   for (const GridDot& dot : grid.dots) {
     const auto fit = fit_dot(lit, grid, dot, edges);
@@ -134,6 +135,8 @@ Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& targ
   }
   pose.blur_px = median(blurs);
   ENAMEL_TRY(check_sharp(pose, pose.dots.size(), target));
+  const double period_px = static_cast<double>(projector_size_px[0]) / frames.along_u.back().cycles;
+  pose.ground = ground_samples(u, pose, target, period_px);
   return pose;
 }
 

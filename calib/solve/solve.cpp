@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "calib/solve/disc_centres.hpp"
+#include "calib/solve/ground.hpp"
 #include "calib/solve/lens_start.hpp"
 #include "calib/solve/sanity.hpp"
 #include "calib/solve/variance.hpp"
@@ -50,6 +51,12 @@ Pose mean_relative(const std::vector<Pose>& T_cam_target, const std::vector<Pose
   return mean;
 }
 
+bool is_copy(const PoseView& a, const PoseView& b) {
+  return std::equal(a.dots.begin(), a.dots.end(), b.dots.begin(), b.dots.end(), [](const DotView& p, const DotView& q) {
+    return p.dot == q.dot && p.ellipse.centre == q.ellipse.centre;
+  });
+}
+
 class Solver {
  public:
   Solver(std::vector<PoseView> views, const TargetDesign& target, const Rig& nominal, const SolveOptions& options)
@@ -59,17 +66,23 @@ class Solver {
   }
 
   Result<Solution> run() {
+    drop_copies();
     ENAMEL_TRY(check_views(s_.poses, target_, nominal_));
     remove_ripple();
     ENAMEL_TRY(start());
     ENAMEL_TRY(check_tilts(s_.state.T_cam_target));
     ENAMEL_TRY(check_baseline(s_.state.T_proj_cam, target_, nominal_));
+    const RigState start_state = s_.state;
     step("bundle");
     settle();
     ENAMEL_TRY(reject_bad_poses());
     choose_shape();
+    s_.steps = {{"start", start_state}, {"bundle", s_.state}};
+    choose_planes();
     s_.options.with_covariance = true;
     s_.result = bundle(s_.poses, target_, s_.options, s_.state);
+    if (s_.options.with_planes) s_.steps.push_back({"global", s_.state});
+    correct();
     if (s_.result.covariance.size() == 0)
       return fail(ErrorCode::kCalibrationPoses, "the poses leave some of the rig's parameters open");
     count_outliers();
@@ -79,6 +92,20 @@ class Solver {
  private:
   void step(const std::string& what) const {
     if (options_.on_step) options_.on_step(what);
+  }
+
+  /// The same pictures twice are no second observation: their noise would pass for the target's shape.
+  void drop_copies() {
+    std::vector<PoseView> kept;
+    for (PoseView& pose : s_.poses) {
+      const auto same = std::find_if(kept.begin(), kept.end(), [&](const PoseView& k) { return is_copy(k, pose); });
+      if (same == kept.end()) {
+        kept.push_back(std::move(pose));
+      } else {
+        s_.rejected.push_back({pose.name, "the same pictures as pose " + same->name});
+      }
+    }
+    s_.poses = std::move(kept);
   }
 
   void remove_ripple() {
@@ -91,6 +118,7 @@ class Solver {
         ripple.remove(dot.samples);
         if (const auto map = fit_local_map(dot.samples, dot.camera_px)) dot.map = *map;
       }
+      calib::remove_ripple(ripple, pose.ground);
     }
   }
 
@@ -186,6 +214,24 @@ class Solver {
       }
     }
     s_ = perfect;
+  }
+
+  /// Step 3 takes the ground for a plane. A board whose shape is solved too is known by its dots alone, from the same
+  /// pictures: its ground has nothing to add to them.
+  void choose_planes() {
+    const bool has_ground =
+        std::any_of(s_.poses.begin(), s_.poses.end(), [](const auto& p) { return !p.ground.empty(); });
+    if (!has_ground || s_.is_shape_solved) return;
+    step("planes");
+    s_.options.with_planes = true;
+    s_.options.variance.ground = ground_factor(plane_chi2(s_.poses, target_, s_.state, 1));
+  }
+
+  void correct() {
+    step("correction field");
+    s_.field = choose_field(s_.poses, target_, s_.state);
+    s_.state.correction = s_.field.field;
+    if (s_.state.correction) s_.steps.push_back({"field", s_.state});
   }
 
   const TargetDesign& target_;

@@ -1,4 +1,5 @@
-// The calibration as a whole: start, bundle, unbiased centres, variances, outliers, bad poses, the target's shape.
+// The calibration as a whole: start, bundle, unbiased centres, variances, outliers, bad poses, the target's shape,
+// planes and the correction field.
 #pragma once
 
 #include <functional>
@@ -7,6 +8,7 @@
 
 #include "calib/solve/bundle.hpp"
 #include "calib/solve/observation.hpp"
+#include "calib/solve/residual_field.hpp"
 
 namespace enamel::calib {
 
@@ -23,6 +25,12 @@ struct SolveOptions {
   std::function<void(const std::string&)> on_step;  ///< progress; may be empty
 };
 
+/// The rig as it stood after a step: start, bundle, global (planes joined the dots), field.
+struct SolveStep {
+  std::string name;
+  RigState state;
+};
+
 struct Solution {
   RigState state;               ///< poses in the order of `poses`
   std::vector<PoseView> poses;  ///< those that took part, with unbiased centres
@@ -32,6 +40,8 @@ struct Solution {
   BundleOptions options;           ///< of the last bundle: variance factors, shape
   std::string start_method;
   bool is_shape_solved = false;
+  std::vector<SolveStep> steps;  ///< those that were taken, in their order; the last one's state is `state`
+  FieldChoice field;             ///< the sizes of the correction field that were tried
 };
 
 /// `views` in the order of the poses. Errors: kCalibrationPoses (too few, too parallel, no start), kTargetMirrored,

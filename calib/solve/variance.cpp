@@ -54,6 +54,11 @@ VarianceFactors estimate_variance(const std::vector<PoseView>& poses, const Targ
   return out;
 }
 
+double ground_factor(std::vector<double> chi2) {
+  constexpr double kMedianOfChi2 = 0.455;
+  return std::max(1.0, median(std::move(chi2)) / kMedianOfChi2);
+}
+
 std::optional<WorstPose> worst_pose(const std::vector<PoseView>& poses, const BundleResult& residuals) {
   std::vector<std::vector<double>> dots(poses.size());
   std::vector<std::array<double, 2>> sum(poses.size(), {0, 0});

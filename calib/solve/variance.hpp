@@ -12,6 +12,11 @@ namespace enamel::calib {
 [[nodiscard]] VarianceFactors estimate_variance(const std::vector<PoseView>& poses, const TargetDesign& target,
                                                 const BundleOptions& options, const RigState& state);
 
+/// Factor of the ground's variance by the median of its chi² (one degree of freedom): dust and shadow borders have no
+/// say. At least 1: the scatter inside the blocks is what the pixels bring, what planes show beyond it does not
+/// average.
+[[nodiscard]] double ground_factor(std::vector<double> chi2);
+
 struct WorstPose {
   std::size_t pose = 0;
   double ratio = 1;  ///< of its chi² to that of the median pose

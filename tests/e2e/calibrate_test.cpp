@@ -1,6 +1,7 @@
 // `enamel calibrate` as a process, on a set of our own making: accepted, refused, named, never half-written.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "calib/io/rig_writer.hpp"
 #include "tests/support/calib_scene.hpp"
 #include "tests/support/run.hpp"
+#include "tests/support/shared_data.hpp"
 
 namespace enamel {
 namespace {
@@ -228,6 +230,38 @@ TEST_F(Calibrate, rig_of_another_serial_or_changed_by_hand_is_refused_by_check) 
   const auto changed = test::run(check);
   EXPECT_EQ(changed.code, 2);
   EXPECT_THAT(changed.err, testing::HasSubstr("sha256"));
+}
+
+TEST_F(Calibrate, steps_are_told_and_none_makes_planes_worse) {
+  const auto ran = solve(set_->path().string());
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const auto steps = nlohmann::json::parse(ran.out)["steps"];
+  ASSERT_GE(steps.size(), 3U);
+  EXPECT_EQ(steps[0]["step"], "start");
+  EXPECT_EQ(steps[2]["step"], "global");
+  for (std::size_t k = 1; k < steps.size(); ++k) {
+    const double sigma = steps[k]["plane_rms_sigma_um"];
+    EXPECT_LE(steps[k]["plane_rms_um"].get<double>(), steps[k - 1]["plane_rms_um"].get<double>() + sigma);
+  }
+}
+
+/// The balls of the rendered burst of another program: diameters 5 and 6 mm, 8 mm apart.
+TEST(CalibrateBar, true_rig_measures_the_bar_and_a_wrong_length_is_refused) {
+  const std::string spheres = test::shared_folder() + "/data/oracle/spheres-01";
+  if (!fs::exists(spheres + "/rig.json")) GTEST_SKIP() << spheres << " is absent";
+  const auto check = [&](const char* design) {
+    return test::run({test::program("enamel"), "calibrate", "check", "--rig", spheres + "/rig.json", "--bar", spheres,
+                      "--bar-mm", design});
+  };
+  const auto good = check("5,6,8");
+  EXPECT_EQ(good.code, 0) << good.err << good.out;
+  const auto burst = nlohmann::json::parse(good.out)["bursts"][0];
+  EXPECT_LT(std::abs(burst["larger"]["off_um"].get<double>()), 5);
+  EXPECT_LT(burst["larger"]["form_p95_um"].get<double>(), 15);
+  const auto bad = check("5,6,8.02");
+  EXPECT_EQ(bad.code, 6);
+  EXPECT_THAT(bad.out, testing::HasSubstr("the distance of the spheres is off by -20"));
+  EXPECT_EQ(check("5,6").code, 1);
 }
 
 }  // namespace

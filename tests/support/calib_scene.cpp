@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calib/solve/disc_bias.hpp"
+#include "calib/solve/ground.hpp"
 
 namespace enamel::test {
 namespace {
@@ -57,6 +58,17 @@ Pose turned(double rx, double ry, double rz) {
 
 Vec3d place(const CalibScene& s, int dot) {
   return s.target.place(dot) + s.truth.dot_offsets_mm[static_cast<std::size_t>(dot)];
+}
+
+/// Where the scene's projector lights a point in camera coordinates from.
+Vector2d projector_pixel(const CalibScene& s, const Vec3d& p) {
+  const double x = p.x() / 8;
+  const Vec3d bowed = p * (1 + 1e-3 * s.bow_um * x * x / p.z());
+  Vector2d q = pixel_of(s.truth.projector, s.truth.T_proj_cam * bowed);
+  if (s.wave_px > 0)
+    q.x() += s.wave_px * std::sin(kTau * (1.2 * q.x() / s.truth.projector.width + 0.1)) *
+             std::cos(kTau * (0.7 * q.y() / s.truth.projector.height + 0.2));
+  return q;
 }
 
 /// Whether every dot lies inside both frames with room to spare.
@@ -113,10 +125,42 @@ void deform_target(CalibScene& s, double in_plane_mm, double bow_mm, Rng& rng) {
   }
 }
 
+namespace {
+
+/// Every tenth camera pixel that lies on the ground, half a millimetre off the dots' edges, between dots that bend the
+/// board.
+std::vector<calib::GroundSample> make_ground(const CalibScene& s, const Pose& T, double noise_px, Rng& rng) {
+  std::vector<calib::GroundSample> ground;
+  const Vec3d normal = T.linear().col(2);
+  const Pose back = T.inverse();
+  for (int v = 5; v < s.truth.camera.height; v += 10) {
+    for (int u = 5; u < s.truth.camera.width; u += 10) {
+      const Vec3d ray = ray_of(s.truth.camera, Vector2d(u, v));
+      const Vec3d hit = ray * (normal.dot(T.translation()) / normal.dot(ray));
+      const Vector2d cell =
+          (back * hit).head<2>() / s.target.pitch_mm + 0.5 * Vector2d(s.target.cols - 1, s.target.rows - 1);
+      const Vector2d nearest(std::round(cell.x()), std::round(cell.y()));
+      const bool inside = cell.minCoeff() > 0 && cell.x() < s.target.cols - 1 && cell.y() < s.target.rows - 1;
+      if (!inside || (cell - nearest).norm() * s.target.pitch_mm < s.target.radius_mm + 0.5) continue;
+      const double height_mm = calib::board_height_mm(s.target, cell, s.truth.dot_offsets_mm);
+      const Vec3d on_board = ray * ((normal.dot(T.translation()) + height_mm) / normal.dot(ray));
+      calib::GroundSample sample;
+      sample.camera_px = Vector2d(u, v);
+      sample.projector_u_px = projector_pixel(s, on_board).x() + noise_px * rng.normal();
+      sample.variance_px2 = noise_px * noise_px;
+      sample.cell = cell;
+      ground.push_back(sample);
+    }
+  }
+  return ground;
+}
+
+}  // namespace
+
 std::vector<calib::PoseView> make_views(const CalibScene& s, const ViewNoise& noise, Rng& rng) {
   std::vector<calib::PoseView> views;
   for (std::size_t j = 0; j < s.truth.T_cam_target.size(); ++j) {
-    calib::PoseView view{.name = std::to_string(j), .dots = {}, .blur_px = 0.6};
+    calib::PoseView view{.name = std::to_string(j), .dots = {}, .ground = {}, .blur_px = 0.6};
     const Pose& T = s.truth.T_cam_target[j];
     for (int i = 0; i < s.target.size(); ++i) {
       const Vec3d p = T * place(s, i);
@@ -134,14 +178,14 @@ std::vector<calib::PoseView> make_views(const CalibScene& s, const ViewNoise& no
           const Vector2d at(std::round(centre.x()) + 1.6 * u, std::round(centre.y()) + 1.6 * v);
           const Vec3d ray = ray_of(s.truth.camera, at);
           const Vec3d hit = ray * (normal.dot(p) / normal.dot(ray));
-          const Vector2d q = pixel_of(s.truth.projector, s.truth.T_proj_cam * hit) +
-                             noise.projector_px * Vector2d(rng.normal(), rng.normal());
+          const Vector2d q = projector_pixel(s, hit) + noise.projector_px * Vector2d(rng.normal(), rng.normal());
           dot.samples.push_back({at, q, Vector2d::Constant(noise.projector_px * noise.projector_px)});
         }
       }
       if (const auto map = calib::fit_local_map(dot.samples, dot.camera_px)) dot.map = *map;
       view.dots.push_back(std::move(dot));
     }
+    if (noise.ground_px > 0) view.ground = make_ground(s, T, noise.ground_px, rng);
     views.push_back(std::move(view));
   }
   return views;
@@ -196,7 +240,7 @@ Still still_of(const CalibScene& s, const Pose& T) {
       still.albedo(x, y) = static_cast<float>(albedo / (kSide * kSide));
       const Vec3d way = projector - hit;
       still.light(x, y) = static_cast<float>(250 * (44.0 * 44.0 / way.squaredNorm()) * normal.dot(way.normalized()));
-      const Vector2d q = pixel_of(s.truth.projector, s.truth.T_proj_cam * hit);
+      const Vector2d q = projector_pixel(s, hit);
       still.u(x, y) = q.x();
       still.v(x, y) = q.y();
     }
@@ -251,21 +295,53 @@ calib::PoseFrames render_pose(const CalibScene& s, std::size_t pose, const Senso
   return frames;
 }
 
+Vec3d measured_place(const calib::RigState& solved, const CalibScene& scene, const Vec3d& point) {
+  const double up = projector_pixel(scene, point).x();
+  const Vector2d pixel = pixel_of(scene.truth.camera, point);
+  const Vec3d ray = ray_of(solved.camera, pixel);
+  const auto at = [&](double d) { return pixel_of(solved.projector, solved.T_proj_cam * Vec3d(ray * d)).x(); };
+  double depth = point.z();
+  for (int i = 0; i < 20; ++i) depth += (up - at(depth)) / ((at(depth + 1e-4) - at(depth - 1e-4)) / 2e-4);
+  if (solved.correction)
+    depth = 1 / (1 / depth + calib::correction_at(*solved.correction, pixel.x(), pixel.y(), 1 / depth));
+  return ray * depth;
+}
+
+namespace {
+
+/// Bow of a facing plane along x and y, the larger one, over 16 mm.
+double sag_um(const calib::RigState& solved, const CalibScene& scene, double z) {
+  Eigen::Matrix<double, 6, 6> h = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
+  for (double y = -5; y <= 5; y += 1)
+    for (double x = -7; x <= 7; x += 1) {
+      const Vec3d p = measured_place(solved, scene, {x, y, z});
+      const Eigen::Matrix<double, 6, 1> j =
+          (Eigen::Matrix<double, 6, 1>() << 1, x / 8, y / 8, x * x / 64, x * y / 64, y * y / 64).finished();
+      h += j * j.transpose();
+      b += j * 1e3 * (p.z() - z);
+    }
+  const Eigen::Matrix<double, 6, 1> c = h.inverse() * b;
+  return std::max(std::abs(c[3]), std::abs(c[5]));
+}
+
+}  // namespace
+
 RigError rig_error(const calib::RigState& solved, const calib::RigState& truth) {
+  CalibScene scene;
+  scene.truth = truth;
+  return rig_error(solved, scene);
+}
+
+RigError rig_error(const calib::RigState& solved, const CalibScene& scene) {
   std::vector<Vec3d> from, to;
   for (double z = 40; z <= 56; z += 2) {
     for (double v = 0; v <= 479; v += 479.0 / 12) {
       for (double u = 0; u <= 639; u += 639.0 / 16) {
-        const Vec3d q = z * ray_of(truth.camera, {u, v});
-        const double up = pixel_of(truth.projector, truth.T_proj_cam * q).x();
-        if (up < -0.5 || up > truth.projector.width - 0.5) continue;
-        const Vec3d ray = ray_of(solved.camera, {u, v});
-        double depth = z;
-        for (int i = 0; i < 20; ++i) {
-          const auto at = [&](double d) { return pixel_of(solved.projector, solved.T_proj_cam * Vec3d(ray * d)).x(); };
-          depth += (up - at(depth)) / ((at(depth + 1e-4) - at(depth - 1e-4)) / 2e-4);
-        }
-        from.emplace_back(ray * depth);
+        const Vec3d q = z * ray_of(scene.truth.camera, {u, v});
+        const double up = projector_pixel(scene, q).x();
+        if (up < -0.5 || up > scene.truth.projector.width - 0.5) continue;
+        from.push_back(measured_place(solved, scene, q));
         to.push_back(q);
       }
     }
@@ -294,7 +370,9 @@ RigError rig_error(const calib::RigState& solved, const calib::RigState& truth) 
   }
   std::sort(off.begin(), off.end());
   std::sort(scaled.begin(), scaled.end());
-  return {off[off.size() * 95 / 100], off.back(), 1e6 * (scale - 1), scaled[scaled.size() * 95 / 100]};
+  RigError error{off[off.size() * 95 / 100], off.back(), 1e6 * (scale - 1), scaled[scaled.size() * 95 / 100]};
+  for (const double z : {42.0, 48.0, 54.0}) error.sag_um = std::max(error.sag_um, sag_um(solved, scene, z));
+  return error;
 }
 
 }  // namespace enamel::test

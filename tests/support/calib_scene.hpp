@@ -17,6 +17,10 @@ struct CalibScene {
   calib::RigState truth;  ///< rig, poses T_cam_target, the dots' real offsets
   calib::TargetDesign target;
   calib::Rig nominal;  ///< what a design drawing says
+  /// What no lens formula of calib/ describes. A wave over the projector's u, px:
+  double wave_px = 0;
+  /// A bow of every depth along the camera's x, as a height over 16 mm: `truth` without it would see a flat bowed.
+  double bow_um = 0;
 };
 
 /// A probe as it comes from assembly: every value off its drawing by what such parts scatter, `poses` poses all over
@@ -29,6 +33,7 @@ void deform_target(CalibScene& scene, double in_plane_mm, double bow_mm, Rng& rn
 struct ViewNoise {
   double centre_px = 0.001;
   double projector_px = 0.004;  ///< of one sample; a disc has about a hundred here
+  double ground_px = 0;         ///< of a mean over the ground between the dots; 0: no ground is measured
 };
 
 /// Dots as measure_pose would give them, without images: ellipse centres with their bias, samples of the projector's
@@ -50,12 +55,17 @@ struct SensorModel {
 /// Photon transfer line of an image of this sensor.
 [[nodiscard]] calib::PixelNoise noise_of(const SensorModel& sensor);
 
-/// 95th percentile and the largest distance of points over 40 to 56 mm from where the true rig has them, after the best
-/// rigid motion; relative scale; um.
+/// 95th percentile and the largest distance of points over 40 to 56 mm from where they are, after the best rigid
+/// motion; relative scale; the largest bow along x or y of a facing plane at 42, 48, 54 mm, over 16 mm; um.
 struct RigError {
   double p95_um = 0, max_um = 0, scale_ppm = 0;
   double without_scale_p95_um = 0;  ///< after the best similarity
+  double sag_um = 0;
 };
 [[nodiscard]] RigError rig_error(const calib::RigState& solved, const calib::RigState& truth);
+[[nodiscard]] RigError rig_error(const calib::RigState& solved, const CalibScene& scene);
+
+/// Where a solved rig puts the point that the scene's instruments see: camera coordinates, mm.
+[[nodiscard]] Vec3d measured_place(const calib::RigState& solved, const CalibScene& scene, const Vec3d& point);
 
 }  // namespace enamel::test

@@ -1,10 +1,11 @@
-// enamel calibrate check: planes of a calibration folder as a rig sees them.
+// enamel calibrate check: planes of a calibration folder, or a two-sphere bar, as a rig sees them.
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/app/calibrate/bar.hpp"
 #include "host/app/calibrate/set.hpp"
 #include "host/app/calibrate/subcommand.hpp"
 #include "host/app/calibrate/verdict.hpp"
@@ -17,11 +18,20 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string folder, rig;
   std::vector<std::string> poses;
+  BarOptions bar;
 };
+
+Result<int> run_bar(const Options& o, const calib::Rig& rig) {
+  ENAMEL_TRY_ASSIGN(const Json json, check_bar(rig, o.bar));
+  std::puts(json.dump(1).c_str());
+  return json["verdict"] == "accepted" ? 0 : exit_code(ErrorCode::kCalibrationRefused);
+}
 
 Result<int> run_check(const Options& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, load_intact(o.rig));
+  if (!o.bar.capture.empty()) return run_bar(o, rig);
+  if (o.folder.empty()) return fail(ErrorCode::kUsage, "calibrate check wants a calibration folder or --bar");
   ENAMEL_TRY_ASSIGN(const calib::CalibFolder folder, calib::open_calib_folder(o.folder));
   if (!rig.serial.empty() && !folder.nominal.serial.empty() && rig.serial != folder.nominal.serial) {
     return fail(ErrorCode::kRigForeign,
@@ -30,8 +40,7 @@ Result<int> run_check(const Options& o) {
   ENAMEL_TRY_ASSIGN(calib::MeasuredFolder measured, measure(folder, clock));
   const std::vector<calib::PoseView> views = o.poses.empty() ? measured.views : std::vector<calib::PoseView>{};
   ENAMEL_TRY_ASSIGN(const auto chosen, take_held_out(o.poses, measured));
-  ENAMEL_TRY_ASSIGN(const auto planes,
-                    check_planes(folder, o.poses.empty() ? views : chosen, calib::state_of(rig), measured));
+  const auto planes = check_planes(folder, o.poses.empty() ? views : chosen, calib::state_of(rig), measured.ripple);
   double squares = 0, points = 0;
   for (const auto& p : planes) {
     squares += p.rms_um * p.rms_um * static_cast<double>(p.points);
@@ -49,10 +58,13 @@ Result<int> run_check(const Options& o) {
 
 CalibrateCommand add_calibrate_check(CLI::App& app) {
   auto o = std::make_shared<Options>();
-  CLI::App* check = app.add_subcommand("check", "planes of a calibration folder as a rig sees them (JSON)");
-  check->add_option("DIR", o->folder, "calibration folder")->required();
+  CLI::App* check = app.add_subcommand("check", "planes or a two-sphere bar as a rig sees them (JSON)");
+  check->add_option("DIR", o->folder, "calibration folder: its planes");
   check->add_option("--rig", o->rig, "rig.json to judge")->required();
   check->add_option("--poses", o->poses, "only these poses")->delimiter(',');
+  check->add_option("--bar", o->bar.capture, "recording or exchange folder of a two-sphere bar at rest");
+  check->add_option("--bar-mm", o->bar.design_mm, "its diameters, the smaller first, and the distance")->delimiter(',');
+  check->add_option("--bursts", o->bar.bursts, "bursts of the bar to measure")->delimiter(',')->capture_default_str();
   return {check, [o] { return run_check(*o); }};
 }
 

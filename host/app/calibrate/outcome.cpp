@@ -51,6 +51,7 @@ Result<std::string> rig_text(const Outcome& o) {
                           .covariance = s.result.covariance,
                           .calibrated_at = calib::capture_time_utc(o.folder.path),
                           .response = o.measured.response,
+                          .correction = s.state.correction,
                           .rms_camera_px = s.result.rms_camera_px,
                           .rms_projector_px = s.result.rms_projector_px,
                           .poses = static_cast<int>(s.poses.size()),
@@ -65,6 +66,7 @@ Result<void> write_report(const Outcome& o, Json verdict, const std::string& ste
   input.calibrated_at = calib::capture_time_utc(o.folder.path);
   input.solution = &o.solution;
   input.judgement = &o.judgement;
+  input.steps = o.steps;
   input.target = o.folder.target;
   input.range = range_of(o.folder.nominal);
   if (o.measured.response) input.response_residual = o.measured.response->residual;

@@ -3,9 +3,11 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "calib/io/calib_folder.hpp"
 #include "calib/judge/judgement.hpp"
+#include "calib/judge/step_effect.hpp"
 #include "calib/solve/measure_folder.hpp"
 
 namespace enamel::app {
@@ -15,6 +17,7 @@ struct Outcome {
   const calib::MeasuredFolder& measured;
   const calib::Solution& solution;
   const calib::Judgement& judgement;
+  const std::vector<calib::StepEffect>& steps;
 };
 
 /// The text of the solved rig.json. Errors: those of solved_rig_text.

@@ -40,14 +40,12 @@ Result<std::vector<calib::PoseView>> take_held_out(const std::vector<std::string
   return held;
 }
 
-Result<std::vector<calib::PlaneCheck>> check_planes(const calib::CalibFolder& folder,
-                                                    const std::vector<calib::PoseView>& views,
-                                                    const calib::RigState& rig, const calib::MeasuredFolder& measured) {
+std::vector<calib::PlaneCheck> check_planes(const calib::CalibFolder& folder, const std::vector<calib::PoseView>& views,
+                                            const calib::RigState& rig, const calib::Ripple& ripple) {
   std::vector<calib::PlaneCheck> planes;
   if (folder.target.type != calib::TargetType::kCircleGrid) return planes;
   for (const calib::PoseView& view : views) {
-    ENAMEL_TRY_ASSIGN(const auto frames, calib::load_pose(folder, view.name));
-    auto plane = calib::check_plane(frames, view, folder.target, rig, measured.noise, measured.ripple);
+    auto plane = calib::check_plane(view, folder.target, rig, ripple);
     if (plane) {
       planes.push_back(std::move(*plane));
     } else {

@@ -21,10 +21,9 @@ namespace enamel::app {
                                                                  calib::MeasuredFolder& measured);
 
 /// Planes of the named poses by a rig; poses whose ground cannot be used are passed over with a warning.
-[[nodiscard]] Result<std::vector<calib::PlaneCheck>> check_planes(const calib::CalibFolder& folder,
-                                                                  const std::vector<calib::PoseView>& views,
-                                                                  const calib::RigState& rig,
-                                                                  const calib::MeasuredFolder& measured);
+[[nodiscard]] std::vector<calib::PlaneCheck> check_planes(const calib::CalibFolder& folder,
+                                                          const std::vector<calib::PoseView>& views,
+                                                          const calib::RigState& rig, const calib::Ripple& ripple);
 
 /// Errors: those of load_rig; kRigInvalid when the file was changed after it was solved.
 [[nodiscard]] Result<calib::Rig> load_intact(const std::string& path);

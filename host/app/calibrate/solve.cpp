@@ -101,6 +101,7 @@ calib::SolveOptions solve_options(const Options& o, const calib::CalibFolder& fo
 Result<int> conclude(const Options& o, const Outcome& outcome, const std::function<double()>& seconds) {
   const bool is_accepted = outcome.judgement.is_accepted;
   Json json = verdict_json(outcome.solution, outcome.judgement);
+  json["steps"] = steps_json(outcome.steps);
   if (!o.report.empty()) ENAMEL_TRY(make_folder(o.report));
   ENAMEL_TRY(write_report(outcome, json, report_stem(o)));
   if (is_accepted) ENAMEL_TRY(keep(o, outcome));
@@ -127,10 +128,12 @@ Result<int> run_solve(const Options& o) {
   }
   solution->rejected.insert(solution->rejected.begin(), measured.rejected.begin(), measured.rejected.end());
   solution->notes.insert(solution->notes.begin(), measured.notes.begin(), measured.notes.end());
-  ENAMEL_TRY_ASSIGN(auto planes,
-                    check_planes(folder, held_out.empty() ? solution->poses : held_out, solution->state, measured));
-  const auto judgement = calib::judge(*solution, std::move(planes), !held_out.empty(), range_of(folder.nominal));
-  return conclude(o, {folder, measured, *solution, judgement}, seconds);
+  const auto& judges = held_out.empty() ? solution->poses : held_out;
+  const calib::DepthRange range = range_of(folder.nominal);
+  auto planes = check_planes(folder, judges, solution->state, measured.ripple);
+  const auto judgement = calib::judge(*solution, std::move(planes), !held_out.empty(), range);
+  const auto steps = calib::step_effects(*solution, judges, folder.target, measured.ripple, range);
+  return conclude(o, {folder, measured, *solution, judgement, steps}, seconds);
 }
 
 }  // namespace

@@ -25,6 +25,12 @@ void print(const Json& json) {
                 json["sag_sigma_um"][k].get<double>(), json["twist_um"][k].get<double>(),
                 json["twist_sigma_um"][k].get<double>());
   }
+  for (const auto& step : json["steps"]) {
+    std::printf("after %-12s planes %.4f +- %.4f um rms, %.3f um p95, sag or twist %.3f +- %.3f um\n",
+                step["step"].get<std::string>().c_str(), step["plane_rms_um"].get<double>(),
+                step["plane_rms_sigma_um"].get<double>(), step["plane_p95_um"].get<double>(),
+                step["sag_um"].get<double>(), step["sag_sigma_um"].get<double>());
+  }
   std::printf("poses used         %d\n", json["poses_used"].get<int>());
   for (const auto& p : json["poses_rejected"])
     std::printf("pose %s left out: %s\n", p["pose"].get<std::string>().c_str(), p["reason"].get<std::string>().c_str());
@@ -63,6 +69,19 @@ void add_shapes(Json& json, const std::array<calib::DepthShape, 3>& shapes) {
   }
 }
 
+Json steps_json(const std::vector<calib::StepEffect>& steps) {
+  Json out = Json::array();
+  for (const auto& s : steps) {
+    out.push_back({{"step", s.step},
+                   {"plane_rms_um", s.plane_rms_um},
+                   {"plane_rms_sigma_um", s.plane_rms_sigma_um},
+                   {"plane_p95_um", s.plane_p95_um},
+                   {"sag_um", s.sag_um},
+                   {"sag_sigma_um", s.sag_sigma_um}});
+  }
+  return out;
+}
+
 Json parameters_json(const std::vector<calib::RigParameter>& parameters) {
   Json out = Json::array();
   for (const auto& p : parameters) {
@@ -80,6 +99,8 @@ Json verdict_json(const calib::Solution& s, const calib::Judgement& j) {
   json["poses_rejected"] = notes_json(s.rejected);
   add_shapes(json, j.shapes);
   json["plane_rms_um"] = j.plane_rms_um;
+  json["plane_noise_um"] = j.plane_noise_um;
+  json["plane_unexplained_um"] = j.plane_unexplained_um;
   json["planes_held_out"] = j.are_planes_held_out;
   json["planes"] = planes_json(j.planes);
   json["expected"] = {{"p95_um", j.predicted.p95_um},

@@ -16,6 +16,8 @@ namespace enamel::app {
 /// sag_um, twist_um and their standard errors at 1/8, 1/2 and 7/8 of the depth range.
 void add_shapes(nlohmann::ordered_json& json, const std::array<calib::DepthShape, 3>& shapes);
 
+[[nodiscard]] nlohmann::ordered_json steps_json(const std::vector<calib::StepEffect>& steps);
+
 /// [{"name", "value", "sigma" (null where unknown), "unit"}]
 [[nodiscard]] nlohmann::ordered_json parameters_json(const std::vector<calib::RigParameter>& parameters);
 

@@ -35,7 +35,13 @@ struct Cubic {
   bool ok = false;
 };
 
-Cubic fit_pixel(const calib::Rig& rig, calib::PlanePoint ray, const Nodes& q, double rad_per_px) {
+/// The measured 1/z of what the parametric model puts at 1/z = q on the ray of a pixel.
+double corrected(const calib::Rig& rig, calib::PlanePoint pixel, double q) {
+  return rig.correction ? q + calib::correction_at(*rig.correction, pixel.x, pixel.y, q) : q;
+}
+
+Cubic fit_pixel(const calib::Rig& rig, calib::PlanePoint pixel, calib::PlanePoint ray, const Nodes& q,
+                double rad_per_px) {
   Cubic out;
   Nodes phase{};
   for (std::size_t i = 0; i < kNodes; ++i) {
@@ -55,7 +61,7 @@ Cubic fit_pixel(const calib::Rig& rig, calib::PlanePoint ray, const Nodes& q, do
     const double t = (phase[i] - out.mid) / half;
     const Eigen::Vector4d row(1, t, t * t, t * t * t);
     normal += row * row.transpose();
-    right += row * q[i];
+    right += row * corrected(rig, pixel, q[i]);
   }
   const Eigen::Vector4d c = normal.ldlt().solve(right);
   for (int k = 0; k < 4; ++k) out.c[static_cast<std::size_t>(k)] = c[k] / std::pow(half, k);
@@ -81,8 +87,8 @@ Result<RayDepth> RayDepth::bake(const calib::Rig& rig, calib::DepthRange range) 
     a->reserve(n);
   for (int v = 0; v < out.height; ++v) {
     for (int u = 0; u < out.width; ++u) {
-      const calib::PlanePoint ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
-      const Cubic cubic = fit_pixel(rig, ray, q, rad_per_px);
+      const calib::PlanePoint pixel{static_cast<double>(u), static_cast<double>(v)};
+      const Cubic cubic = fit_pixel(rig, pixel, calib::undistort(rig.camera, pixel), q, rad_per_px);
       if (!cubic.ok) {
         return fail(ErrorCode::kRigInvalid, "pixel " + std::to_string(u) + "," + std::to_string(v) +
                                                 ": the projector's phase does not determine depth on this ray");
@@ -114,7 +120,7 @@ std::optional<double> depth_by_iteration(const calib::Rig& rig, calib::PlanePoin
     if (!std::isfinite(dq)) return std::nullopt;
     q += dq;
     if (!(q > 0)) return std::nullopt;
-    if (std::abs(dq) < 1e-12 * q) return 1 / q;
+    if (std::abs(dq) < 1e-12 * q) return 1 / corrected(rig, calib::project(rig.camera, ray), q);
   }
   return std::nullopt;
 }

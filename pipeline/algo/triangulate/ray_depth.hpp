@@ -1,6 +1,6 @@
 // Depth along each camera ray as a function of absolute phase: 1/z is a cubic in Phi, fitted per pixel in double from
-// the rig and stored in float (algorithms.md §5: 1/z is nearly linear in Phi, z is not). Phi = 2*pi*u_p / period_px,
-// counted from projector pixel 0.
+// the rig, its correction field included, and stored in float (algorithms.md §5: 1/z is nearly linear in Phi, z is
+// not). Phi = 2*pi*u_p / period_px, counted from projector pixel 0.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,8 @@ struct RayDepth {
   calib::RayTable rays;
   std::vector<float> phase_mid_rad;   ///< Phi at the middle of the range in 1/z
   std::vector<float> c0, c1, c2, c3;  ///< 1/z = c0 + t*(c1 + t*(c2 + t*c3)), t = Phi - phase_mid_rad
-  std::vector<float> phase_near_rad;  ///< Phi at near_mm, clipped to nothing: may lie outside the projector's frame
+  /// Phi at near_mm by the parametric model, clipped to nothing: may lie outside the projector's frame
+  std::vector<float> phase_near_rad;
   std::vector<float> phase_far_rad;
   float max_phase_rad = 0;  ///< Phi at the last edge of the projector's frame; the first edge is below
   float min_phase_rad = 0;
@@ -40,7 +41,7 @@ struct RayDepth {
 };
 
 /// The exact form, the oracle of bake(): depth on the ray at which the rig's projector sees phase Phi, by Newton on the
-/// forward projection. nullopt when it does not converge within (0, 10 * far_mm).
+/// forward projection, then the rig's correction. nullopt when it does not converge within (0, 10 * far_mm).
 [[nodiscard]] std::optional<double> depth_by_iteration(const calib::Rig& rig, calib::PlanePoint ray, double phase_rad,
                                                        double start_mm);
 

@@ -5,11 +5,14 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <memory>
+#include <sstream>
 
 #include "calib/io/rig_writer.hpp"
 #include "calib/judge/judgement.hpp"
+#include "calib/model/lens.hpp"
 #include "calib/solve/measure_folder.hpp"
 #include "protocol/base/file.hpp"
 #include "tests/support/calib_scene.hpp"
@@ -91,7 +94,12 @@ TEST(RigWriter, text_reads_back_and_guards_itself) {
                    .parameter_names = {"camera.fx"},
                    .covariance = Eigen::MatrixXd::Identity(1, 1),
                    .calibrated_at = "2026-01-31T12:00:00Z",
-                   .response = {}};
+                   .response = {},
+                   .correction = CorrectionField{.u_px = {10, 600},
+                                                 .v_px = {20, 450},
+                                                 .inverse_mm = {0.018, 0.024},
+                                                 .terms = {2, 1, 2},
+                                                 .coefficients = {1e-7, -2e-7, 3e-7, 4e-8}}};
   const auto text = solved_rig_text(nominal, solved);
   ASSERT_TRUE(text) << text.error().message();
   const Rig back = parse_rig(*text).value();
@@ -99,6 +107,10 @@ TEST(RigWriter, text_reads_back_and_guards_itself) {
   EXPECT_EQ(back.projector.dist, scene.truth.projector.dist);
   EXPECT_EQ(back.T_proj_cam[0][3], scene.truth.T_proj_cam.matrix()(0, 3));
   EXPECT_EQ(back.serial, "EN-7");
+  ASSERT_TRUE(back.correction);
+  EXPECT_EQ(back.correction->terms, solved.correction->terms);
+  EXPECT_EQ(back.correction->inverse_mm, solved.correction->inverse_mm);
+  EXPECT_EQ(back.correction->coefficients, solved.correction->coefficients);
   EXPECT_THAT(*text, testing::HasSubstr("\"note\""));
   EXPECT_THAT(*text, testing::Not(testing::HasSubstr("\"nominal\"")));
   EXPECT_TRUE(is_rig_intact(*text));
@@ -121,6 +133,39 @@ class Oracle : public testing::Test {
   }
 };
 
+/// T_cam_model of each pose by its number, from poses.csv: burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw of T_model_cam.
+std::map<int, Pose> true_poses(const std::string& path) {
+  std::map<int, Pose> out;
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream row(line);
+    int id = 0;
+    double t_ns = 0, x = 0, y = 0, z = 0, qx = 0, qy = 0, qz = 0, qw = 1;
+    row >> id >> t_ns >> x >> y >> z >> qx >> qy >> qz >> qw;
+    out[id] = (Eigen::Translation3d(x, y, z) * Eigen::Quaterniond(qw, qx, qy, qz).normalized()).inverse();
+  }
+  return out;
+}
+
+/// rms per axis of the dots' image places from those of the discs' true centres, px.
+Eigen::Vector2d centre_error_px(const std::vector<PoseView>& poses, const TargetDesign& target, const RigState& truth) {
+  const auto T_cam_model = true_poses(kSet + "/truth/poses.csv");
+  Eigen::Vector2d squares(0, 0);
+  double n = 0;
+  for (const PoseView& pose : poses) {
+    for (const DotView& dot : pose.dots) {
+      const Vec3d p = T_cam_model.at(std::stoi(pose.name)) * target.place(dot.dot);
+      const PlanePoint c = project(truth.camera, {p.x() / p.z(), p.y() / p.z()});
+      squares += (dot.camera_px - Eigen::Vector2d(c.x, c.y)).cwiseAbs2();
+      ++n;
+    }
+  }
+  return (squares / n).cwiseSqrt();
+}
+
 TEST_F(Oracle, calib_01_is_solved_blind) {
   const CalibFolder folder = open_calib_folder(kSet).value();
   const MeasuredFolder measured = measure_folder(folder, {}).value();
@@ -138,6 +183,12 @@ TEST_F(Oracle, calib_01_is_solved_blind) {
   }
   EXPECT_FALSE(solution.is_shape_solved);
   EXPECT_TRUE(solution.rejected.empty());
+  EXPECT_FALSE(solution.state.correction) << "the set's lenses are of the model: a field could only fit noise";
+  const Eigen::Vector2d centres = centre_error_px(solution.poses, folder.target, truth);
+  RecordProperty("centres_px", std::to_string(centres.x()) + " " + std::to_string(centres.y()));
+  EXPECT_LE(centres.maxCoeff(), 0.007) << "images of the discs' centres";
+  const Eigen::Vector2d raw = centre_error_px(measured.views, folder.target, truth);
+  EXPECT_GT(raw.norm(), centres.norm()) << "centres of the ellipses: what the bias costs";
 }
 
 TEST_F(Oracle, pose_without_a_fringe_image_is_named) {

@@ -42,9 +42,9 @@ TEST(Rig, keeps_text_byte_for_byte_with_its_crc) {
 
 TEST(Rig, names_unknown_keys_and_accepts_them) {
   const auto rig =
-      parse_rig(rig_text_with(R"("units": "mm")", R"("units": "mm", "nominal": true, "correction": {"a": [1]})"));
+      parse_rig(rig_text_with(R"("units": "mm")", R"("units": "mm", "nominal": true, "origin": {"a": [1]})"));
   ASSERT_TRUE(rig);
-  EXPECT_THAT(rig->unknown_keys, testing::UnorderedElementsAre("nominal", "correction"));
+  EXPECT_THAT(rig->unknown_keys, testing::UnorderedElementsAre("nominal", "origin"));
   const auto nested = parse_rig(rig_text_with(R"("black_dn": 4)", R"("black_dn": 4, "averaged_frames": 16)"));
   ASSERT_TRUE(nested);
   EXPECT_THAT(nested->unknown_keys, testing::ElementsAre("noise.averaged_frames"));

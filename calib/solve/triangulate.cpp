@@ -1,4 +1,4 @@
-#include "calib/judge/triangulate.hpp"
+#include "calib/solve/triangulate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,6 +33,10 @@ Vec3d triangulate(const RigState& rig, const Vec3d& ray, double u, double start_
     const double dz = std::clamp(step, -kMaxStep_mm, kMaxStep_mm);
     z += dz;
     if (std::abs(dz) < kSettled_mm) break;
+  }
+  if (rig.correction) {
+    const PlanePoint pixel = project(rig.camera, {ray.x() / ray.z(), ray.y() / ray.z()});
+    z = 1 / (1 / z + correction_at(*rig.correction, pixel.x, pixel.y, 1 / z));
   }
   return ray * z;
 }
