@@ -178,6 +178,7 @@ FieldChoice choose_field(const std::vector<PoseView>& poses, const TargetDesign&
     shapes.push_back(empty_field(planes, terms));
     prior = kPrior_mm * std::pow(0.5 * (shapes.back().inverse_mm[0] + shapes.back().inverse_mm[1]), 2);
     std::vector<Normal> each;
+    each.reserve(planes.size());
     for (const Plane& plane : planes) each.push_back(normal_of(plane, shapes.back()));
     choice.trials.push_back(cross_validate(each, terms, prior));
     normals.push_back(std::move(each));

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calib/solve/disc_bias.hpp"
+#include "calib/solve/ground.hpp"
 
 namespace enamel::test {
 namespace {
@@ -126,7 +127,8 @@ void deform_target(CalibScene& s, double in_plane_mm, double bow_mm, Rng& rng) {
 
 namespace {
 
-/// Every tenth camera pixel that lies on the ground, half a millimetre off the dots' edges. The board is flat here.
+/// Every tenth camera pixel that lies on the ground, half a millimetre off the dots' edges, between dots that bend the
+/// board.
 std::vector<calib::GroundSample> make_ground(const CalibScene& s, const Pose& T, double noise_px, Rng& rng) {
   std::vector<calib::GroundSample> ground;
   const Vec3d normal = T.linear().col(2);
@@ -140,9 +142,11 @@ std::vector<calib::GroundSample> make_ground(const CalibScene& s, const Pose& T,
       const Vector2d nearest(std::round(cell.x()), std::round(cell.y()));
       const bool inside = cell.minCoeff() > 0 && cell.x() < s.target.cols - 1 && cell.y() < s.target.rows - 1;
       if (!inside || (cell - nearest).norm() * s.target.pitch_mm < s.target.radius_mm + 0.5) continue;
+      const double height_mm = calib::board_height_mm(s.target, cell, s.truth.dot_offsets_mm);
+      const Vec3d on_board = ray * ((normal.dot(T.translation()) + height_mm) / normal.dot(ray));
       calib::GroundSample sample;
       sample.camera_px = Vector2d(u, v);
-      sample.projector_u_px = projector_pixel(s, hit).x() + noise_px * rng.normal();
+      sample.projector_u_px = projector_pixel(s, on_board).x() + noise_px * rng.normal();
       sample.variance_px2 = noise_px * noise_px;
       sample.cell = cell;
       ground.push_back(sample);

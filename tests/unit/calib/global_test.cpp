@@ -85,6 +85,17 @@ TEST(Steps, lens_that_is_none_does_not_pass_for_a_bent_target) {
   EXPECT_TRUE(s.solution.state.correction);
 }
 
+TEST(Steps, bent_target_does_not_pass_for_a_lens_that_is_none) {
+  auto scene = test::make_calib_scene(350, kPoses);
+  Rng rng(350, 1, 1);
+  test::deform_target(scene, 0.003, 0.020, rng);
+  const auto solved =
+      solve(test::make_views(scene, {.centre_px = 0.005, .ground_px = 0.01}, rng), scene.target, scene.nominal, {});
+  ASSERT_TRUE(solved) << solved.error().message();
+  EXPECT_TRUE(solved->is_shape_solved);
+  EXPECT_LT(test::rig_error(solved->state, scene).without_scale_p95_um, 1.5);
+}
+
 TEST(Steps, same_pictures_twice_are_one_pose) {
   auto scene = test::make_calib_scene(320, 6);
   Rng rng(320, 1, 1);
