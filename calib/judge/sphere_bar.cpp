@@ -109,6 +109,7 @@ std::vector<Residual> residuals_of(const Ball& ball, const std::vector<BarPoint>
 
 double robust_sigma(const std::vector<Residual>& residuals) {
   std::vector<double> size;
+  size.reserve(residuals.size());
   for (const Residual& r : residuals) size.push_back(std::abs(r.radial_mm));
   const auto half = size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2);
   std::nth_element(size.begin(), half, size.end());

@@ -22,9 +22,10 @@ template <class Use>
 void for_each_product(const CorrectionField& f, double u_px, double v_px, double inverse_mm, const Use& use) {
   const Polynomials u = chebyshev(f.u_px, u_px), v = chebyshev(f.v_px, v_px), w = chebyshev(f.inverse_mm, inverse_mm);
   const auto count = [&](std::size_t axis) { return static_cast<std::size_t>(f.terms[axis]); };
-  for (std::size_t i = 0; i < count(0); ++i)
+  for (std::size_t i = 0; i < count(0); ++i) {
     for (std::size_t j = 0; j < count(1); ++j)
       for (std::size_t k = 0; k < count(2); ++k) use(u[i] * v[j] * w[k]);
+  }
 }
 
 }  // namespace

@@ -156,6 +156,17 @@ FieldTrial cross_validate(const std::vector<Normal>& normals, const std::array<i
 
 }  // namespace
 
+std::vector<double> plane_misfits(const std::vector<PoseView>& poses, const TargetDesign& target,
+                                  const RigState& state) {
+  std::vector<double> out;
+  for (const Plane& plane : read_planes(poses, target, state)) {
+    double squares = 0;
+    for (const Distance& d : plane) squares += d.value * d.value;
+    out.push_back(squares / static_cast<double>(plane.size()));
+  }
+  return out;
+}
+
 FieldChoice choose_field(const std::vector<PoseView>& poses, const TargetDesign& target, const RigState& state) {
   FieldChoice choice;
   const std::vector<Plane> planes = read_planes(poses, target, state);
@@ -167,6 +178,7 @@ FieldChoice choose_field(const std::vector<PoseView>& poses, const TargetDesign&
     shapes.push_back(empty_field(planes, terms));
     prior = kPrior_mm * std::pow(0.5 * (shapes.back().inverse_mm[0] + shapes.back().inverse_mm[1]), 2);
     std::vector<Normal> each;
+    each.reserve(planes.size());
     for (const Plane& plane : planes) each.push_back(normal_of(plane, shapes.back()));
     choice.trials.push_back(cross_validate(each, terms, prior));
     normals.push_back(std::move(each));

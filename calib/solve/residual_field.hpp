@@ -9,6 +9,11 @@
 
 namespace enamel::calib {
 
+/// Mean square distance of each pose's ground from its best plane, in units of the pixels' noise; the board's own
+/// solved height is taken off. Poses without enough ground are passed over.
+[[nodiscard]] std::vector<double> plane_misfits(const std::vector<PoseView>& poses, const TargetDesign& target,
+                                                const RigState& state);
+
 /// One size of the field, tried on every plane with all the others as its source.
 struct FieldTrial {
   std::array<int, 3> terms{};

@@ -208,12 +208,33 @@ class Solver {
     const double left = with.observations - with.parameters;
     if (left > 0) {
       const double f = ((without.chi2 - with.chi2) / freedom) / (with.chi2 / left);
-      if (f > 1 + 5 * std::sqrt(2 / freedom + 2 / left)) {
+      if (f > 1 + 5 * std::sqrt(2 / freedom + 2 / left) && !is_lens_to_blame(perfect)) {
         s_.notes.emplace_back("the target's dots are off their design: its shape was solved too");
         return;
       }
     }
     s_ = perfect;
+  }
+
+  /// What the lens model leaves moves dots as a bent target would. The ground, which had no part in either, tells one
+  /// from the other: a target's shape travels with the target, a lens's error stays with the camera. True when a
+  /// correction field, fitted without the plane it is judged by, makes the planes flatter than the solved shape does,
+  /// by more than a standard error.
+  bool is_lens_to_blame(const Solution& perfect) {
+    const FieldChoice lens = choose_field(perfect.poses, target_, perfect.state);
+    if (!lens.field) return false;
+    const auto plain = plane_misfits(perfect.poses, target_, perfect.state);
+    const auto shaped = plane_misfits(s_.poses, target_, s_.state);
+    const auto& gains = lens.trials[lens.taken].gains;
+    if (plain.size() != gains.size() || shaped.size() != gains.size()) return false;
+    const double n = static_cast<double>(gains.size());
+    double mean = 0, squares = 0;
+    for (std::size_t j = 0; j < gains.size(); ++j) {
+      const double more = gains[j] - (plain[j] - shaped[j]);
+      mean += more / n;
+      squares += more * more / n;
+    }
+    return mean > std::sqrt(std::max(0.0, squares - mean * mean) / (n - 1));
   }
 
   /// Step 3 takes the ground for a plane. A board whose shape is solved too is known by its dots alone, from the same

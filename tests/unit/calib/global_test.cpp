@@ -79,6 +79,12 @@ TEST(Steps, field_earns_its_place_where_the_projector_is_no_lens) {
   }
 }
 
+TEST(Steps, lens_that_is_none_does_not_pass_for_a_bent_target) {
+  const Solved s = solve_scene(310, 0.03, 0, 0.01, ShapeChoice::kAuto);
+  EXPECT_FALSE(s.solution.is_shape_solved);
+  EXPECT_TRUE(s.solution.state.correction);
+}
+
 TEST(Steps, bent_target_does_not_pass_for_a_lens_that_is_none) {
   auto scene = test::make_calib_scene(350, kPoses);
   Rng rng(350, 1, 1);
