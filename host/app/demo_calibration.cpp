@@ -31,14 +31,13 @@ void prune(const std::string& cache, const fs::path& keep) {
 }
 
 Result<void> solve(const std::string& folder, Clock& clock) {
-  ENAMEL_TRY_ASSIGN(
-      const int code,
-      run_child({sibling_program("enamel"), "calibrate", "solve", folder, "--out", folder + "/solved.json", "--json"},
-                {.stdout_path = folder + "/solved.report.json", .stderr_path = {}}, clock));
+  ENAMEL_TRY_ASSIGN(const int code, run_child({sibling_program("enamel"), "calibrate", "solve", folder, "--out",
+                                               folder + "/solved.json", "--json"},
+                                              {.stdout_path = folder + "/verdict.json", .stderr_path = {}}, clock));
   if (code == 0) return {};
   if (code == exit_code(ErrorCode::kCalibrationRefused)) {
-    const auto report = read_file(folder + "/solved.report.json");
-    return fail(ErrorCode::kCalibrationRefused, report ? *report : folder);
+    const auto verdict = read_file(folder + "/verdict.json");
+    return fail(ErrorCode::kCalibrationRefused, verdict ? *verdict : folder);
   }
   return fail(ErrorCode::kInternal, "enamel calibrate solve ended with code " + std::to_string(code));
 }
