@@ -12,7 +12,10 @@ namespace enamel::algo {
 
 /// Negative log probability in steps of 1/64 nat; nats in [0, 500].
 using Cost = std::int16_t;
-[[nodiscard]] constexpr Cost to_cost(float nats) noexcept { return static_cast<Cost>(nats * 64 + 0.5F); }
+[[nodiscard]] constexpr Cost to_cost(float nats) noexcept {
+  // To the nearest: half steps first, then half of them, rounded up.
+  return static_cast<Cost>((static_cast<std::int32_t>(nats * 128) + 1) / 2);
+}
 
 /// Shifts of a piece, from its component's lowest on.
 inline constexpr std::size_t kOrderStates = 16;
