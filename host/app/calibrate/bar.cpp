@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "calib/judge/sphere_bar.hpp"
-#include "host/app/input.hpp"
+#include "calib/model/measuring_rig.hpp"
+#include "host/record/burst_stream.hpp"
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "pipeline/stages/burst_view.hpp"
 
@@ -16,19 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMaxKelvins = 5;  // beyond what the calibration covers: worth a note
-
-/// The rig's optics with what belongs to the capture.
-Result<calib::Rig> rig_for_capture(const calib::Rig& rig, const calib::Rig& recorded, double temp_c) {
-  if (!rig.serial.empty() && !recorded.serial.empty() && rig.serial != recorded.serial) {
-    return fail(ErrorCode::kRigForeign,
-                "the calibration is of probe " + rig.serial + ", the bar was taken by probe " + recorded.serial);
-  }
-  calib::Rig out = calib::rig_at(rig, temp_c);
-  out.patterns = recorded.patterns;
-  if (!out.depth_range) out.depth_range = recorded.depth_range;
-  if (recorded.noise) out.noise = recorded.noise;
-  return out;
-}
 
 std::vector<calib::BarPoint> points_of(const SurfacePatch& patch) {
   std::vector<calib::BarPoint> points;
@@ -70,7 +58,8 @@ Result<Json> check_bar(const calib::Rig& rig, const BarOptions& options) {
     return fail(ErrorCode::kUsage, "--bar-mm wants both diameters, the smaller one first, and the distance: 5,6,8");
   const calib::BarDesign design{{options.design_mm[0], options.design_mm[1]}, options.design_mm[2]};
   ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(options.capture));
-  ENAMEL_TRY_ASSIGN(const calib::Rig recorded, rig_for("", *stream, options.capture));
+  if (stream->rig_text().empty()) return fail(ErrorCode::kRigMissing, options.capture);
+  ENAMEL_TRY_ASSIGN(const calib::Rig recorded, calib::parse_rig(stream->rig_text()));
   Json out{{"bursts", Json::array()}, {"notes", Json::array()}, {"verdict", "accepted"}};
   for (const std::uint64_t id : options.bursts) {
     ENAMEL_TRY_ASSIGN(const proto::Burst burst, stream->burst_with_id({id}));
@@ -80,7 +69,7 @@ Result<Json> check_bar(const calib::Rig& rig, const BarOptions& options) {
       out["notes"].push_back(fmt::format("burst {}: {:.1f} degrees C lies {:.1f} K beyond what the calibration covers",
                                          id, temp_c, *beyond));
     }
-    ENAMEL_TRY_ASSIGN(const calib::Rig optics, rig_for_capture(rig, recorded, temp_c));
+    ENAMEL_TRY_ASSIGN(const calib::Rig optics, calib::measuring_rig(calib::rig_at(rig, temp_c), recorded));
     ENAMEL_TRY_ASSIGN(const auto decoder, algo::BurstDecoder::make(optics));
     const algo::DecodedBurst decoded = decoder.decode(stage::view_of(burst));
     if (!decoded.accepted())
