@@ -101,7 +101,7 @@ Run add_rollback(CLI::App& app) {
   add_choice(app, o->choice);
   return [o] {
     return for_each(o->choice, [](update::DfuClient& client) -> Updated<void> {
-      if (const auto back = ask(client, VendorRequest::kRollback); !back) return back;
+      if (auto back = ask(client, VendorRequest::kRollback); !back) return back;
       return ask(client, VendorRequest::kReboot);
     });
   };

@@ -80,7 +80,7 @@ class Flow {
       if (attempt == kRetries) return tl::unexpected(transfer_failed("sending the image", to_text(why.fault)));
       // What is neither a stall nor a silence is a connection that broke, whatever the system calls it.
       if (why.fault != LinkFault::kStall && why.fault != LinkFault::kTimeout) {
-        if (const auto back = wait_return(); !back) return back;
+        if (auto back = wait_return(); !back) return back;
       }
     }
   }
@@ -96,7 +96,7 @@ class Flow {
 
   /// At its port, where it nearly always is; after a while wherever its serial is seen.
   [[nodiscard]] std::optional<PortInfo> find(bool everywhere) const {
-    const std::optional<PortInfo> here = bus_->probe_at(probe_.port);
+    std::optional<PortInfo> here = bus_->probe_at(probe_.port);
     if (here && (here->serial.empty() || here->serial == probe_.serial)) return here;
     if (!everywhere || probe_.serial.empty()) return std::nullopt;
     for (const PortInfo& p : bus_->probes()) {
@@ -127,7 +127,7 @@ class Flow {
     while (clock_->now() < deadline) {
       const Linked<image::StatusBlock> status = DfuClient(*link_, *clock_).read_status_block();
       if (!status) {
-        if (const auto back = wait_return(); !back) return back;
+        if (auto back = wait_return(); !back) return back;
         continue;
       }
       const std::uint8_t active = status->active;

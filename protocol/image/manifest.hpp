@@ -29,6 +29,7 @@ struct ImageVersion {
   std::uint8_t minor = 0;
   std::uint16_t revision = 0;
   std::uint32_t build = 0;
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy 14 takes the rewritten "<=> 0" for a null pointer
   friend auto operator<=>(const ImageVersion&, const ImageVersion&) = default;
 };
 
