@@ -57,11 +57,9 @@ constexpr std::array<Row, image::kDfuStates> kTable = {{
      go(kIdle, Action::kAbort), go(kError, Action::kReplyState), stall(kError)},
 }};
 
-constexpr std::uint8_t kClassOut = 0x21;
-constexpr std::uint8_t kClassIn = 0xA1;
-
 std::optional<Column> column_of(const SetupPacket& setup) noexcept {
-  const bool out = setup.request_type == kClassOut, in = setup.request_type == kClassIn;
+  const bool out = setup.request_type == image::request_type::kClassOut,
+             in = setup.request_type == image::request_type::kClassIn;
   switch (static_cast<DfuRequest>(setup.request)) {
     case DfuRequest::kDetach:
       return out ? std::optional(Column::kDetach) : std::nullopt;

@@ -9,11 +9,9 @@ namespace {
 
 using image::Checked;
 using image::Refusal;
+namespace request_type = image::request_type;
 using image::refuse;
-using image::VendorRequest;
 
-constexpr std::uint8_t kVendorOut = 0x41;
-constexpr std::uint8_t kVendorIn = 0xC1;
 /// Reading 16 MiB back and hashing it takes about half a second on the probe's processor.
 constexpr std::uint32_t kManifestMs = 500;
 
@@ -36,7 +34,8 @@ UpdateDevice::UpdateDevice(const BootRegions& regions, const UpdateIdentity& ide
 ControlReply UpdateDevice::control(const SetupPacket& setup, std::span<const std::byte> data) noexcept {
   const bool out = (setup.request_type & 0x80U) == 0;
   if (out && data.size() != setup.length) return stalled();
-  if (setup.request_type == kVendorOut || setup.request_type == kVendorIn) return vendor(setup, data);
+  if (setup.request_type == request_type::kVendorOut || setup.request_type == request_type::kVendorIn)
+    return vendor(setup, data);
   return dfu(setup, data);
 }
 

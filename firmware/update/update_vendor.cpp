@@ -12,13 +12,11 @@ using image::Refusal;
 using image::refuse;
 using image::VendorRequest;
 
-constexpr std::uint8_t kVendorIn = 0xC1;
-
 }  // namespace
 
 ControlReply UpdateDevice::vendor(const SetupPacket& setup, std::span<const std::byte> data) noexcept {
   const auto request = static_cast<VendorRequest>(setup.request);
-  const bool in = setup.request_type == kVendorIn;
+  const bool in = setup.request_type == image::request_type::kVendorIn;
   if (in != (request == VendorRequest::kStatus)) return {true, {}};
   if (in) {
     upload_ = encode(status());

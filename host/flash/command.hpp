@@ -27,6 +27,13 @@ void add_choice(CLI::App& app, Choice& choice);
 /// The probes meant. Without any choice the only one there is; several are an error, never a guess.
 [[nodiscard]] update::Updated<std::vector<update::PortInfo>> choose(update::UsbBus& bus, const Choice& choice);
 
+/// An image file, checked whole (chunks, not signatures: those the probe checks).
+struct ImageFile {
+  std::vector<std::byte> bytes;
+  image::Manifest manifest;  ///< views into `bytes`
+};
+[[nodiscard]] update::Updated<ImageFile> open_image_file(const std::string& path);
+
 /// Error to stderr (three lines) or, as JSON, to stdout; its exit code.
 update::Exit report(const update::UpdateError& error, bool json);
 [[nodiscard]] nlohmann::json to_json(const update::UpdateError& error);

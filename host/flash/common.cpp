@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "host/flash/command.hpp"
+#include "protocol/base/file.hpp"
 #include "protocol/base/sha256.hpp"
+#include "protocol/image/image_file.hpp"
 #include "protocol/image/version_text.hpp"
 
 namespace enamel::flash_app {
@@ -52,6 +54,20 @@ update::Updated<std::vector<update::PortInfo>> choose(update::UsbBus& bus, const
         "choose with --serial, --port or --all; `enamel-flash list` shows them"});
   }
   return found;
+}
+
+update::Updated<ImageFile> open_image_file(const std::string& path) {
+  const Result<std::string> content = read_file(path);
+  if (!content) {
+    return tl::unexpected(update::UpdateError{update::Exit::kUsage, content.error().detail,
+                                              "the path is misspelt or the file was moved", "check the path"});
+  }
+  const std::span<const std::byte> read = std::as_bytes(std::span(*content));
+  ImageFile file{{read.begin(), read.end()}, {}};
+  const auto manifest = image::check_image_file(file.bytes, {});
+  if (!manifest) return tl::unexpected(update::refused_by_probe(manifest.error()));
+  file.manifest = *manifest;
+  return file;
 }
 
 nlohmann::json to_json(const update::UpdateError& error) {

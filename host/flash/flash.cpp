@@ -9,9 +9,6 @@
 
 #include "host/flash/command.hpp"
 #include "host/update/batch.hpp"
-#include "protocol/base/file.hpp"
-#include "protocol/image/dfu_suffix.hpp"
-#include "protocol/image/image_file.hpp"
 #include "protocol/image/version_text.hpp"
 
 namespace enamel::flash_app {
@@ -84,22 +81,15 @@ void print(const update::BatchEntry& e, bool dry_run) {
 }
 
 Exit run(const Options& o) {
-  const Result<std::string> content = read_file(o.file);
-  if (!content) {
-    return report(
-        {Exit::kUsage, content.error().detail, "the path is misspelt or the file was moved", "check the path"},
-        o.choice.json);
-  }
-  const std::span<const std::byte> bytes = std::as_bytes(std::span(*content));
-  const auto manifest = image::check_image_file(bytes, {});
-  if (!manifest) return report(update::refused_by_probe(manifest.error()), o.choice.json);
+  const auto file = open_image_file(o.file);
+  if (!file) return report(file.error(), o.choice.json);
   const auto bus = update::open_usb_bus();
   if (!bus) return report(update::no_device(""), o.choice.json);
   const auto probes = choose(*bus, o.choice);
   if (!probes) return report(probes.error(), o.choice.json);
 
-  const update::FlashRequest request{.image = bytes.first(bytes.size() - image::kSuffixSize),
-                                     .manifest = *manifest,
+  const update::FlashRequest request{.image = std::span(file->bytes).first(file->manifest.image_len()),
+                                     .manifest = file->manifest,
                                      .allow_same = o.allow_same,
                                      .allow_older = o.allow_older,
                                      .dry_run = o.dry_run};

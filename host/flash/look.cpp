@@ -5,9 +5,7 @@
 
 #include "host/flash/command.hpp"
 #include "host/update/dfu_client.hpp"
-#include "protocol/base/file.hpp"
 #include "protocol/base/sha256.hpp"
-#include "protocol/image/image_file.hpp"
 #include "protocol/image/version_text.hpp"
 
 namespace enamel::flash_app {
@@ -77,20 +75,15 @@ Run add_info(CLI::App& app) {
   auto file = std::make_shared<std::string>();
   app.add_option("FILE", *file, "image (*.enfw)")->required();
   return [file] {
-    const Result<std::string> content = read_file(*file);
-    if (!content) {
-      return report(
-          {Exit::kUsage, content.error().detail, "the path is misspelt or the file was moved", "check the path"},
-          false);
-    }
-    const auto manifest = image::check_image_file(std::as_bytes(std::span(*content)), {});
-    if (!manifest) return report(update::refused_by_probe(manifest.error()), false);
+    const auto image_file = open_image_file(*file);
+    if (!image_file) return report(image_file.error(), false);
+    const image::Manifest& manifest = image_file->manifest;
     std::printf(
         "version          %s\nsecurity counter %u\nhardware         %u to %u\npayload          %llu bytes, %u chunks\n"
         "signatures       %u (checked by the probe)\nmanifest         %s\n",
-        image::to_text(manifest->version).c_str(), manifest->security_counter, manifest->hw_rev_min,
-        manifest->hw_rev_max, static_cast<unsigned long long>(manifest->payload_len), manifest->chunk_count,
-        manifest->signature_count, to_hex(sha256(manifest->bytes)).c_str());
+        image::to_text(manifest.version).c_str(), manifest.security_counter, manifest.hw_rev_min, manifest.hw_rev_max,
+        static_cast<unsigned long long>(manifest.payload_len), manifest.chunk_count, manifest.signature_count,
+        to_hex(sha256(manifest.bytes)).c_str());
     return Exit::kOk;
   };
 }

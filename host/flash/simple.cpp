@@ -6,9 +6,7 @@
 
 #include "host/flash/command.hpp"
 #include "host/update/dfu_client.hpp"
-#include "protocol/base/file.hpp"
 #include "protocol/base/sha256.hpp"
-#include "protocol/image/image_file.hpp"
 
 namespace enamel::flash_app {
 namespace {
@@ -83,15 +81,9 @@ Run add_verify(CLI::App& app) {
   app.add_option("FILE", o->file, "image (*.enfw) that the probe should run")->required();
   add_choice(app, o->choice);
   return [o] {
-    const Result<std::string> content = read_file(o->file);
-    if (!content) {
-      return report(
-          {Exit::kUsage, content.error().detail, "the path is misspelt or the file was moved", "check the path"},
-          o->choice.json);
-    }
-    const auto manifest = image::check_image_file(std::as_bytes(std::span(*content)), {});
-    if (!manifest) return report(update::refused_by_probe(manifest.error()), o->choice.json);
-    const Sha256Digest wanted = sha256(manifest->bytes);
+    const auto file = open_image_file(o->file);
+    if (!file) return report(file.error(), o->choice.json);
+    const Sha256Digest wanted = sha256(file->manifest.bytes);
     return for_each(o->choice, [&](update::DfuClient& client) { return same_firmware(client, wanted); });
   };
 }

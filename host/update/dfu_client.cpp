@@ -7,9 +7,9 @@ namespace {
 
 using image::DfuRequest;
 using image::DfuState;
+using namespace image::request_type;
 using namespace std::chrono_literals;
 
-constexpr std::uint8_t kClassOut = 0x21, kClassIn = 0xA1, kVendorOut = 0x41, kVendorIn = 0xC1;
 constexpr auto kTimeout = 5s;
 /// 16 MiB read back, hashed and written down: far more than any probe needs.
 constexpr int kManifestPolls = 60;

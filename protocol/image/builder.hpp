@@ -2,6 +2,7 @@
 // builds.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -36,6 +37,11 @@ struct Signer {
   PublicKey key{};
   std::function<SignatureBytes(std::span<const std::byte> message)> sign;
 };
+
+/// Ed25519 secret as libsodium keeps it: seed, then public key.
+using SecretKey = std::array<std::uint8_t, 64>;
+/// Signs by libsodium; keeps a copy of the secret.
+[[nodiscard]] Signer make_signer(const SecretKey& secret);
 
 /// The whole file, with DFU suffix. No signers make an unsigned image, which every device refuses. kUsage names what of
 /// the description cannot be: an empty or too long payload, a component outside it, more than two signers.

@@ -62,6 +62,14 @@ enum class VendorRequest : std::uint8_t {
   kStatus = 0x10,
 };
 
+/// bmRequestType of the requests above: class or vendor, to the interface, towards the device or from it.
+namespace request_type {
+inline constexpr std::uint8_t kClassOut = 0x21;
+inline constexpr std::uint8_t kClassIn = 0xA1;
+inline constexpr std::uint8_t kVendorOut = 0x41;
+inline constexpr std::uint8_t kVendorIn = 0xC1;
+}  // namespace request_type
+
 /// Longest control transfer that Linux's usbfs and gadget layer carry.
 inline constexpr std::uint16_t kDfuTransferSize = 4096;
 

@@ -9,7 +9,7 @@
 
 namespace enamel::image {
 
-/// Writing past the end is left out and seen by full() staying false: sizes are constants, so a test sees it.
+/// What does not fit is left out: sizes are constants, and reading back what was written shows it.
 class FixedWriter {
  public:
   explicit FixedWriter(std::span<std::byte> out) noexcept : rest_(out) {}
@@ -27,7 +27,6 @@ class FixedWriter {
   void put_array(const std::array<std::uint8_t, N>& bytes) noexcept {
     put_bytes(std::as_bytes(std::span(bytes)));
   }
-  [[nodiscard]] bool full() const noexcept { return rest_.empty(); }
 
  private:
   std::span<std::byte> rest_;

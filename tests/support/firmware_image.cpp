@@ -12,18 +12,10 @@ namespace enamel::test {
 image::Signer make_signer(std::uint8_t seed) {
   std::array<unsigned char, crypto_sign_SEEDBYTES> bytes{};
   bytes.fill(seed);
-  std::array<unsigned char, crypto_sign_SECRETKEYBYTES> secret{};
-  image::Signer signer;
-  crypto_sign_seed_keypair(signer.key.data(), secret.data(), bytes.data());
-  signer.sign = [secret](std::span<const std::byte> message) {
-    std::vector<unsigned char> whole(image::kSignatureDomain.begin(), image::kSignatureDomain.end());
-    const auto* first = reinterpret_cast<const unsigned char*>(message.data());
-    whole.insert(whole.end(), first, first + message.size());
-    image::SignatureBytes out{};
-    crypto_sign_detached(out.data(), nullptr, whole.data(), whole.size(), secret.data());
-    return out;
-  };
-  return signer;
+  image::PublicKey key{};
+  image::SecretKey secret{};
+  crypto_sign_seed_keypair(key.data(), secret.data(), bytes.data());
+  return image::make_signer(secret);
 }
 
 std::vector<std::byte> random_payload(std::size_t size, std::uint64_t seed) {

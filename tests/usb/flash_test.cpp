@@ -104,7 +104,7 @@ TEST_F(Flash, APulledCableThatComesBackIsResumed) {
   EXPECT_EQ(r.probe(0)["active"], 1);
 }
 
-TEST_F(Flash, PermissionIsExplainedWithTheRuleToInstall) {
+TEST_F(Flash, AnUnknownSerialIsNoProbe) {
   const BenchResult r = flash({"{}"}, {"flash", "--serial", "EN2-9999", good()});
   EXPECT_EQ(r.exit_code, 3) << r.output;
 }

@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> probes = {"{}"};
   std::string report;
   app.add_option("--probe", probes,
-                 R"(one each, JSON: {"serial", "hw_rev", "healthy", "scanning", "powered", "forbidden", )"
+                 R"(one each, JSON: {"serial", "hw_rev", "healthy", "scanning", "powered", )"
                  R"("stalls_at_block", "stall_count", "pull_at_block", "replug_ms"})")
       ->allow_extra_args(false);
   app.add_option("--report", report, "JSON of the probes afterwards");
@@ -95,7 +95,6 @@ int main(int argc, char** argv) {
     PortFaults faults;
     faults.stalls_at_block = j.value("stalls_at_block", 0U);
     faults.stall_count = j.value("stall_count", 0U);
-    faults.forbidden = j.value("forbidden", false);
     if (j.contains("pull_at_block")) faults.pull_at_block = j["pull_at_block"];
     if (j.contains("replug_ms")) faults.replug_ms = j["replug_ms"];
     ports.push_back(std::make_unique<UsbPort>(testbed, static_cast<int>(i) + 1, probe, faults));

@@ -2,7 +2,6 @@
 
 #include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -114,7 +113,6 @@ void UsbPort::plug_in() {
     throw std::runtime_error(error->message);
   }
   attached_ = true;
-  if (faults_.forbidden) ::chmod(devnode_.c_str(), 0);
   plugged_ = true;
   umockdev_testbed_uevent(testbed_, syspath_.c_str(), "add");
 }

@@ -21,7 +21,6 @@ struct PortFaults {
   std::optional<std::uint32_t> replug_ms;
   std::uint32_t stalls_at_block = 0;  ///< that block stalls `stall_count` times
   std::uint32_t stall_count = 0;
-  bool forbidden = false;  ///< the device node may not be opened
 };
 
 class UsbPort {

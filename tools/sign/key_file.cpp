@@ -19,7 +19,7 @@
 namespace enamel::sign {
 namespace {
 
-using Secret = std::array<unsigned char, crypto_sign_SECRETKEYBYTES>;
+using Secret = image::SecretKey;
 
 constexpr const char* kFormat = "enamel-key/1";
 
@@ -63,20 +63,6 @@ Result<void> check_private(const std::string& path) {
   return fail(ErrorCode::kConfigValue, path + " can be read by others: chmod 600 " + path);
 }
 
-image::Signer make_signer(const Secret& secret) {
-  image::Signer signer;
-  crypto_sign_ed25519_sk_to_pk(signer.key.data(), secret.data());
-  signer.sign = [secret](std::span<const std::byte> message) {
-    std::vector<unsigned char> whole(image::kSignatureDomain.begin(), image::kSignatureDomain.end());
-    const auto* first = reinterpret_cast<const unsigned char*>(message.data());
-    whole.insert(whole.end(), first, first + message.size());
-    image::SignatureBytes out{};
-    crypto_sign_detached(out.data(), nullptr, whole.data(), whole.size(), secret.data());
-    return out;
-  };
-  return signer;
-}
-
 }  // namespace
 
 Result<image::TrustedKey> make_key(const std::string& path, bool development) {
@@ -109,7 +95,7 @@ Result<KeyPair> read_secret_key(const std::string& path) {
     return fail(ErrorCode::kConfigValue, path + " holds no secret key");
   }
   ENAMEL_TRY(check_private(path));
-  return KeyPair{make_signer(secret), text.development};
+  return KeyPair{image::make_signer(secret), text.development};
 }
 
 Result<image::TrustedKey> read_public_key(const std::string& path) {
