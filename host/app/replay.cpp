@@ -82,6 +82,7 @@ Result<int> run_replay(const Options& o) {
 
   host::Report report;
   report.bursts = outcome.counts;
+  report.orders = outcome.scan.orders;
   report.simulated = session->simulated();
   report.config_toml = config.text;
   report.calibration_json = calibration_json(calibration, device_serial);

@@ -88,6 +88,9 @@ void print_summary(const host::Report& report, bool json) {
                     std::to_string(b.rejected_total()) + " rejected");
   row("losses", std::to_string(b.lost_on_wire) + " on the wire, " + std::to_string(b.incomplete) + " incomplete, " +
                     std::to_string(b.shed) + " shed");
+  const host::OrderTotals& o = report.orders;
+  row("fringe orders", std::to_string(o.guided_px) + " px by the model, " + std::to_string(o.withdrawn_px) +
+                           " px withdrawn, " + std::to_string(o.suspect_bursts) + " bursts in doubt");
   row("rate", number(report.rate_hz, "%.1f", " bursts/s"));
   if (report.latency_ms.p50 > 0) {
     row("latency p50 / p95 / p99", number(report.latency_ms.p50, "%.0f", " / ") +

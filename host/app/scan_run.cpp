@@ -114,6 +114,7 @@ host::Report first_report(const ScanRun& scan, const host::LiveSession::Outcome&
                           bool simulated) {
   host::Report report;
   report.bursts = outcome.counts;
+  report.orders = outcome.scan.orders;
   report.notes = scan.notes;
   report.simulated = simulated;
   report.config_toml = config.text;

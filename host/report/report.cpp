@@ -16,12 +16,21 @@ nlohmann::json bursts(const BurstCounts& c) {
           {"rejected", c.rejected}};
 }
 
+nlohmann::json orders(const OrderTotals& o) {
+  return {{"checked_px", o.checked_px},
+          {"contradicting_px", o.contradicting_px},
+          {"suspect_bursts", o.suspect_bursts},
+          {"guided_px", o.guided_px},
+          {"withdrawn_px", o.withdrawn_px}};
+}
+
 }  // namespace
 
 std::string to_json(const Report& r) {
   nlohmann::json stages = nlohmann::json::object();
   for (const auto& [name, p] : r.stage_ms) stages[name] = {{"p50", p.p50}, {"p99", p.p99}};
   nlohmann::json out = {{"bursts", bursts(r.bursts)},
+                        {"orders", orders(r.orders)},
                         {"rate_hz", r.rate_hz},
                         {"latency_ms", percentiles(r.latency_ms)},
                         {"stage_ms", stages},

@@ -15,8 +15,17 @@ struct Percentiles {
   double p50 = 0, p95 = 0, p99 = 0;
 };
 
+/// The code's fringe orders beside what the model shows, summed over the placed bursts.
+struct OrderTotals {
+  std::uint64_t checked_px = 0, contradicting_px = 0;
+  std::uint64_t suspect_bursts = 0;  ///< in which the contradiction puts code or placement in doubt
+  std::uint64_t guided_px = 0;       ///< left open by the code, decided by the model
+  std::uint64_t withdrawn_px = 0;    ///< left out because code and model contradict each other
+};
+
 struct Report {
   BurstCounts bursts;
+  OrderTotals orders;
   double rate_hz = 0;      ///< accepted bursts by the time the run took; wall time, so not part of the hash
   Percentiles latency_ms;  ///< last exposure to fused, live runs only
   std::map<std::string, Percentiles> stage_ms;

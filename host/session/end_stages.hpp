@@ -64,6 +64,7 @@ class SinkStage final : public graph::Stage {
       row.digest = {d.input, d.decode, d.track, d.fuse};
       placed.push_back(item.id);
       poses.push_back({item.captured, item->track.T_model_cam, item->motion});
+      add(item->orders);
       fused_count.add();
     } else {
       ++rejected[item.rejected];
@@ -76,11 +77,19 @@ class SinkStage final : public graph::Stage {
   StageTrace trace;
   std::vector<BurstId> placed;            ///< the fused bursts, in order …
   std::vector<algo::MeasuredPose> poses;  ///< … and where they were
+  OrderTotals orders;
   std::map<std::string, std::uint64_t> rejected;
   Counter fused_count, rejected_count;  ///< readable from any thread
   LogHistogram latency_ns;              ///< last exposure to fused; live only
 
  private:
+  void add(const OrderCheck& check) {
+    orders.checked_px += check.checked;
+    orders.contradicting_px += check.contradicting;
+    orders.suspect_bursts += check.suspect ? 1U : 0U;
+    orders.guided_px += check.guided_px;
+    orders.withdrawn_px += check.withdrawn_px;
+  }
   void measure_latency(BurstId id) {
     const std::lock_guard lock(mutex_);
     const auto found = exposed_.find(id.value);

@@ -32,6 +32,12 @@ void bind_track(ConfigReader r, algo::TrackerConfig& c) {
   c.relocalise.accept = c.accept;
 }
 
+void bind_guide(ConfigReader r, algo::GuideConfig& c) {
+  r.bind("tolerance_mm", c.tolerance_mm, {0.02, 1.0}, "a pixel this near the model's surface lies on it");
+  r.bind("min_votes", c.min_votes, {1, 1000000}, "pixels of a region that must lie on the model before it decides");
+  r.bind("suspect_share", c.suspect_share, {0.0, 1.0}, "more contradiction of code and model puts the burst in doubt");
+}
+
 void bind_fuse(ConfigReader r, algo::FuseConfig& c) {
   r.bind("voxel_mm", c.voxel_mm, {0.02, 1.0}, "edge of a voxel");
   r.bind("truncation_voxels", c.truncation_voxels, {1.5, 8.0}, "half width of the band stored around the surface");
@@ -55,6 +61,7 @@ void bind(ConfigReader& reader, PipelineConfig& config) {
               "the preview's surface is renewed every so many bursts");
   bind_decode(reader.table("decode"), config.decode);
   bind_track(reader.table("track"), config.track);
+  bind_guide(reader.table("guide"), config.guide);
   bind_fuse(reader.table("fuse"), config.fuse);
   bind_mesh(reader.table("mesh"), config.mesh);
 }

@@ -3,6 +3,7 @@
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "pipeline/algo/fuse/fuse_config.hpp"
+#include "pipeline/algo/guide/model_guide.hpp"
 #include "pipeline/algo/mesh/mesh_config.hpp"
 #include "pipeline/algo/track/tracker.hpp"
 #include "protocol/base/config.hpp"
@@ -12,6 +13,7 @@ namespace enamel::host {
 struct PipelineConfig {
   algo::DecodeConfig decode;
   algo::TrackerConfig track;
+  algo::GuideConfig guide;
   algo::FuseConfig fuse;
   algo::MeshConfig mesh;
   int feedback_delay = 2;  ///< bursts; registration of burst n uses the model after burst n - delay

@@ -52,7 +52,7 @@ void ScanPipeline::Impl::build(const calib::Rig& rig, const PipelineConfig& conf
   for (std::size_t i = 0; i < kDecoders; ++i) {
     decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), decoder, options.calib_crc32);
   }
-  auto& track = graph.add<stage::TrackStage>(rig, config.track);
+  auto& track = graph.add<stage::TrackStage>(rig, config.track, config.guide, decoder);
   const stage::FuseStageConfig fuse_config{.fuse = config.fuse,
                                            .mesh = config.mesh,
                                            .preview_model = options.preview_model,
@@ -134,6 +134,7 @@ ScanResult ScanPipeline::take_result() {
   for (std::size_t i = 0; i < sink.poses.size(); ++i)
     result.poses.push_back({sink.placed[i], sink.poses[i].t_mid, at_mid_burst[i]});
   result.rejected = std::move(sink.rejected);
+  result.orders = sink.orders;
   result.accepted = impl_->pushed.load();
   result.fused = sink.fused_count.value();
   result.mesh = impl_->fuse->extract_mesh();

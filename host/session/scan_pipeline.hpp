@@ -45,6 +45,7 @@ struct ScanResult {
   Mesh mesh;
   std::uint64_t accepted = 0, fused = 0;
   std::map<std::string, std::uint64_t> rejected;
+  OrderTotals orders;
   std::map<std::string, Percentiles> stage_ms;
   Percentiles latency_ms;
   double seconds = 0;  ///< from the first burst in to the last burst out

@@ -32,7 +32,7 @@ Result<void> DecodeStage::step() {
     patch.emit(graph::make_rejected<Decoded>(item, algo::name_of(decoded.verdict).data()));
     return {};
   }
-  Decoded out{std::move(decoded.patch), motion_of(*item, decoded.diagnostics.rigid), {}};
+  Decoded out{std::move(decoded.patch), std::move(decoded.relative), motion_of(*item, decoded.diagnostics.rigid), {}};
   out.digests.input = Digest().add(std::span<const std::uint8_t>(item->payload)).value();
   // Normals follow from depth; registration, which uses them, is digested next.
   out.digests.decode = Digest().add(out.patch.depth_mm).add(out.patch.sigma_mm).add(out.patch.texture_dn).value();

@@ -52,12 +52,12 @@ Result<void> FuseStage::step() {
     pass_rejected(item);
     return {};
   }
-  const SurfacePatch& patch = item->decoded->patch;
+  const SurfacePatch& patch = *item->patch;
   const Pose& T_model_cam = item->result.T_model_cam;
   const algo::FuseStats stats = model_.integrate(item.id, patch, T_model_cam);
   last_view_ = std::make_shared<const ModelView>(model_.view(T_model_cam, patch));
 
-  Fused out{item->result, item->decoded->motion, item->digests};
+  Fused out{item->result, item->orders, item->motion, item->digests};
   out.digests.fuse = Digest()
                          .add(stats.surfels_used)
                          .add(stats.voxels_updated)
@@ -84,7 +84,7 @@ void FuseStage::pass_rejected(const graph::Item<Tracked>& item) {
 std::shared_ptr<const PreviewItem> FuseStage::make_preview(const graph::Item<Tracked>& item) {
   last_preview_.burst = item.id;
   last_preview_.track = item->result;
-  const SurfacePatch& patch = item->decoded->patch;
+  const SurfacePatch& patch = *item->patch;
   last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
   last_preview_.live = grey(patch.texture_dn);
   if (config_.preview_model && until_preview_-- == 0) {

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <memory>
 
+#include "pipeline/types/order_check.hpp"
 #include "pipeline/types/patch.hpp"
 #include "pipeline/types/probe_motion.hpp"
+#include "pipeline/types/relative_surface.hpp"
 #include "pipeline/types/track.hpp"
 #include "protocol/types/burst.hpp"
 
@@ -18,18 +20,22 @@ struct Digests {
 
 struct Decoded {
   SurfacePatch patch;
+  RelativeSurface relative;
   BurstMotion motion;
   Digests digests;
 };
 
 struct Tracked {
-  std::shared_ptr<const Decoded> decoded;
+  std::shared_ptr<const SurfacePatch> patch;  ///< what the burst decoded to, with what the model decided of the rest
+  BurstMotion motion;
   TrackResult result;
+  OrderCheck orders;
   Digests digests;
 };
 
 struct Fused {
   TrackResult track;
+  OrderCheck orders;
   BurstMotion motion;
   Digests digests;
 };

@@ -1,9 +1,13 @@
-// Registration: places each patch in the model as it was some bursts ago (delay edge).
+// Registration: places each patch in the model as it was some bursts ago (delay edge), and has the model judge the
+// fringe orders.
 #pragma once
 
+#include <memory>
+
+#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/algo/guide/model_guide.hpp"
 #include "pipeline/algo/track/tracker.hpp"
 #include "pipeline/graph/stage.hpp"
-#include "pipeline/stages/digest.hpp"
 #include "pipeline/stages/items.hpp"
 #include "pipeline/types/model_view.hpp"
 
@@ -11,29 +15,24 @@ namespace enamel::stage {
 
 class TrackStage final : public graph::Stage {
  public:
-  TrackStage(const calib::Rig& rig, const algo::TrackerConfig& config) : Stage("track"), tracker_(rig, config) {}
+  TrackStage(const calib::Rig& rig, const algo::TrackerConfig& track, const algo::GuideConfig& guide,
+             const std::shared_ptr<const algo::BurstDecoder>& decoder);
 
   graph::In<Decoded> patch{*this, "patch"};
   graph::In<ModelView> model{*this, "model"};
   graph::Out<Tracked> tracked{*this, "tracked"};
 
-  Result<void> step() override {
-    const auto decoded = patch.take();
-    const auto view = model.take();
-    const TrackResult result =
-        tracker_.track(decoded.id, decoded.captured, decoded->patch, *view, decoded->motion.twist);
-    if (result.state == TrackState::kLost) {
-      tracked.emit(graph::make_rejected<Tracked>(decoded, "lost_track"));
-      return {};
-    }
-    Digests digests = decoded->digests;
-    digests.track = Digest().add(result.T_model_cam).add(result.rms_mm).add(result.overlap).value();
-    tracked.emit(graph::make_item<Tracked>(decoded, Tracked{decoded.value, result, digests}));
-    return {};
-  }
+  Result<void> step() override;
 
  private:
+  /// The decoded patch itself, or a copy with the regions that the model decides and without what contradicts it.
+  [[nodiscard]] std::shared_ptr<const SurfacePatch> complete(const std::shared_ptr<const Decoded>& decoded,
+                                                             const ModelView& view, const Pose& T_model_cam,
+                                                             OrderCheck& orders) const;
+
   algo::Tracker tracker_;
+  algo::ModelGuide guide_;
+  algo::NormalConfig normals_;
 };
 
 }  // namespace enamel::stage

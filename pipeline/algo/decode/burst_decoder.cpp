@@ -5,6 +5,7 @@
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/burst_output.hpp"
 #include "pipeline/algo/decode/decode_buffers.hpp"
+#include "pipeline/algo/decode/relative_regions.hpp"
 #include "pipeline/algo/decode/surface.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 
@@ -81,12 +82,13 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   if (!fringes) return BurstVerdict::kPatternMismatch;
   flood(b.phase.phase_rad, b.links, b.flood);
   step("unwrap");
-  const BurstVerdict placed = place(workspace, diag);
+  const BurstVerdict placed = place(workspace, out);
   step("order");
   if (placed != BurstVerdict::kAccepted) return placed;
-  const Map<std::int16_t>& turn = refine(workspace, diag);
+  const Map<std::int16_t>& turn = refine(workspace, out);
   if (diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest)
     return BurstVerdict::kPatternMismatch;
+  take_phase(b.phase, diag.ripple, out.relative);
   make_surface(b.phase, turn, *rays_, diag.ripple, b.inverse_depth, out);
   step("triangulate");
   compute_normals(*rays_, b.inverse_depth, out.patch.sigma_mm, config_.normals, b.scratch, out.patch.normals);
@@ -103,6 +105,7 @@ void BurstDecoder::decode(const BurstView& view, DecodeWorkspace& workspace, Dec
   const bool fits = view.is_consistent() && view.width == w && view.height == h;
   out.verdict = fits ? run(view, workspace, out) : BurstVerdict::kFrameMismatch;
   if (out.accepted()) return;
+  out.relative.clear();
   if (!fits) show_nothing(out);
   if (fits && out.verdict != BurstVerdict::kTooFewPoints) show_phase(b.phase, out);
   withdraw_surface(out);

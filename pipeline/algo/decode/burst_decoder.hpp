@@ -82,6 +82,7 @@ class BurstDecoder {
   [[nodiscard]] DecodedBurst decode(const BurstView& view) const;
 
   [[nodiscard]] const RayDepth& rays() const noexcept { return *rays_; }
+  [[nodiscard]] std::shared_ptr<const RayDepth> shared_rays() const noexcept { return rays_; }
   [[nodiscard]] const DecodeConfig& config() const noexcept { return config_; }
 
  private:
@@ -91,8 +92,8 @@ class BurstDecoder {
   void undo_errors(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics, const Step& step) const;
   void solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
   bool looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
-  BurstVerdict place(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
-  const Map<std::int16_t>& refine(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
+  BurstVerdict place(DecodeWorkspace& workspace, DecodedBurst& out) const;
+  const Map<std::int16_t>& refine(DecodeWorkspace& workspace, DecodedBurst& out) const;
 
   std::shared_ptr<const RayDepth> rays_;
   CellSigns signs_;                 ///< of four-step modes; unused in mode M

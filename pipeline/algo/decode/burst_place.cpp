@@ -5,6 +5,7 @@
 
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/decode_buffers.hpp"
+#include "pipeline/algo/decode/relative_regions.hpp"
 
 namespace enamel::algo {
 namespace {
@@ -29,8 +30,9 @@ void make_spans(const std::vector<Piece>& pieces, const OrderResult& orders, Map
 }  // namespace
 
 /// Absolute orders of all pieces, and whether the code that they rest on is the rig's.
-BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const {
+BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodedBurst& out) const {
   auto& b = *workspace.buffers_;
+  DecodeDiagnostics& diag = out.diagnostics;
   const auto& pieces = b.pieces.pieces;
   static const Map<std::uint8_t> kNoCuts;
   if (micro_) find_code_steps(b.phase, diag.noise, *micro_, b.flood, config_.order.unseen_jump_cost, b.steps);
@@ -47,6 +49,7 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodeDiagnostics& 
     judge_orders(pieces, b.polarity_evidence, b.orders);
   }
   make_spans(pieces, b.orders, b.phase.reject, b.spans);
+  find_relative(pieces, b.orders.pieces, config_.order.min_region_px, b.parent, out.relative);
   const double judged = b.orders.agreeing_px + b.orders.contradicting_px;
   diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;
   diag.torn_share =

@@ -1,6 +1,7 @@
 // BurstDecoder's last step before depth: the best phase that all four frames give, less motion and harmonics.
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/decode_buffers.hpp"
+#include "pipeline/algo/decode/relative_regions.hpp"
 #include "pipeline/algo/decode/surface.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
 
@@ -36,16 +37,18 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
 }
 
 /// Best phase now that orders are known, in place; returns its turns. Mode M's phase is final but for its ripple.
-const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const {
+const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, DecodedBurst& out) const {
   auto& b = *workspace.buffers_;
+  DecodeDiagnostics& diag = out.diagnostics;
   const auto step = [&](const char* name) {
     if (workspace.on_step) workspace.on_step(name);
   };
   if (micro_) {
     place_spans(b.spans, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
+    cells_of(out.relative, b.relative_cells);
     if (config_.correct_ripple) {
       diag.third_rad = estimate_third_harmonic(b.spans, b.phase).a1_rad;
-      correct_third_harmonic(b.spans, diag.third_rad, b.phase);
+      for (const auto* cells : {&b.spans, &b.relative_cells}) correct_third_harmonic(*cells, diag.third_rad, b.phase);
     }
     step("harmonic");
     if (!config_.correct_closure) return b.polarity.turn;
@@ -53,7 +56,8 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     fit_micro_motion(b.spans, turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
     diag.motion_rad = b.micro_motion.motion_rad;
     step("motion");
-    undo_micro_motion(b.spans, turn, *micro_, b.micro_motion, b.phase);
+    for (const auto* cells : {&b.spans, &b.relative_cells})
+      undo_micro_motion(*cells, turn, *micro_, b.micro_motion, b.phase);
     join_code_frame(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase);
     step("refit");
     return b.polarity.turn;

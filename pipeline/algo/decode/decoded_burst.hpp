@@ -12,6 +12,7 @@
 #include "pipeline/algo/phase/pixel_reject.hpp"
 #include "pipeline/types/map.hpp"
 #include "pipeline/types/patch.hpp"
+#include "pipeline/types/relative_surface.hpp"
 
 namespace enamel::algo {
 
@@ -60,6 +61,7 @@ struct DecodedBurst {
   Map<PixelReject> reject;  ///< kNone exactly where the patch has depth
   std::array<std::size_t, kPixelRejects> counts{};  ///< pixels per PixelReject; sums to the image
   SurfacePatch patch;
+  RelativeSurface relative;  ///< what is kRelative and large enough for the model to judge; empty unless accepted
   DecodeDiagnostics diagnostics;
 
   [[nodiscard]] bool accepted() const noexcept { return verdict == BurstVerdict::kAccepted; }

@@ -1,0 +1,55 @@
+#include "pipeline/stages/track_stage.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "pipeline/algo/guide/complete.hpp"
+#include "pipeline/stages/digest.hpp"
+
+namespace enamel::stage {
+
+TrackStage::TrackStage(const calib::Rig& rig, const algo::TrackerConfig& track, const algo::GuideConfig& guide,
+                       const std::shared_ptr<const algo::BurstDecoder>& decoder)
+    : Stage("track"),
+      tracker_(rig, track),
+      guide_(decoder->shared_rays(), rig.camera, guide),
+      normals_(decoder->config().normals) {}
+
+Result<void> TrackStage::step() {
+  const auto decoded = patch.take();
+  const auto view = model.take();
+  const TrackResult result = tracker_.track(decoded.id, decoded.captured, decoded->patch, *view, decoded->motion.twist);
+  if (result.state == TrackState::kLost) {
+    tracked.emit(graph::make_rejected<Tracked>(decoded, "lost_track"));
+    return {};
+  }
+  OrderCheck orders;
+  auto completed = complete(decoded.value, *view, result.T_model_cam, orders);
+  Tracked out{std::move(completed), decoded->motion, result, orders, decoded->digests};
+  out.digests.track = Digest()
+                          .add(result.T_model_cam)
+                          .add(result.rms_mm)
+                          .add(result.overlap)
+                          .add(orders.checked)
+                          .add(orders.contradicting)
+                          .add(orders.guided_px)
+                          .add(orders.withdrawn_px)
+                          .value();
+  tracked.emit(graph::make_item<Tracked>(decoded, std::move(out)));
+  return {};
+}
+
+std::shared_ptr<const SurfacePatch> TrackStage::complete(const std::shared_ptr<const Decoded>& decoded,
+                                                         const ModelView& view, const Pose& T_model_cam,
+                                                         OrderCheck& orders) const {
+  orders = guide_.check(decoded->patch, view, T_model_cam);
+  const auto told = guide_.decide(decoded->relative, view, T_model_cam);
+  const bool none = std::all_of(told.begin(), told.end(), [](std::int32_t k) { return k == kOpenOrder; });
+  if (none && orders.contradicting == 0) return {decoded, &decoded->patch};
+  auto judged = std::make_shared<SurfacePatch>(decoded->patch);
+  if (orders.contradicting > 0) orders.withdrawn_px = guide_.withdraw(view, T_model_cam, *judged);
+  orders.guided_px = algo::add_decided(decoded->relative, told, guide_.rays(), normals_, *judged);
+  return judged;
+}
+
+}  // namespace enamel::stage
