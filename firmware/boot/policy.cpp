@@ -68,4 +68,10 @@ std::optional<std::size_t> choose_slot(ControlStore& store, SlotJudge& judge) no
   return decide(*loaded, judge, false).slot;
 }
 
+std::size_t slot_to_keep(const ControlStore& store, SlotJudge& judge) noexcept {
+  const ControlBlock block = store.load().value_or(ControlBlock{});
+  if (const std::optional<std::size_t> lasting = decide(block, judge, false).slot) return *lasting;
+  return decide(block, judge).slot.value_or(block.active);
+}
+
 }  // namespace enamel::fw

@@ -57,15 +57,6 @@ ControlBlock raise_counter(ControlBlock block, bool committed) noexcept {
   return block;
 }
 
-std::size_t slot_to_keep(const ControlBlock& block) noexcept {
-  for (const SlotState wanted : {SlotState::kConfirmed, SlotState::kVerified}) {
-    for (const std::size_t i : {std::size_t{block.active}, std::size_t{1} - block.active}) {
-      if (block.slot[i].state == wanted) return i;
-    }
-  }
-  return block.active;
-}
-
 image::Checked<ControlBlock> roll_back(ControlBlock block, std::size_t running) noexcept {
   if (block.slot[1 - running].state != SlotState::kConfirmed) return image::refuse(image::Refusal::kNotConfirmed);
   block.active = static_cast<std::uint8_t>(1 - running);

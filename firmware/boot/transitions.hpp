@@ -24,9 +24,6 @@ namespace enamel::fw {
 /// Raises the minimum counter to the least of the CONFIRMED slots, or with `committed` to the active one's. Never
 /// lowers.
 [[nodiscard]] ControlBlock raise_counter(ControlBlock block, bool committed) noexcept;
-/// The slot that recovery leaves alone, because it is the likelier to boot again: CONFIRMED before VERIFIED before
-/// others, the active one of two equals.
-[[nodiscard]] std::size_t slot_to_keep(const ControlBlock& block) noexcept;
 /// The other slot becomes active; a trial of the running one ends. kNotConfirmed when the other is not CONFIRMED.
 [[nodiscard]] image::Checked<ControlBlock> roll_back(ControlBlock block, std::size_t running) noexcept;
 

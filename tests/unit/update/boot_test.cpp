@@ -143,6 +143,19 @@ TEST(BootDecision, EveryBlockBootsWhatVerifiesAndLosesNothingOverPowerCycles) {
   });
 }
 
+TEST(BootDecision, RecoveryKeepsTheSlotThatIsLikelierToBoot) {
+  FlashModel flash(flash_map::kSize);
+  ControlStore store(boot_regions(flash).control);
+  FixedJudge both(true, true), only_b(false, true), none(false, false);
+  EXPECT_EQ(slot_to_keep(store, only_b), 1U) << "no block at all";
+  ASSERT_TRUE(store.store(block_of(kConfirmed, kTrial)));
+  EXPECT_EQ(slot_to_keep(store, both), 0U) << "a trial may fail";
+  EXPECT_EQ(slot_to_keep(store, only_b), 1U);
+  ASSERT_TRUE(store.store(block_of(kConfirmed, kConfirmed, 1)));
+  EXPECT_EQ(slot_to_keep(store, both), 1U);
+  EXPECT_EQ(slot_to_keep(store, none), 1U);
+}
+
 TEST(BootDecision, CounterAndRevocationDoNotStopABoot) {
   for_every_block([](const ControlBlock& block, const std::array<bool, kSlots>& good) {
     ControlBlock strict = block;

@@ -58,7 +58,7 @@ class Update : public testing::Test {
     if (slot) {
       start(*slot);
     } else {
-      const std::size_t keep = slot_to_keep(store.load().value_or(ControlBlock{}));
+      const std::size_t keep = slot_to_keep(store, judge);
       device_ = std::make_unique<UpdateDevice>(boot_regions(flash_),
                                                UpdateIdentity{test::test_hardware(), keys_.trust(), keep, std::nullopt},
                                                kSerial, services_, DfuConfig{.runtime = true});

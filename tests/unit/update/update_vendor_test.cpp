@@ -93,18 +93,6 @@ TEST_F(Update, RecoveryTakesAnImageWhateverTheTriesAre) {
   EXPECT_EQ(boot(), 1U);
 }
 
-TEST_F(Update, RecoveryKeepsTheSlotThatIsLikelierToBoot) {
-  ControlBlock block = control();
-  EXPECT_EQ(slot_to_keep(block), 0U);
-  block.active = 1;
-  EXPECT_EQ(slot_to_keep(block), 0U) << "CONFIRMED before active";
-  block.slot[1].state = SlotState::kConfirmed;
-  EXPECT_EQ(slot_to_keep(block), 1U);
-  block.slot[0].state = SlotState::kVerified;
-  block.slot[1].state = SlotState::kBad;
-  EXPECT_EQ(slot_to_keep(block), 0U);
-}
-
 TEST(UsbIdentity, TellsRunModeFromRecovery) {
   UpdateIdentity identity;
   EXPECT_EQ(usb_identity(identity).product, 0x0002);
