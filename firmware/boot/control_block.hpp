@@ -15,7 +15,7 @@
 namespace enamel::fw {
 
 enum class SlotState : std::uint8_t {
-  kEmpty = 0,
+  kEmpty = 0,  ///< nothing is known of it: boots as the last choice, when what lies there verifies
   kWriting = 1,
   kVerified = 2,
   kPending = 3,

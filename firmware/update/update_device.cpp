@@ -46,6 +46,8 @@ ControlReply UpdateDevice::dfu(const SetupPacket& setup, std::span<const std::by
   const DfuState before = at_.state;
   const DfuStep step = on_request(at_, config_, setup, now);
   at_ = step.next;
+  if (at_.state == DfuState::kError) finish_pending_ = false;
+  if (step.action == DfuAction::kDetach) detach_timeout_ms_ = setup.value;
   switch (step.action) {
     case DfuAction::kNone:
     case DfuAction::kDetach:
