@@ -16,9 +16,13 @@ TransferMeter::Reading TransferMeter::read() const {
   return now;
 }
 
-void TransferMeter::on_block(std::uint16_t length) {
-  if (!begin_) begin_ = read();
-  if (length == 0) end_ = read();
+void TransferMeter::on_block(std::uint16_t number, std::uint16_t length) {
+  if (length == 0) {
+    end_ = read();
+  } else if (number == 0) {
+    begin_ = read();
+    end_.reset();
+  }
 }
 
 std::optional<double> TransferMeter::wall_ms() const {

@@ -23,9 +23,9 @@ class TransferMeter {
   [[nodiscard]] pid_t program() const noexcept { return program_; }
 
   /// A block of a download arrives; length 0 ends it.
-  void on_block(std::uint16_t length);
+  void on_block(std::uint16_t number, std::uint16_t length);
 
-  /// First block to end; nothing for a download that did not end. A repeated download counts from its first block.
+  /// First block to end; nothing for a download that did not end. Of several downloads the last one counts.
   [[nodiscard]] std::optional<double> wall_ms() const;
   [[nodiscard]] std::optional<double> cpu_ms() const;
 

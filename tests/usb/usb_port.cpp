@@ -247,7 +247,7 @@ gboolean UsbPort::discard(UMockdevIoctlClient* client) {
 
 UsbPort::Fault UsbPort::next_fault(const fw::SetupPacket& setup) {
   if (setup.request_type != kDnloadType || setup.request != kDnload) return Fault::kNone;
-  meter_.on_block(setup.length);
+  meter_.on_block(setup.value, setup.length);
   if (setup.length == 0) return Fault::kNone;
   ++blocks_;
   if (faults_.interrupt_at_block == blocks_) ::kill(meter_.program(), SIGINT);
