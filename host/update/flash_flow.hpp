@@ -5,6 +5,7 @@
 #include <atomic>
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include "host/update/dfu_client.hpp"
 #include "protocol/image/manifest.hpp"
@@ -19,13 +20,30 @@ struct FlashProgress {
   double seconds_left = 0;  ///< estimate; 0 while unknown
 };
 
+/// Something that happened, for a log. Names: docs/flashing.md, "The log".
+struct FlashEvent {
+  std::string_view event;
+  std::uint32_t block = 0;  ///< of the download, from 0; 0 where no block is meant
+  std::string status;
+};
+
+/// The event that people are told of, too.
+inline constexpr std::string_view kSlowPort = "slow port";
+
+/// Called from the thread that flashes.
+struct FlashObserver {
+  std::function<void(const FlashProgress&)> progress;
+  std::function<void(const FlashEvent&)> event;
+};
+
 struct FlashRequest {
   std::span<const std::byte> image;  ///< the file without its suffix, checked
   image::Manifest manifest;
   bool allow_same = false;
   bool allow_older = false;
   bool dry_run = false;
-  std::chrono::milliseconds return_deadline{30'000};   ///< for the probe to come back, on the cable or after restart
+  std::chrono::milliseconds return_deadline{30'000};   ///< for the probe to come back, on the cable or after restart;
+                                                       ///< in its first third at its own port, then at any
   std::chrono::milliseconds confirm_deadline{90'000};  ///< for its self-test
 };
 
@@ -37,7 +55,6 @@ struct FlashResult {
 
 /// Blocks until done, refused or cancelled. The probe is found again by serial, or by port while it has none.
 [[nodiscard]] Updated<FlashResult> flash(UsbBus& bus, Clock& clock, const PortInfo& probe, const FlashRequest& request,
-                                         const std::function<void(const FlashProgress&)>& progress,
-                                         const std::atomic<bool>& stop);
+                                         const FlashObserver& observer, const std::atomic<bool>& stop);
 
 }  // namespace enamel::update

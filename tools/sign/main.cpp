@@ -1,12 +1,14 @@
 // enamel-sign: makes keys, signs firmware images, looks into them. Not shipped to the field.
-#include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "protocol/base/file.hpp"
+#include "protocol/base/subcommands.hpp"
 #include "protocol/image/image_file.hpp"
 #include "tools/sign/inspect.hpp"
 #include "tools/sign/key_file.hpp"
@@ -83,34 +85,20 @@ Run add_inspect(CLI::App& app) {
   };
 }
 
+constexpr std::array<enamel::Subcommand<Run>, 3> kCommands{{
+    {"keygen", "make a key pair", add_keygen},
+    {"sign", "put an image together and sign it", add_sign},
+    {"inspect", "print and check an image (JSON)", add_inspect},
+}};
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("Keys and signatures of firmware images.", "enamel-sign");
-  app.require_subcommand(1);
-  struct Command {
-    CLI::App* app;
-    Run run;
-  };
-  std::vector<Command> commands;
-  const auto add = [&](const char* name, const char* what, Run (*setup)(CLI::App&)) {
-    CLI::App* sub = app.add_subcommand(name, what);
-    commands.push_back({sub, setup(*sub)});
-  };
-  add("keygen", "make a key pair", add_keygen);
-  add("sign", "put an image together and sign it", add_sign);
-  add("inspect", "print and check an image (JSON)", add_inspect);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : kUsage;
-  }
-  for (const Command& c : commands) {
-    if (!c.app->parsed()) continue;
-    const Result<int> done = c.run();
-    if (done) return *done;
-    std::fprintf(stderr, "%s\n", done.error().message().c_str());
-    return kUsage;
-  }
+  const auto command = enamel::parse_subcommand<Run>(app, kCommands, argc, argv, kUsage);
+  if (!command) return command.error();
+  const Result<int> done = (*command)();
+  if (done) return *done;
+  std::fprintf(stderr, "%s\n", done.error().message().c_str());
   return kUsage;
 }
