@@ -26,8 +26,8 @@ class ControlPort {
   virtual ~ControlPort() = default;
   /// Nothing: nothing came before the deadline, or a signal did. kGadget when the function is gone for good.
   [[nodiscard]] virtual Result<std::optional<PortEvent>> next(std::chrono::milliseconds deadline) = 0;
-  /// Data stage of an OUT transfer and its acknowledgement; the number of bytes that came, fewer than asked for when the
-  /// host gave up or the deadline of the port passed.
+  /// Data stage of an OUT transfer and its acknowledgement; the number of bytes that came, fewer than asked for when
+  /// the host gave up or the deadline of the port passed.
   [[nodiscard]] virtual std::size_t receive(std::span<std::byte> data) = 0;
   /// Data stage of an IN transfer.
   [[nodiscard]] virtual bool send(std::span<const std::byte> data) = 0;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "protocol/image/dfu.hpp"
+#include "firmware/update/usb_identity.hpp"
 
 namespace enamel::fw {
 namespace {
@@ -52,29 +52,19 @@ void put_interface(Bytes& out) {
   out.put8(1);  // name: first of function_strings()
 }
 
-void put_functional(Bytes& out) {
-  constexpr std::uint8_t kDownloadUploadTolerant = 0x07;
-  constexpr std::uint16_t kDetachTimeoutMs = 1000, kDfuVersion = 0x0110;
-  out.put8(9);
-  out.put8(0x21);
-  out.put8(kDownloadUploadTolerant);
-  out.put16(kDetachTimeoutMs);
-  out.put16(image::kDfuTransferSize);
-  out.put16(kDfuVersion);
-}
-
 }  // namespace
 
-std::vector<std::byte> function_descriptors(bool functional) {
+std::vector<std::byte> function_descriptors(const DfuConfig& config, Functional functional) {
   constexpr std::array kSpeeds = {FUNCTIONFS_HAS_FS_DESC, FUNCTIONFS_HAS_HS_DESC, FUNCTIONFS_HAS_SS_DESC};
   Bytes out;
   out.put32(FUNCTIONFS_DESCRIPTORS_MAGIC_V2);
   out.put32(0);
   out.put32(FUNCTIONFS_HAS_FS_DESC | FUNCTIONFS_HAS_HS_DESC | FUNCTIONFS_HAS_SS_DESC);
-  for (std::size_t i = 0; i < kSpeeds.size(); ++i) out.put32(functional ? 2 : 1);
+  for (std::size_t i = 0; i < kSpeeds.size(); ++i) out.put32(functional == Functional::kWith ? 2 : 1);
   for (std::size_t i = 0; i < kSpeeds.size(); ++i) {
     put_interface(out);
-    if (functional) put_functional(out);
+    if (functional == Functional::kWithout) continue;
+    for (const std::uint8_t byte : dfu_functional_descriptor(config)) out.put8(byte);
   }
   return std::move(out).with_length_at(4);
 }

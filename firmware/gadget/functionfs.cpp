@@ -49,21 +49,21 @@ std::optional<PortEventKind> kind_of(std::uint8_t type) noexcept {
 
 }  // namespace
 
-Result<std::unique_ptr<FunctionFs>> FunctionFs::open(const std::string& mount) {
+Result<std::unique_ptr<FunctionFs>> FunctionFs::open(const std::string& mount, const DfuConfig& config) {
   const std::string path = mount + "/ep0";
   const int fd = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0 && errno == ENOENT) return fail(ErrorCode::kFileNotFound, path + ": no FunctionFS is mounted there");
   if (fd < 0) return fail(ErrorCode::kGadget, path + ": " + std::strerror(errno));
   std::unique_ptr<FunctionFs> port(new FunctionFs(fd));
-  ENAMEL_TRY(port->describe());
+  ENAMEL_TRY(port->describe(config));
   return port;
 }
 
 FunctionFs::~FunctionFs() { ::close(ep0_); }
 
-Result<void> FunctionFs::describe() {
-  functional_ = write_whole(ep0_, function_descriptors(true));
-  if (!functional_ && (errno != EINVAL || !write_whole(ep0_, function_descriptors(false)))) {
+Result<void> FunctionFs::describe(const DfuConfig& config) {
+  functional_ = write_whole(ep0_, function_descriptors(config, Functional::kWith));
+  if (!functional_ && (errno != EINVAL || !write_whole(ep0_, function_descriptors(config, Functional::kWithout)))) {
     return fail(ErrorCode::kGadget, std::string("descriptors: ") + std::strerror(errno));
   }
   if (!write_whole(ep0_, function_strings())) {

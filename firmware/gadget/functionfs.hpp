@@ -14,7 +14,7 @@ class FunctionFs final : public ControlPort {
  public:
   /// Opens `mount`/ep0 and writes descriptors and strings: with the DFU functional descriptor, and where the kernel
   /// refuses that, without. Mounts nothing. kFileNotFound; kGadget when the kernel takes neither.
-  [[nodiscard]] static Result<std::unique_ptr<FunctionFs>> open(const std::string& mount);
+  [[nodiscard]] static Result<std::unique_ptr<FunctionFs>> open(const std::string& mount, const DfuConfig& config = {});
   ~FunctionFs() override;
   FunctionFs(const FunctionFs&) = delete;
   FunctionFs& operator=(const FunctionFs&) = delete;
@@ -30,7 +30,7 @@ class FunctionFs final : public ControlPort {
 
  private:
   explicit FunctionFs(int ep0) noexcept : ep0_(ep0) {}
-  [[nodiscard]] Result<void> describe();
+  [[nodiscard]] Result<void> describe(const DfuConfig& config);
 
   int ep0_;
   bool functional_ = true;

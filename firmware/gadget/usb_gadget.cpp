@@ -11,8 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/image/dfu.hpp"
-
 namespace enamel::fw {
 namespace {
 
@@ -30,20 +28,20 @@ Result<void> put(const std::string& path, std::string_view value) {
 Result<std::string> first_controller(const std::string& controllers) {
   std::vector<std::string> names;
   std::error_code ec;
-  for (const auto& entry : std::filesystem::directory_iterator(controllers, ec)) names.push_back(entry.path().filename());
+  for (const auto& entry : std::filesystem::directory_iterator(controllers, ec))
+    names.push_back(entry.path().filename());
   if (names.empty()) return fail(ErrorCode::kGadget, "no USB device controller in " + controllers);
   return *std::min_element(names.begin(), names.end());
 }
 
 }  // namespace
 
-Result<void> connect_gadget(const std::string& folder, const GadgetIdentity& identity, const std::string& controllers) {
-  const unsigned bcd = identity.recovery ? 0U : static_cast<unsigned>(identity.version.major << 8U | identity.version.minor);
-  ENAMEL_TRY(put(folder + "/idVendor", fmt::format("0x{:04x}", image::kUsbVendor)));
-  ENAMEL_TRY(put(folder + "/idProduct",
-                 fmt::format("0x{:04x}", identity.recovery ? image::kUsbProductRecovery : image::kUsbProduct)));
-  ENAMEL_TRY(put(folder + "/bcdDevice", fmt::format("0x{:04x}", bcd)));
-  ENAMEL_TRY(put(folder + "/strings/0x409/serialnumber", identity.serial));
+Result<void> connect_gadget(const std::string& folder, const UsbIdentity& identity, const std::string& serial,
+                            const std::string& controllers) {
+  ENAMEL_TRY(put(folder + "/idVendor", fmt::format("0x{:04x}", identity.vendor)));
+  ENAMEL_TRY(put(folder + "/idProduct", fmt::format("0x{:04x}", identity.product)));
+  ENAMEL_TRY(put(folder + "/bcdDevice", fmt::format("0x{:04x}", identity.bcd_device)));
+  ENAMEL_TRY(put(folder + "/strings/0x409/serialnumber", serial));
   ENAMEL_TRY_ASSIGN(const std::string controller, first_controller(controllers));
   return put(folder + "/UDC", controller);
 }

@@ -27,11 +27,12 @@ std::uint64_t size_of(int fd) noexcept {
 
 Result<std::unique_ptr<FileFlash>> FileFlash::open(const std::string& path, std::uint64_t size) {
   const int fd = ::open(path.c_str(), O_RDWR | O_DSYNC | O_CLOEXEC);
-  if (fd < 0) return fail(errno == ENOENT ? ErrorCode::kFileNotFound : ErrorCode::kFlash, path + ": " + std::strerror(errno));
+  if (fd < 0)
+    return fail(errno == ENOENT ? ErrorCode::kFileNotFound : ErrorCode::kFlash, path + ": " + std::strerror(errno));
   std::unique_ptr<FileFlash> flash(new FileFlash(fd, size));
   if (size_of(fd) < size) {
-    return fail(ErrorCode::kFlash, path + " holds " + std::to_string(size_of(fd)) + " bytes; " + std::to_string(size) +
-                                       " are needed");
+    return fail(ErrorCode::kFlash,
+                path + " holds " + std::to_string(size_of(fd)) + " bytes; " + std::to_string(size) + " are needed");
   }
   if (::flock(fd, LOCK_EX | LOCK_NB) != 0) return fail(ErrorCode::kFlash, path + " is open in another updater");
   return flash;

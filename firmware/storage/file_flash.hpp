@@ -9,9 +9,9 @@
 
 namespace enamel::fw {
 
-/// Every erase and program is on the medium when the call returns (O_DSYNC), and what is read back afterwards comes from
-/// the medium, not from the page cache. The device's own translation layer erases; an erase here writes 0xFF. Holds a
-/// lock (flock): one updater at a time. Not thread-safe; one descriptor, no heap after open.
+/// Every erase and program is on the medium when the call returns (O_DSYNC), and what is read back afterwards comes
+/// from the medium, not from the page cache. The device's own translation layer erases; an erase here writes 0xFF.
+/// Holds a lock (flock): one updater at a time. Not thread-safe; one descriptor, no heap after open.
 class FileFlash final : public Flash {
  public:
   /// Takes the first `size` bytes of the file or device. kFileNotFound; kFlash when it is smaller, cannot be opened for

@@ -9,8 +9,10 @@ namespace enamel::fw {
 namespace {
 
 constexpr const char* kExitCodes =
-    "Exit codes: 0 stopped by a signal, 10 restart wanted, 11 restart into recovery wanted, 12 the firmware on trial failed "
-    "its self-test: restart; 1 usage, 2 files, 3 device. Whoever supervises starts it again after 10, 11 (with --recovery) "
+    "Exit codes: 0 stopped by a signal, 10 restart wanted, 11 restart into recovery wanted, 12 the firmware on trial "
+    "failed "
+    "its self-test: restart; 1 usage, 2 files, 3 device. Whoever supervises starts it again after 10, 11 (with "
+    "--recovery) "
     "and 12; on a probe that is a reboot.";
 
 }  // namespace
@@ -24,11 +26,13 @@ image::Serial serial_bytes(const std::string& text) {
 Result<std::optional<UpdaterOptions>> parse_updater_options(int argc, const char* const* argv) {
   UpdaterOptions o;
   std::string slot;
-  CLI::App app("enamel-updated: the probe's half of an update over USB. Serves DFU on a FunctionFS mount.", "enamel-updated");
+  CLI::App app("enamel-updated: the probe's half of an update over USB. Serves DFU on a FunctionFS mount.",
+               "enamel-updated");
   app.add_option("--flash", o.flash, "block device or file with both slots (docs/firmware-image.md, flash map)")
       ->required();
   app.add_option("--functionfs", o.functionfs, "where functionfs is mounted")->required();
-  app.add_option("--gadget", o.gadget, "folder of the gadget in configfs: gets ids, version and serial, and is connected");
+  app.add_option("--gadget", o.gadget,
+                 "folder of the gadget in configfs: gets ids, version and serial, and is connected");
   app.add_option("--serial", o.serial, "serial number, at most 16 bytes")->required();
   app.add_option("--hw-rev", o.hw_rev, "hardware revision")->required();
   app.add_option("--key", o.keys, "public key file of enamel-sign; in the order of the revocation bits")->required();

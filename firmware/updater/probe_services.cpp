@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <limits>
+#include <utility>
 
 #include "firmware/updater/self_test.hpp"
 
@@ -30,15 +31,10 @@ std::optional<long> read_number(const std::string& path) noexcept {
   return value;
 }
 
-std::string name_of(std::optional<std::size_t> slot) {
-  if (!slot) return "recovery";
-  return *slot == 0 ? "A" : "B";
-}
-
 }  // namespace
 
-ProbeServices::ProbeServices(const UpdaterOptions& options, std::optional<std::size_t> slot, Clock& clock)
-    : options_(&options), clock_(&clock), slot_name_(name_of(slot)) {}
+ProbeServices::ProbeServices(const UpdaterOptions& options, std::string slot_name, Clock& clock)
+    : options_(&options), clock_(&clock), slot_name_(std::move(slot_name)) {}
 
 bool ProbeServices::scanning() const noexcept {
   if (options_->scan_lock.empty()) return false;

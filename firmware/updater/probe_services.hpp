@@ -17,7 +17,8 @@ enum class Restart : std::uint8_t { kNormal, kRecovery };
 /// Not thread-safe.
 class ProbeServices final : public UpdateServices {
  public:
-  ProbeServices(const UpdaterOptions& options, std::optional<std::size_t> slot, Clock& clock);
+  /// `slot_name`: for the self-test's environment.
+  ProbeServices(const UpdaterOptions& options, std::string slot_name, Clock& clock);
 
   /// Another process holds the scan lock.
   [[nodiscard]] bool scanning() const noexcept override;

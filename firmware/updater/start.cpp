@@ -29,14 +29,15 @@ class FlashJudge final : public SlotJudge {
 }  // namespace
 
 Running find_running(const BootRegions& regions, const image::Hardware& hardware, const image::Trust& trust,
-                     std::optional<std::size_t> told) {
+                     const BootWord& told) {
   FlashJudge judge(regions, hardware, trust);
   ControlStore store(regions.control);
-  const std::optional<std::size_t> slot = told ? told : choose_slot(store, judge);
+  std::optional<std::size_t> slot = told.slot;
+  if (!slot && !told.recovery) slot = choose_slot(store, judge);
   const std::optional<image::ImageVersion> version = slot ? judge.version_of(*slot) : std::nullopt;
-  if (!version) return {};
+  if (!version) return {slot_to_keep(store, judge), std::nullopt, false};
   const std::optional<ControlBlock> block = store.load();
-  return {slot, *version, block && block->slot[*slot].state == SlotState::kTrial};
+  return {*slot, version, block && block->slot[*slot].state == SlotState::kTrial};
 }
 
 }  // namespace enamel::fw

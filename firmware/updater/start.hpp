@@ -8,15 +8,20 @@
 
 namespace enamel::fw {
 
+/// Who says which slot runs.
+struct BootWord {
+  std::optional<std::size_t> slot;  ///< the bootloader started it; it is verified here again
+  bool recovery = false;            ///< none was started
+};
+
 struct Running {
-  std::optional<std::size_t> slot;  ///< nothing: recovery
-  image::ImageVersion version;
+  std::size_t slot = 0;                        ///< in recovery the one that is left alone
+  std::optional<image::ImageVersion> version;  ///< absent in recovery
   bool on_trial = false;
 };
 
-/// `told`: the bootloader started this slot, which is verified here again. Otherwise choose_slot decides and stores what
-/// a trial costs. Nothing that verifies: recovery.
+/// Without the bootloader's word choose_slot decides and stores what a trial costs. Nothing that verifies: recovery.
 [[nodiscard]] Running find_running(const BootRegions& regions, const image::Hardware& hardware,
-                                   const image::Trust& trust, std::optional<std::size_t> told);
+                                   const image::Trust& trust, const BootWord& told);
 
 }  // namespace enamel::fw

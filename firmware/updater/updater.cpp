@@ -28,14 +28,15 @@ class Updater {
       : options_(&options),
         regions_(boot_regions(flash)),
         hardware_{image::kProductId, options.hw_rev, kBootloader, kProtocol},
-        running_(options.recovery ? Running{} : find_running(regions_, hardware_, trust, options.slot)),
-        services_(options, running_.slot, clock_),
-        device_(regions_, identity(trust), serial_bytes(options.serial), services_) {}
+        running_(find_running(regions_, hardware_, trust, {options.slot, options.recovery})),
+        identity_{hardware_, trust, running_.slot, running_.version},
+        services_(options, slot_name(), clock_),
+        device_(regions_, identity_, serial_bytes(options.serial), services_) {}
 
   Result<int> run(const std::atomic<bool>& stop) {
-    if (running_.slot) {
-      log::info(kModule, "slot {} runs, version {}{}", *running_.slot == 0 ? 'A' : 'B',
-                image::to_text(running_.version), running_.on_trial ? ", on trial" : "");
+    if (running_.version) {
+      log::info(kModule, "slot {} runs, version {}{}", slot_name(), image::to_text(*running_.version),
+                running_.on_trial ? ", on trial" : "");
     } else {
       log::warn(kModule, "nothing boots or recovery was asked for: waiting for an image");
     }
@@ -44,10 +45,9 @@ class Updater {
   }
 
  private:
-  [[nodiscard]] UpdateIdentity identity(const image::Trust& trust) const {
-    // In recovery either slot may be written; A is.
-    if (!running_.slot) return {hardware_, trust, 1, std::nullopt};
-    return {hardware_, trust, *running_.slot, running_.version};
+  [[nodiscard]] const char* slot_name() const noexcept {
+    if (!running_.version) return "recovery";
+    return running_.slot == 0 ? "A" : "B";
   }
 
   bool confirm_itself() {
@@ -63,7 +63,7 @@ class Updater {
     log::info(kModule, "{} DFU functional descriptor",
               port->functional_descriptor() ? "with" : "this kernel refuses the descriptor: without");
     if (!options_->gadget.empty()) {
-      ENAMEL_TRY(connect_gadget(options_->gadget, {!running_.slot, running_.version, options_->serial}));
+      ENAMEL_TRY(connect_gadget(options_->gadget, usb_identity(identity_), options_->serial));
     }
     ControlLoop loop(*port, device_);
     const HostTime started = clock_.now();
@@ -71,7 +71,7 @@ class Updater {
     Result<void> served;
     while (served && !stop && !services_.restart()) {
       served = loop.step(kTick);
-      if (!counted && running_.slot && clock_.now() - started > std::chrono::seconds(options_->counter_after_s)) {
+      if (!counted && running_.version && clock_.now() - started > std::chrono::seconds(options_->counter_after_s)) {
         counted = device_.raise_counter_now();
       }
     }
@@ -89,6 +89,7 @@ class Updater {
   BootRegions regions_;
   image::Hardware hardware_;
   Running running_;
+  UpdateIdentity identity_;
   ProbeServices services_;
   UpdateDevice device_;
 };
