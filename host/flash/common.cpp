@@ -42,11 +42,15 @@ void add_choice(CLI::App& app, Choice& choice) {
 
 update::Updated<std::vector<update::PortInfo>> choose(update::UsbBus& bus, const Choice& choice) {
   std::vector<update::PortInfo> found;
+  std::string denied;
   for (update::PortInfo& p : bus.probes()) {
+    if (p.denied) denied = p.port;
     const bool meant =
         (choice.serial.empty() || p.serial == choice.serial) && (choice.port.empty() || p.port == choice.port);
     if (meant) found.push_back(std::move(p));
   }
+  // The serial of a probe that may not be opened is not known: it may be the one that is meant.
+  if (found.empty() && !denied.empty()) return update::fail(update::HostError::kNoPermission, "port " + denied);
   if (found.empty()) return update::fail(update::HostError::kNoProbe, choice.serial + choice.port);
   if (found.size() > 1 && !choice.all) {
     return update::fail(update::HostError::kSeveralProbes, std::to_string(found.size()));

@@ -14,7 +14,7 @@ class EventLog {
   /// Appends to `path` and drops lines that are older than 30 days. An empty path: nothing is logged.
   [[nodiscard]] static update::Updated<EventLog> open(const std::string& path);
 
-  /// Every line is on its way to the disk before this returns: what was logged survives the tool.
+  /// The line is handed to the system before this returns: what was logged survives the tool.
   void write(const update::PortInfo& probe, const update::FlashEvent& event);
 
  private:

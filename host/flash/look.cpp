@@ -62,14 +62,19 @@ Run add_list(CLI::App& app) {
     const auto bus = update::open_usb_bus();
     if (!bus) return report(update::make_error(HostError::kNoUsb), *json);
     nlohmann::json all = nlohmann::json::array();
-    for (const update::PortInfo& p : bus->probes()) all.push_back(look_at(*bus, p));
+    Exit exit = Exit::kOk;
+    for (const update::PortInfo& p : bus->probes()) {
+      all.push_back(look_at(*bus, p));
+      const nlohmann::json& j = all.back();
+      if (exit == Exit::kOk && j.contains("problem")) exit = static_cast<Exit>(j["problem"]["exit_code"].get<int>());
+    }
     if (*json) {
       std::printf("%s\n", all.dump(1).c_str());
-      return Exit::kOk;
+      return exit;
     }
     if (all.empty()) return report(update::make_error(HostError::kNoProbe), false);
     for (const nlohmann::json& j : all) print_row(j);
-    return Exit::kOk;
+    return exit;
   };
 }
 

@@ -13,7 +13,8 @@ constexpr int kBar = 25;  ///< characters that stand for everything
 constexpr const char* kClearLine = "\r\033[K";
 
 const char* name_of(update::Step step) {
-  static constexpr std::array kNames = {"checking", "sending", "verifying", "restarting", "confirming", "confirmed"};
+  static constexpr std::array kNames = {"checking",   "sending",  "gone, waiting for it", "verifying", "restarting",
+                                        "confirming", "confirmed"};
   return kNames[static_cast<std::size_t>(step)];
 }
 

@@ -108,6 +108,7 @@ class Flow {
       if (attempt == kRetries) return fail(HostError::kBrokenTransfer, "sending the image, " + to_text(why.fault));
       // What is neither a stall nor a silence is a connection that broke, whatever the system calls it.
       if (why.fault != LinkFault::kStall && why.fault != LinkFault::kTimeout) {
+        tell(Step::kGone, share_);
         if (auto back = wait_return(); !back) return back;
       }
     }
@@ -175,9 +176,12 @@ class Flow {
     observer_->event({event, block, std::move(status)});
   }
 
-  void tell(Step step, double share, double left = 0) const { observer_->progress({step, share, left}); }
+  void tell(Step step, double share, double left = 0) {
+    share_ = share;
+    observer_->progress({step, share, left});
+  }
 
-  void tell_sent(std::size_t sent) const {
+  void tell_sent(std::size_t sent) {
     const double done = static_cast<double>(sent) / static_cast<double>(request_->image.size());
     const std::chrono::duration<double> passed = clock_->now() - started_;
     tell(Step::kTransfer, kTransferStart + kTransferShare * done, passed.count() * (1 - done) / done);
@@ -191,6 +195,7 @@ class Flow {
   const std::atomic<bool>* stop_;
   std::unique_ptr<ProbeLink> link_;
   HostTime started_{};
+  double share_ = 0;  ///< of everything, as told last
 };
 
 }  // namespace

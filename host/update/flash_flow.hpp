@@ -12,7 +12,7 @@
 
 namespace enamel::update {
 
-enum class Step : std::uint8_t { kPreflight, kTransfer, kVerify, kRestart, kConfirm, kDone };
+enum class Step : std::uint8_t { kPreflight, kTransfer, kGone, kVerify, kRestart, kConfirm, kDone };
 
 struct FlashProgress {
   Step step = Step::kPreflight;

@@ -87,7 +87,7 @@ PortFaults port_faults(const nlohmann::json& j) {
   faults.silent_count = j.value("silent_count", 0U);
   faults.power_lost = j.value("power_lost", false);
   faults.speed_mbit = j.value("speed_mbit", faults.speed_mbit);
-  faults.denied = j.value("denied", false);
+  if (j.contains("mode")) faults.mode = std::stoul(j["mode"].get<std::string>(), nullptr, 8);
   if (j.contains("pull_at_block")) faults.pull_at_block = j["pull_at_block"];
   if (j.contains("replug_ms")) faults.replug_ms = j["replug_ms"];
   if (j.contains("replug_port")) faults.replug_port = j["replug_port"];
@@ -125,7 +125,7 @@ int main(int argc, char** argv) {
   std::size_t image_bytes = 16U << 20U;
   app.add_option(
          "--probe", probes,
-         R"(one each, JSON: {"serial", "hw_rev", "healthy", "scanning", "powered", "denied", "speed_mbit", )"
+         R"(one each, JSON: {"serial", "hw_rev", "healthy", "scanning", "powered", "mode" (octal), "speed_mbit", )"
          R"("stalls_at_block", "stall_count", "silent_at_block", "silent_count", "pull_at_block", "replug_ms", )"
          R"("replug_port", "power_lost", "interrupt_at_block"})")
       ->allow_extra_args(false);

@@ -22,12 +22,14 @@ void unref_all(std::deque<UMockdevIoctlData*>& urbs) {
   urbs.clear();
 }
 
-/// The emulated tree is made by root and for root; another user shall see it, but not open the device.
-void deny(UMockdevTestbed* testbed, const std::string& node) {
+/// The emulated tree is made for its owner alone. Here everybody may see it and reach umockdev; who may open the device
+/// is for its mode to say.
+void share_with_others(UMockdevTestbed* testbed, const std::string& node, mode_t mode) {
   const std::string root = umockdev_testbed_get_root_dir(testbed);
-  if (::chmod(root.c_str(), 0755) != 0 || ::chmod((root + node).c_str(), ::geteuid() == 0 ? 0600 : 0000) != 0) {
-    throw std::runtime_error("cannot change the mode of " + root + node);
+  for (const std::string& path : {std::string(), std::string("/ioctl/_default"), "/ioctl" + node}) {
+    if (::chmod((root + path).c_str(), 0777) != 0) throw std::runtime_error("cannot change the mode of " + root + path);
   }
+  if (::chmod((root + node).c_str(), mode) != 0) throw std::runtime_error("cannot change the mode of " + root + node);
 }
 
 }  // namespace
@@ -59,7 +61,7 @@ void UsbPort::plug_in() {
   if (attached_.insert(node).second && !umockdev_testbed_attach_ioctl(testbed_, node.c_str(), handler_, &error)) {
     throw std::runtime_error(error->message);
   }
-  if (faults_.denied) deny(testbed_, node);
+  if (faults_.mode) share_with_others(testbed_, node, *faults_.mode);
   plugged_ = true;
   umockdev_testbed_uevent(testbed_, syspath(number_).c_str(), "add");
 }

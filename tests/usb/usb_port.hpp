@@ -31,7 +31,7 @@ struct PortFaults {
   std::uint32_t silent_count = 0;
   std::optional<std::uint32_t> interrupt_at_block;  ///< the program under test gets SIGINT
   int speed_mbit = 480;
-  bool denied = false;  ///< only root may open the device
+  std::optional<mode_t> mode;  ///< of the device node, for programs that run as somebody else
 };
 
 class UsbPort {

@@ -12,6 +12,7 @@
 #include "protocol/image/image_file.hpp"
 #include "tools/sign/inspect.hpp"
 #include "tools/sign/key_file.hpp"
+#include "tools/sign/package_image.hpp"
 #include "tools/sign/sign_image.hpp"
 
 namespace {
@@ -85,10 +86,30 @@ Run add_inspect(CLI::App& app) {
   };
 }
 
-constexpr std::array<enamel::Subcommand<Run>, 3> kCommands{{
+Run add_package(CLI::App& app) {
+  auto file = std::make_shared<std::string>();
+  auto out = std::make_shared<std::string>();
+  auto metainfo = std::make_shared<std::string>();
+  app.add_option("IMAGE", *file, "image (*.enfw)")->required();
+  app.add_option("--out", *out, "cabinet (*.cab) for fwupd")->required();
+  app.add_option("--metainfo", *metainfo, "write the metainfo there as well");
+  return [=]() -> Result<int> {
+    ENAMEL_TRY_ASSIGN(const std::string content, enamel::read_file(*file));
+    const auto manifest = image::check_image_file(std::as_bytes(std::span(content)), {});
+    if (!manifest) return refused(manifest.error());
+    const std::string text = sign::make_metainfo(*manifest);
+    if (!metainfo->empty()) ENAMEL_TRY(enamel::write_file(*metainfo, text));
+    ENAMEL_TRY(sign::write_cabinet(*out, content, text));
+    std::printf("%s  %s\n", sign::fwupd_guid().c_str(), out->c_str());
+    return 0;
+  };
+}
+
+constexpr std::array<enamel::Subcommand<Run>, 4> kCommands{{
     {"keygen", "make a key pair", add_keygen},
     {"sign", "put an image together and sign it", add_sign},
     {"inspect", "print and check an image (JSON)", add_inspect},
+    {"package", "wrap an image for fwupd", add_package},
 }};
 
 }  // namespace
