@@ -32,7 +32,7 @@ class FuzzProbe final : private fw::UpdateServices {
   fw::ControlReply control(const fw::SetupPacket& setup, std::span<const std::byte> data);
   /// The supply fails `after` operations from now, `whole` bytes into that one, until the next boot.
   void cut(std::uint64_t after, std::size_t whole, std::uint64_t seed);
-  /// One copy of the boot control block becomes noise.
+  /// One copy of the boot control block becomes noise between two boots.
   void lose_control(std::size_t copy, std::uint64_t seed);
   /// Power cycle: bootloader, then the chosen firmware; or recovery when it was asked for.
   void boot(bool into_recovery);
