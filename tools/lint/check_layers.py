@@ -29,6 +29,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     **{m: (3, PROTOCOL + FIRMWARE + ["calib/model"]) for m in FIRMWARE},
     "firmware/boot": (3, IMAGE + ["firmware/hal"]),
     "firmware/update": (3, IMAGE + ["firmware/hal", "firmware/boot"]),
+    "firmware/keys": (3, IMAGE),
     "calib/target": (4, BASE + ["calib/model", "pipeline/types"]),
     "calib/fringe": (4, BASE + ["calib/model", "calib/target", "pipeline/types"]),
     "calib/io": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "pipeline/types"]),
