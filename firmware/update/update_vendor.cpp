@@ -20,7 +20,7 @@ ControlReply UpdateDevice::vendor(const SetupPacket& setup, std::span<const std:
   if (in != (request == VendorRequest::kStatus)) return {true, {}};
   if (in) {
     upload_ = encode(status());
-    return {false, std::span<const std::byte>(upload_).first(std::min<std::size_t>(setup.length, upload_.size()))};
+    return {false, upload_};
   }
   // Nothing of this in the middle of a transfer.
   if (at_.state != DfuState::kIdle && at_.state != DfuState::kAppIdle) return {true, {}};
@@ -81,7 +81,7 @@ bool UpdateDevice::confirm_running(bool commit_counter) noexcept {
   // Both copies lost: what runs is known to boot, and that is written down anew.
   const std::optional<ControlBlock> block = control_.load();
   const ControlBlock confirmed = confirm(block.value_or(ControlBlock{}), identity_.running_slot);
-  if (confirmed != block && !control_.store(confirmed)) return false;
+  if (confirmed != block && !control_.store_twice(confirmed)) return false;
   return !commit_counter || control_.store(raise_counter(confirmed, true));
 }
 

@@ -35,8 +35,7 @@ Result<std::optional<UpdaterOptions>> parse_updater_options(int argc, const char
                  "folder of the gadget in configfs: gets ids, version and serial, and is connected");
   app.add_option("--serial", o.serial, "serial number, at most 16 bytes")->required();
   app.add_option("--hw-rev", o.hw_rev, "hardware revision")->required();
-  app.add_option("--key", o.keys, "public key file of enamel-sign; in the order of the revocation bits")->required();
-  app.add_flag("--development", o.development, "the development fuse is set: development keys are good");
+  app.add_flag("--development", o.development, "the development fuse is set: development keys are believed");
   app.add_option("--slot", slot, "the slot that the bootloader started; without it the boot policy decides here")
       ->check(CLI::IsMember({"A", "B"}));
   app.add_flag("--recovery", o.recovery, "nothing of the slots runs: accept an image and nothing else");

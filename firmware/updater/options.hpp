@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "protocol/base/result.hpp"
 #include "protocol/image/status_block.hpp"
@@ -17,7 +16,6 @@ struct UpdaterOptions {
   std::string gadget;  ///< folder in configfs; empty: somebody else connects the gadget
   std::string serial;
   std::uint16_t hw_rev = 0;
-  std::vector<std::string> keys;
   bool development = false;
   std::optional<std::size_t> slot;  ///< as the bootloader told; absent: the boot policy decides here
   bool recovery = false;

@@ -6,8 +6,8 @@
 #include "firmware/gadget/control_loop.hpp"
 #include "firmware/gadget/functionfs.hpp"
 #include "firmware/gadget/usb_gadget.hpp"
+#include "firmware/keys/trusted_keys.hpp"
 #include "firmware/storage/file_flash.hpp"
-#include "firmware/updater/key_list.hpp"
 #include "firmware/updater/probe_services.hpp"
 #include "firmware/updater/start.hpp"
 #include "protocol/base/log.hpp"
@@ -97,9 +97,8 @@ class Updater {
 }  // namespace
 
 Result<int> run_updater(const UpdaterOptions& options, const std::atomic<bool>& stop) {
-  ENAMEL_TRY_ASSIGN(const std::vector<image::TrustedKey> keys, read_public_keys(options.keys));
   ENAMEL_TRY_ASSIGN(const std::unique_ptr<FileFlash> flash, FileFlash::open(options.flash, flash_map::kSize));
-  const image::Trust trust{keys, 0, options.development, &image::sodium_ed25519()};
+  const image::Trust trust{trusted_keys(), 0, options.development, &image::sodium_ed25519()};
   return std::make_unique<Updater>(options, *flash, trust)->run(stop);
 }
 

@@ -41,8 +41,8 @@ struct World {
         boot_regions(factory), UpdateIdentity{test::test_hardware(), keys.trust(), 1, std::nullopt});
     receiver->restart(false);
     ControlStore store(boot_regions(factory).control);
-    const bool installed =
-        receiver->take(first).has_value() && receiver->finish().has_value() && store.store(confirm(*store.load(), 0));
+    const bool installed = receiver->take(first).has_value() && receiver->finish().has_value() &&
+                           store.store_twice(confirm(*store.load(), 0));
     demand(installed, "the factory's firmware is accepted");
     for (const Bytes* good : {&images[0], &images[1], &images[2], &images[3], &last}) {
       trusted.insert(sha256(image::parse_manifest(*good)->bytes));
@@ -97,7 +97,8 @@ class Host {
         probe_->healthy = in_->one_in(2);
         break;
       case 12:
-        return probe_->lose_control(in_->below(2), in_->byte());
+        probe_->lose_control(in_->below(2), in_->byte());
+        return restart(false);
       case 13:
         return probe_->device().detach_timed_out();
       default:
@@ -205,7 +206,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   test::ByteSource in(data, size);
   FuzzProbe probe(world().factory, world().keys, world().trusted);
   Host host(probe, in);
-  for (int steps = 0; steps < 64 && !in.empty(); ++steps) host.step();
+  for (int steps = 0; steps < 64 && !in.empty(); ++steps) {
+    host.step();
+    probe.demand_bootable();
+  }
   host.succeed_at_last();
   return 0;
 }

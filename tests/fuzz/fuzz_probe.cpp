@@ -59,6 +59,8 @@ void FuzzProbe::demand_position() const {
 }
 
 void FuzzProbe::demand_bootable() {
+  if (flash_.operations() == looked_at_) return;
+  looked_at_ = flash_.operations();
   FlashModel copy = flash_;
   copy.watch({});
   copy.restore_power();
@@ -76,13 +78,11 @@ ControlReply FuzzProbe::control(const SetupPacket& setup, std::span<const std::b
   resetting_ = setup.request_type == image::request_type::kVendorOut &&
                setup.request == static_cast<std::uint8_t>(image::VendorRequest::kFactoryReset) &&
                std::equal(data.begin(), data.end(), own.begin(), own.end());
-  const std::uint64_t writes = flash_.operations();
   const ControlReply reply = device_->control(setup, data);
   demand(reply.data.size() <= setup.length, "a reply is not longer than asked for");
   demand((setup.request_type & 0x80U) != 0 || reply.data.empty(), "only an IN transfer has a reply");
   resetting_ = false;
   demand_position();
-  if (flash_.operations() != writes) demand_bootable();
   return reply;
 }
 
@@ -92,7 +92,6 @@ void FuzzProbe::cut(std::uint64_t after, std::size_t whole, std::uint64_t seed) 
 
 void FuzzProbe::lose_control(std::size_t copy, std::uint64_t seed) {
   flash_.tear({0, flash_map::kControl + copy * kEraseBlock, FlashModel::kSector, {}}, 0, seed);
-  demand_bootable();
 }
 
 void FuzzProbe::boot(bool into_recovery) {

@@ -32,10 +32,13 @@ class FuzzProbe final : private fw::UpdateServices {
   fw::ControlReply control(const fw::SetupPacket& setup, std::span<const std::byte> data);
   /// The supply fails `after` operations from now, `whole` bytes into that one, until the next boot.
   void cut(std::uint64_t after, std::size_t whole, std::uint64_t seed);
-  /// One copy of the boot control block becomes noise.
+  /// One copy of the boot control block becomes noise between two boots.
   void lose_control(std::size_t copy, std::uint64_t seed);
   /// Power cycle: bootloader, then the chosen firmware; or recovery when it was asked for.
   void boot(bool into_recovery);
+  /// On a copy with power, when something was written since the last call: the bootloader finds a slot that verifies,
+  /// for more boots than a trial has.
+  void demand_bootable();
 
   bool is_scanning = false, has_power = true, healthy = true;
 
@@ -48,8 +51,6 @@ class FuzzProbe final : private fw::UpdateServices {
 
   void watch(const fw::FlashModel::Operation& op);
   void demand_position() const;
-  /// On a copy with power: the bootloader finds a slot that verifies.
-  void demand_bootable();
   [[nodiscard]] bool verifies(fw::FlashModel& flash, std::size_t slot);
 
   class Judge;
@@ -59,7 +60,8 @@ class FuzzProbe final : private fw::UpdateServices {
   fw::FlashModel flash_;
   std::unique_ptr<fw::UpdateDevice> device_;
   std::optional<std::size_t> running_;
-  std::size_t kept_ = 0;    ///< the slot that must not be written
+  std::size_t kept_ = 0;  ///< the slot that must not be written
+  std::uint64_t looked_at_ = 0;
   bool resetting_ = false;  ///< a factory reset with the right serial is in hand
   std::map<std::vector<std::uint64_t>, bool> known_;
 };

@@ -63,8 +63,10 @@ TEST_F(PayloadFlip, AreRefusedByTheProbeBeforeTheirChunkIsWritten) {
   constexpr std::size_t kPayload = 5 * image::kChunkSize + 333;
   const std::vector<std::byte> good = make(kPayload);
   const std::uint32_t manifest_len = image::parse_manifest(good)->manifest_len;
+  constexpr int kFlips = 300;
+  RecordProperty("flips", kFlips);
   const FlashModel empty(flash_map::kSize);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < kFlips; ++i) {
     FlashModel flash = empty;
     const BootRegions regions = boot_regions(flash);
     const auto receiver = std::make_unique<ImageReceiver>(

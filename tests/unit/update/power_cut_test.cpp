@@ -76,6 +76,7 @@ TEST(PowerCut, NoPositionBricks) {
   EXPECT_GE(positions, 35'000U);
   EXPECT_GE(scratch, 200U);
   RecordProperty("positions", static_cast<int>(positions));
+  RecordProperty("from_scratch", static_cast<int>(scratch));
 }
 
 /// Charges confirmed slots for a boot like those on trial, and stops when no tries are left.

@@ -105,6 +105,12 @@ TEST_F(Update, ShortReadsAndStrangeBlocksAreSurvived) {
   EXPECT_EQ(get_status(), (DfuPosition{DfuState::kError, DfuStatus::kErrAddress}));
 }
 
+TEST_F(Update, RepliesAreNoLongerThanAskedFor) {
+  EXPECT_EQ(device_->control({0xA1, 3, 0, 0, 2}, {}).data.size(), 2U);
+  EXPECT_EQ(device_->control({0xA1, 5, 0, 0, 0}, {}).data.size(), 0U);
+  EXPECT_EQ(device_->control({0xC1, 0x10, 0, 0, 7}, {}).data.size(), 7U);
+}
+
 TEST_F(Update, StatusIsTheSameByUploadAndByVendorRequest) {
   const ControlReply whole = device_->control({0xC1, 0x10, 0, 0, 4096}, {});
   const auto by_vendor = image::decode_status(whole.data);

@@ -59,6 +59,19 @@ TEST_F(Update, ATrialThatWasRolledBackNeitherConfirmsNorOverwritesTheOther) {
   EXPECT_EQ(boot(), 0U);
 }
 
+TEST_F(Update, AConfirmationSurvivesTheLossOfEitherCopy) {
+  EXPECT_EQ(download(make({2, 0, 0, 0}, 2)), 0U);
+  for (int cycle = 0; cycle < kTrialBoots; ++cycle) EXPECT_EQ(boot(), 1U);
+  EXPECT_TRUE(device_->confirm_running(false));
+  const FlashModel confirmed = flash_;
+  for (const std::uint64_t copy : {std::uint64_t{0}, std::uint64_t{kEraseBlock}}) {
+    flash_ = confirmed;
+    ASSERT_EQ(flash_.erase(flash_map::kControl + copy), FlashStatus::kOk);
+    EXPECT_EQ(control().slot[1].state, SlotState::kConfirmed);
+    EXPECT_EQ(boot(), 1U);
+  }
+}
+
 TEST_F(Update, AnUpdateCutShortAfterTheBootBlockWasLostBootsTheOldFirmware) {
   for (const std::uint64_t copy : {std::uint64_t{0}, std::uint64_t{kEraseBlock}}) {
     ASSERT_EQ(flash_.erase(flash_map::kControl + copy), FlashStatus::kOk);
