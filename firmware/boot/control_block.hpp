@@ -15,7 +15,7 @@
 namespace enamel::fw {
 
 enum class SlotState : std::uint8_t {
-  kEmpty = 0,
+  kEmpty = 0,  ///< nothing is known of it: boots as the last choice, when what lies there verifies
   kWriting = 1,
   kVerified = 2,
   kPending = 3,
@@ -61,6 +61,9 @@ class ControlStore {
   /// Writes `block` over the older copy with the next sequence number and reads it back. False when that fails; the
   /// newer copy is never touched, so what was stored before is still in force.
   [[nodiscard]] bool store(ControlBlock block) noexcept;
+  /// Writes it over one copy after the other, so that what is confirmed survives the loss of either. False when not
+  /// even the first could be written.
+  [[nodiscard]] bool store_twice(const ControlBlock& block) noexcept;
 
  private:
   [[nodiscard]] std::optional<ControlBlock> load(std::size_t copy) const noexcept;

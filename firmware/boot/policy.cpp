@@ -50,7 +50,7 @@ BootDecision decide(const ControlBlock& loaded, SlotJudge& judge, bool trials) n
       return d;
     }
   }
-  for (const SlotState wanted : {SlotState::kConfirmed, SlotState::kVerified}) {
+  for (const SlotState wanted : {SlotState::kConfirmed, SlotState::kVerified, SlotState::kEmpty}) {
     for (const std::size_t i : order) {
       if (d.block.slot[i].state != wanted || !verdicts.verifies(i)) continue;
       d.slot = i;
@@ -62,14 +62,16 @@ BootDecision decide(const ControlBlock& loaded, SlotJudge& judge, bool trials) n
 
 std::optional<std::size_t> choose_slot(ControlStore& store, SlotJudge& judge) noexcept {
   const std::optional<ControlBlock> loaded = store.load();
-  if (!loaded) {
-    ControlBlock unknown;
-    for (SlotRecord& slot : unknown.slot) slot.state = SlotState::kVerified;
-    return decide(unknown, judge).slot;
-  }
+  if (!loaded) return decide(ControlBlock{}, judge).slot;
   const BootDecision decision = decide(*loaded, judge);
   if (decision.block == *loaded || store.store(decision.block)) return decision.slot;
   return decide(*loaded, judge, false).slot;
+}
+
+std::size_t slot_to_keep(const ControlStore& store, SlotJudge& judge) noexcept {
+  const ControlBlock block = store.load().value_or(ControlBlock{});
+  if (const std::optional<std::size_t> lasting = decide(block, judge, false).slot) return *lasting;
+  return decide(block, judge).slot.value_or(block.active);
 }
 
 }  // namespace enamel::fw

@@ -38,4 +38,8 @@ struct BootDecision {
 /// any slot that verifies.
 [[nodiscard]] std::optional<std::size_t> choose_slot(ControlStore& store, SlotJudge& judge) noexcept;
 
+/// The slot that recovery leaves alone while it writes the other: what would boot without a trial, else what would boot
+/// at all, else the active one. Stores nothing.
+[[nodiscard]] std::size_t slot_to_keep(const ControlStore& store, SlotJudge& judge) noexcept;
+
 }  // namespace enamel::fw

@@ -7,14 +7,17 @@
 
 namespace enamel::fw {
 
-image::Checked<ControlBlock> begin_writing(ControlBlock block, std::size_t running,
-                                           const Sha256Digest& manifest_sha) noexcept {
+image::Checked<void> may_overwrite_other(const ControlBlock& block, std::size_t running) noexcept {
   const SlotState state = block.slot[running].state;
-  if (state == SlotState::kTrial || state == SlotState::kPending) return image::refuse(image::Refusal::kNotConfirmed);
-  SlotRecord& other = block.slot[1 - running];
-  other = {};
-  other.state = SlotState::kWriting;
-  other.manifest_sha = manifest_sha;
+  if (state == SlotState::kConfirmed || state == SlotState::kVerified || state == SlotState::kEmpty) return {};
+  return image::refuse(image::Refusal::kNotConfirmed);
+}
+
+ControlBlock begin_writing(ControlBlock block, std::size_t slot, const Sha256Digest& manifest_sha) noexcept {
+  SlotRecord& record = block.slot[slot];
+  record = {};
+  record.state = SlotState::kWriting;
+  record.manifest_sha = manifest_sha;
   return block;
 }
 
@@ -33,6 +36,7 @@ ControlBlock mark_pending(ControlBlock block, std::size_t slot) noexcept {
 }
 
 ControlBlock confirm(ControlBlock block, std::size_t running) noexcept {
+  if (block.slot[running].state == SlotState::kBad) return block;
   block.slot[running].state = SlotState::kConfirmed;
   block.slot[running].tries = 0;
   block.active = static_cast<std::uint8_t>(running);

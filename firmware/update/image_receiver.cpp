@@ -79,9 +79,9 @@ Checked<void> ImageReceiver::accept_manifest() noexcept {
   trust.revoked = block.revoked;
   ENAMEL_CHECK_THAT(image::check_manifest(*manifest, identity_.hardware, trust,
                                           {block.min_security_counter, identity_.running_version, allow_older_}));
-  const Checked<ControlBlock> writing = begin_writing(block, identity_.running_slot, sha256(manifest->bytes));
-  if (!writing) return refuse(writing.error());
-  if (writing->slot != block.slot && !control_.store(*writing)) return refuse(Refusal::kFlashWrite);
+  if (!identity_.recovery()) ENAMEL_CHECK_THAT(may_overwrite_other(block, identity_.running_slot));
+  const ControlBlock writing = begin_writing(block, target(), sha256(manifest->bytes));
+  if (writing.slot != block.slot && !control_.store(writing)) return refuse(Refusal::kFlashWrite);
   manifest_ = *manifest;
   gathered_ = 0;
   return store_manifest();

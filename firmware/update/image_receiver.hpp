@@ -14,9 +14,10 @@ namespace enamel::fw {
 
 struct UpdateIdentity {
   image::Hardware hardware;
-  image::Trust trust;  ///< `revoked` is taken from the control block
-  std::size_t running_slot = 0;
+  image::Trust trust;            ///< `revoked` is taken from the control block
+  std::size_t running_slot = 0;  ///< never written; in recovery, where none runs, slot_to_keep() of policy.hpp
   std::optional<image::ImageVersion> running_version;  ///< absent in recovery
+  [[nodiscard]] constexpr bool recovery() const noexcept { return !running_version; }
 };
 
 /// About 200 KiB of buffers, no heap. Not thread-safe.

@@ -34,9 +34,10 @@ UpdateDevice::UpdateDevice(const BootRegions& regions, const UpdateIdentity& ide
 ControlReply UpdateDevice::control(const SetupPacket& setup, std::span<const std::byte> data) noexcept {
   const bool out = (setup.request_type & 0x80U) == 0;
   if (out && data.size() != setup.length) return stalled();
-  if (setup.request_type == request_type::kVendorOut || setup.request_type == request_type::kVendorIn)
-    return vendor(setup, data);
-  return dfu(setup, data);
+  const bool ours = setup.request_type == request_type::kVendorOut || setup.request_type == request_type::kVendorIn;
+  ControlReply reply = ours ? vendor(setup, data) : dfu(setup, data);
+  reply.data = reply.data.first(std::min<std::size_t>(reply.data.size(), setup.length));
+  return reply;
 }
 
 ControlReply UpdateDevice::dfu(const SetupPacket& setup, std::span<const std::byte> data) noexcept {
@@ -46,6 +47,8 @@ ControlReply UpdateDevice::dfu(const SetupPacket& setup, std::span<const std::by
   const DfuState before = at_.state;
   const DfuStep step = on_request(at_, config_, setup, now);
   at_ = step.next;
+  if (at_.state == DfuState::kError) finish_pending_ = false;
+  if (step.action == DfuAction::kDetach) detach_timeout_ms_ = setup.value;
   switch (step.action) {
     case DfuAction::kNone:
     case DfuAction::kDetach:

@@ -42,12 +42,16 @@ class UpdateDevice {
   /// failed, then nothing changes and the host repeats.
   [[nodiscard]] ControlReply control(const SetupPacket& setup, std::span<const std::byte> data) noexcept;
   void bus_reset() noexcept;
+  /// While in appDETACH (recovery image): how long to wait for a reset, ms, before detach_timed_out() is due.
+  [[nodiscard]] std::uint16_t detach_timeout_ms() const noexcept { return detach_timeout_ms_; }
+  void detach_timed_out() noexcept { at_ = on_detach_timeout(at_); }
 
   /// Something is left to do that takes long; call work() after the reply has gone out.
   [[nodiscard]] bool work_pending() const noexcept { return finish_pending_; }
   void work() noexcept;
 
-  /// The firmware's own self-test passed. False when the block cannot be stored.
+  /// The firmware's own self-test passed. False when the block cannot be stored, in recovery, and for a firmware that
+  /// was rolled back and only has not restarted yet.
   [[nodiscard]] bool confirm_running(bool commit_counter) noexcept;
   /// Ten minutes after confirmation: the minimum counter follows the confirmed slots.
   [[nodiscard]] bool raise_counter_now() noexcept;
@@ -62,6 +66,8 @@ class UpdateDevice {
                                          std::span<const std::byte> data) noexcept;
   void take_block(const SetupPacket& setup, std::span<const std::byte> data) noexcept;
   [[nodiscard]] image::Checked<void> may_begin() const noexcept;
+  /// Something runs, and it was not rolled back.
+  [[nodiscard]] bool may_confirm() const noexcept;
   [[nodiscard]] image::Checked<void> factory_reset(std::span<const std::byte> serial) noexcept;
   [[nodiscard]] image::Checked<void> store(const ControlBlock& block) noexcept;
   [[nodiscard]] ControlReply send_block(std::uint16_t length) noexcept;
@@ -78,6 +84,7 @@ class UpdateDevice {
   DfuPosition at_;
   std::uint32_t last_error_ = 0;
   std::uint16_t next_block_ = 0;
+  std::uint16_t detach_timeout_ms_ = 0;
   std::size_t uploaded_ = 0;
   bool allow_older_ = false;
   bool finish_pending_ = false;

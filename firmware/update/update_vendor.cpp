@@ -20,7 +20,7 @@ ControlReply UpdateDevice::vendor(const SetupPacket& setup, std::span<const std:
   if (in != (request == VendorRequest::kStatus)) return {true, {}};
   if (in) {
     upload_ = encode(status());
-    return {false, std::span<const std::byte>(upload_).first(std::min<std::size_t>(setup.length, upload_.size()))};
+    return {false, upload_};
   }
   // Nothing of this in the middle of a transfer.
   if (at_.state != DfuState::kIdle && at_.state != DfuState::kAppIdle) return {true, {}};
@@ -38,8 +38,10 @@ Checked<void> UpdateDevice::act(VendorRequest request, std::uint16_t value, std:
       services_->reboot(value == 1);
       return {};
     case VendorRequest::kConfirm:
+      if (!may_confirm()) return refuse(Refusal::kNotConfirmed);
       return confirm_running(value == 1) ? Checked<void>{} : refuse(Refusal::kFlashWrite);
     case VendorRequest::kRollback: {
+      if (identity_.recovery()) return refuse(Refusal::kNotConfirmed);
       const std::optional<ControlBlock> block = control_.load();
       const Checked<ControlBlock> back = roll_back(block.value_or(ControlBlock{}), identity_.running_slot);
       return back ? store(*back) : refuse(back.error());
@@ -68,12 +70,19 @@ Checked<void> UpdateDevice::store(const ControlBlock& block) noexcept {
   return control_.store(block) ? Checked<void>{} : refuse(Refusal::kFlashWrite);
 }
 
-bool UpdateDevice::confirm_running(bool commit_counter) noexcept {
+bool UpdateDevice::may_confirm() const noexcept {
+  if (identity_.recovery()) return false;
   const std::optional<ControlBlock> block = control_.load();
-  if (!block) return false;
-  const ControlBlock confirmed = confirm(*block, identity_.running_slot);
-  if (confirmed != *block && !control_.store(confirmed)) return false;
-  return !commit_counter || control_.store(raise_counter(*control_.load(), true));
+  return !block || block->slot[identity_.running_slot].state != SlotState::kBad;
+}
+
+bool UpdateDevice::confirm_running(bool commit_counter) noexcept {
+  if (!may_confirm()) return false;
+  // Both copies lost: what runs is known to boot, and that is written down anew.
+  const std::optional<ControlBlock> block = control_.load();
+  const ControlBlock confirmed = confirm(block.value_or(ControlBlock{}), identity_.running_slot);
+  if (confirmed != block && !control_.store_twice(confirmed)) return false;
+  return !commit_counter || control_.store(raise_counter(confirmed, true));
 }
 
 bool UpdateDevice::raise_counter_now() noexcept {

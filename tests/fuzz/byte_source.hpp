@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace enamel::test {
 
@@ -17,6 +18,14 @@ class ByteSource {
     return (high * 256 + byte()) % n;
   }
   bool one_in(std::size_t n) { return below(n) == n - 1; }
+  template <class T>
+  T number() {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i) value |= std::uint64_t{byte()} << (8 * i);
+    return static_cast<T>(value);
+  }
+  [[nodiscard]] bool empty() const { return at_ >= size_; }
+  [[nodiscard]] std::span<const std::byte> rest() const { return std::as_bytes(std::span(data_, size_).subspan(at_)); }
 
  private:
   const std::uint8_t* data_;

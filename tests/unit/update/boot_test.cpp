@@ -1,6 +1,9 @@
 // Boot control block and boot decision, row by row.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "firmware/boot/policy.hpp"
 #include "firmware/boot/transitions.hpp"
 #include "firmware/sim/flash_model.hpp"
@@ -85,6 +88,81 @@ TEST(BootDecision, ThreePowerCyclesDuringATrialEndInTheOldFirmware) {
   for (int cycle = 0; cycle < 10; ++cycle) EXPECT_EQ(choose_slot(store, judge), kA);
   EXPECT_EQ(store.load()->slot[1].state, kBad);
   EXPECT_EQ(store.load()->slot[1].reason, bad_reason::kNoTriesLeft);
+}
+
+TEST(BootDecision, AHealthyTrialSurvivesPowerCyclesUpToItsLastTry) {
+  FlashModel flash(flash_map::kSize);
+  ControlStore store(boot_regions(flash).control);
+  ASSERT_TRUE(store.store(block_of(kConfirmed, kPending)));
+  FixedJudge judge(true, true);
+  for (int cycle = 0; cycle < kTrialBoots; ++cycle) EXPECT_EQ(choose_slot(store, judge), kB);
+  EXPECT_EQ(store.load()->slot[1].tries, 0);
+  ASSERT_TRUE(store.store(confirm(*store.load(), 1)));
+  for (int cycle = 0; cycle < 10; ++cycle) EXPECT_EQ(choose_slot(store, judge), kB);
+}
+
+/// Every state, number of tries, active slot and content: calls check(block, what verifies).
+template <class Check>
+void for_every_block(Check check) {
+  const std::array<SlotState, 7> states = {kEmpty, kWriting, kVerified, kPending, kTrial, kConfirmed, kBad};
+  for (unsigned n = 0; n < 7 * 7 * 2 * 4 * 4 * 4; ++n) {
+    unsigned rest = n;
+    const auto draw = [&](unsigned choices) { return std::exchange(rest, rest / choices) % choices; };
+    ControlBlock block = block_of(states[draw(7)], states[draw(7)], static_cast<std::uint8_t>(draw(2)));
+    for (SlotRecord& slot : block.slot) slot.tries = static_cast<std::uint8_t>(draw(4));
+    check(block, std::array<bool, kSlots>{draw(2) == 1, draw(2) == 1});
+  }
+}
+
+bool may_boot(const SlotRecord& slot) {
+  if (slot.state == kPending || slot.state == kTrial) return slot.tries > 0;
+  return slot.state == kConfirmed || slot.state == kVerified || slot.state == kEmpty;
+}
+
+TEST(BootDecision, EveryBlockBootsWhatVerifiesAndLosesNothingOverPowerCycles) {
+  for_every_block([](const ControlBlock& first, const std::array<bool, kSlots>& good) {
+    ControlBlock block = first;
+    for (int cycle = 0; cycle < 10; ++cycle) {
+      bool bootable = false, lasting = false;
+      for (std::size_t i = 0; i < kSlots; ++i) {
+        const bool trial = block.slot[i].state == kPending || block.slot[i].state == kTrial;
+        bootable = bootable || (good[i] && may_boot(block.slot[i]));
+        lasting = lasting || (good[i] && may_boot(block.slot[i]) && !trial);
+      }
+      FixedJudge judge(good[0], good[1]);
+      const BootDecision d = decide(block, judge);
+      ASSERT_EQ(d.slot.has_value(), bootable);
+      ASSERT_TRUE(!d.slot || good[*d.slot]);
+      ASSERT_LE(*std::max_element(judge.asked.begin(), judge.asked.end()), 1);
+      for (std::size_t i = 0; i < kSlots; ++i) {
+        ASSERT_TRUE(first.slot[i].state != kConfirmed || d.block.slot[i] == first.slot[i]);
+      }
+      ASSERT_TRUE(!lasting || decide(d.block, judge).slot) << "a boot took away what would boot";
+      block = d.block;
+    }
+  });
+}
+
+TEST(BootDecision, RecoveryKeepsTheSlotThatIsLikelierToBoot) {
+  FlashModel flash(flash_map::kSize);
+  ControlStore store(boot_regions(flash).control);
+  FixedJudge both(true, true), only_b(false, true), none(false, false);
+  EXPECT_EQ(slot_to_keep(store, only_b), 1U) << "no block at all";
+  ASSERT_TRUE(store.store(block_of(kConfirmed, kTrial)));
+  EXPECT_EQ(slot_to_keep(store, both), 0U) << "a trial may fail";
+  EXPECT_EQ(slot_to_keep(store, only_b), 1U);
+  ASSERT_TRUE(store.store(block_of(kConfirmed, kConfirmed, 1)));
+  EXPECT_EQ(slot_to_keep(store, both), 1U);
+  EXPECT_EQ(slot_to_keep(store, none), 1U);
+}
+
+TEST(BootDecision, CounterAndRevocationDoNotStopABoot) {
+  for_every_block([](const ControlBlock& block, const std::array<bool, kSlots>& good) {
+    ControlBlock strict = block;
+    strict.min_security_counter = 0xFFFFFFFF;
+    strict.revoked = 0xFFFFFFFF;
+    ASSERT_EQ(boots(strict, good[0], good[1]), boots(block, good[0], good[1]));
+  });
 }
 
 TEST(BootDecision, ATrialThatCannotBeWrittenDownDoesNotBoot) {

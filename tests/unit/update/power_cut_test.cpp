@@ -76,6 +76,7 @@ TEST(PowerCut, NoPositionBricks) {
   EXPECT_GE(positions, 35'000U);
   EXPECT_GE(scratch, 200U);
   RecordProperty("positions", static_cast<int>(positions));
+  RecordProperty("from_scratch", static_cast<int>(scratch));
 }
 
 /// Charges confirmed slots for a boot like those on trial, and stops when no tries are left.
@@ -122,38 +123,59 @@ TEST(PowerCut, ControlAPolicyThatDoesNotVerifyIsCaught) {
   EXPECT_GT(caught, 100);
 }
 
+/// `wanted` of all that is offered, each equally likely (reservoir sampling).
+class Sample {
+ public:
+  Sample(std::size_t wanted, Rng& rng) : wanted_(wanted), rng_(&rng) {}
+  /// The supply fails in `op`, after a random part of it.
+  void offer(const FlashModel& memory, const FlashModel::Operation& op) {
+    const std::size_t place = seen_ < wanted_ ? seen_ : rng_->below(static_cast<std::uint32_t>(seen_ + 1));
+    ++seen_;
+    if (place >= wanted_) return;
+    if (place == kept_.size()) kept_.push_back(memory);
+    FlashModel& cut = kept_[place] = memory;
+    cut.watch({});
+    cut.tear(op, rng_->below(static_cast<std::uint32_t>(op.length) + 1), rng_->next_u32());
+  }
+  [[nodiscard]] std::vector<FlashModel>& kept() { return kept_; }
+
+ private:
+  std::size_t wanted_, seen_ = 0;
+  Rng* rng_;
+  std::vector<FlashModel> kept_;
+};
+
 TEST(PowerCut, TwoCutsInARowDoNotBrickAndTheUpdateStillSucceeds) {
+  constexpr std::size_t kFirstCuts = 110, kSecondCuts = 10;
   const bool full = std::getenv("ENAMEL_FULL_TESTS") != nullptr;
   CutBench bench(kOldPayload, full ? kNewPayload : 1U << 20U);
   Rng rng(4, 0, 0);
-  std::vector<FlashModel> cuts;
-  std::uint64_t operations = 0;
-  Flow(bench, ours).run([&](const FlashModel&, const FlashModel::Operation&) { ++operations; });
-  const double share = 1000.0 / static_cast<double>(operations);
-  Flow(bench, ours).run([&](const FlashModel& memory, const FlashModel::Operation& op) {
-    for (double chance = share; rng.uniform() < chance; chance -= 1) {
-      FlashModel& cut = cuts.emplace_back(memory);
-      cut.watch({});
-      cut.tear(op, rng.below(static_cast<std::uint32_t>(op.length) + 1), op.index);
-    }
-  });
-  EXPECT_GT(cuts.size(), std::min<std::size_t>(900, operations / 2));
-  for (FlashModel& flash : cuts) {
+  Sample first(kFirstCuts, rng);
+  Flow(bench, ours).run([&](const FlashModel& memory, const FlashModel::Operation& op) { first.offer(memory, op); });
+  int pairs = 0;
+  for (FlashModel& flash : first.kept()) {
     const std::optional<std::size_t> running = bench.boot_and_confirm(flash, ours);
     ASSERT_TRUE(running.has_value());
     if (*running == 1) continue;  // the cut came after the update was whole
-    flash.cut_at(flash.operations() + rng.below(static_cast<std::uint32_t>(operations)), rng.below(512),
-                 rng.next_u32());
-    static_cast<void>(bench.download(flash, 0));
-    flash.restore_power();
-    ASSERT_TRUE(keeps_booting(bench, flash, ours));
-    // A third download is not disturbed: it ends with the new firmware.
-    const std::optional<std::size_t> again = bench.boot_and_confirm(flash, ours);
-    ASSERT_TRUE(again.has_value());
-    if (*again == 1) continue;
+    Sample second(kSecondCuts, rng);
+    flash.watch([&](const FlashModel::Operation& op) { second.offer(flash, op); });
     ASSERT_FALSE(bench.download(flash, 0).has_value());
     ASSERT_EQ(bench.boot_and_confirm(flash, ours), std::size_t{1});
+    flash.watch({});
+    for (const FlashModel& cut : second.kept()) {
+      ASSERT_TRUE(keeps_booting(bench, cut, ours));
+      ++pairs;
+    }
+    // A third download is not disturbed: it ends with the new firmware.
+    FlashModel& last = second.kept().back();
+    const std::optional<std::size_t> again = bench.boot_and_confirm(last, ours);
+    ASSERT_TRUE(again.has_value());
+    if (*again == 1) continue;
+    ASSERT_FALSE(bench.download(last, 0).has_value());
+    ASSERT_EQ(bench.boot_and_confirm(last, ours), std::size_t{1});
   }
+  EXPECT_GE(pairs, 1000);
+  RecordProperty("pairs", pairs);
 }
 
 TEST(PowerCut, ResumeWritesOnlyWhatIsMissing) {

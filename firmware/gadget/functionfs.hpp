@@ -1,0 +1,40 @@
+// Endpoint 0 through Linux' FunctionFS (linux/usb/functionfs.h): descriptors in, events out, data stages both ways.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "firmware/gadget/control_port.hpp"
+#include "firmware/gadget/interrupt_timer.hpp"
+
+namespace enamel::fw {
+
+/// Not thread-safe; for programs of one thread (InterruptTimer). Closing it takes the gadget off its bus.
+class FunctionFs final : public ControlPort {
+ public:
+  /// Opens `mount`/ep0 and writes descriptors and strings: with the DFU functional descriptor, and where the kernel
+  /// refuses that, without. Mounts nothing. kFileNotFound; kGadget when the kernel takes neither.
+  [[nodiscard]] static Result<std::unique_ptr<FunctionFs>> open(const std::string& mount, const DfuConfig& config = {});
+  ~FunctionFs() override;
+  FunctionFs(const FunctionFs&) = delete;
+  FunctionFs& operator=(const FunctionFs&) = delete;
+
+  /// The kernel took the DFU functional descriptor.
+  [[nodiscard]] bool functional_descriptor() const noexcept { return functional_; }
+
+  [[nodiscard]] Result<std::optional<PortEvent>> next(std::chrono::milliseconds deadline) override;
+  [[nodiscard]] std::size_t receive(std::span<std::byte> data) override;
+  [[nodiscard]] bool send(std::span<const std::byte> data) override;
+  [[nodiscard]] bool acknowledge() override;
+  void stall(const SetupPacket& setup) override;
+
+ private:
+  explicit FunctionFs(int ep0) noexcept : ep0_(ep0) {}
+  [[nodiscard]] Result<void> describe(const DfuConfig& config);
+
+  int ep0_;
+  bool functional_ = true;
+  InterruptTimer timer_;
+};
+
+}  // namespace enamel::fw
