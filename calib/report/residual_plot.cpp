@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calib/report/svg.hpp"
+#include "protocol/base/xml.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -113,7 +114,7 @@ Result<std::string> plane_map(const PlaneCheck& plane, int width_px, int height_
   if (!cv::imencode(".png", picture, png)) return fail(ErrorCode::kInternal, "a plane's picture cannot be encoded");
   return fmt::format(
       "<img class=\"map\" alt=\"plane of pose {}\" width=\"{}\" height=\"{}\" src=\"data:image/png;base64,{}\">",
-      escaped(plane.pose), 2 * cols, 2 * rows, base64(png));
+      xml_escaped(plane.pose), 2 * cols, 2 * rows, base64(png));
 }
 
 }  // namespace enamel::calib

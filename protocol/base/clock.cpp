@@ -2,11 +2,17 @@
 
 #include <thread>
 
+#include "protocol/base/utc.hpp"
+
 namespace enamel {
 
 HostTime SteadyClock::now() const {
   return host_time(
       std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+}
+
+std::int64_t utc_now_s() {
+  return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
 void SteadyClock::sleep_until(HostTime t) {
