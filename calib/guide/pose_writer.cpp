@@ -70,11 +70,13 @@ Result<void> PoseWriter::write(const PoseFrames& frames, int bits) {
   return {};
 }
 
-Result<void> PoseWriter::commit(const Rig& nominal, const std::string& target_text, int averaged_frames) {
+Result<void> PoseWriter::commit(const Rig& nominal, const std::string& target_text, int averaged_frames,
+                                std::optional<double> temp_c) {
   auto json = nlohmann::ordered_json::parse(nominal.text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return fail(ErrorCode::kRigInvalid, "the probe's rig is no JSON object");
   json["nominal"] = true;
   if (json.contains("noise") && averaged_frames > 1) json["noise"]["averaged_frames"] = averaged_frames;
+  if (temp_c) json["temp_c"] = *temp_c;
   ENAMEL_TRY(write_file(partial_ + "/rig.json", json.dump(1) + "\n"));
   ENAMEL_TRY(write_file(partial_ + "/target.json", target_text));
   std::error_code ec;

@@ -1,6 +1,7 @@
 // Poses into a calibration folder that appears whole or not at all.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "calib/io/calib_folder.hpp"
@@ -18,9 +19,11 @@ class PoseWriter {
 
   /// poses/NN in the order of writing, as 8- or 16-bit grey PNG. Errors: kFileWrite.
   [[nodiscard]] Result<void> write(const PoseFrames& frames, int bits);
-  /// Adds rig.json (the probe's text with "nominal": true and the number of averaged frames) and target.json, then puts
+  /// Adds rig.json (the probe's text with "nominal": true and the number of averaged frames and the
+  /// temperature) and target.json, then puts
   /// the folder in its place. Errors: kFileWrite, kRigInvalid.
-  [[nodiscard]] Result<void> commit(const Rig& nominal, const std::string& target_text, int averaged_frames);
+  [[nodiscard]] Result<void> commit(const Rig& nominal, const std::string& target_text, int averaged_frames,
+                                    std::optional<double> temp_c);
   /// Where the folder lies until commit().
   [[nodiscard]] const std::string& partial() const { return partial_; }
   [[nodiscard]] int written() const { return written_; }

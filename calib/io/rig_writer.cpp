@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
 
 #include "protocol/base/sha256.hpp"
+#include "protocol/base/utc.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -32,6 +32,19 @@ Json matrix_json(const Eigen::MatrixXd& m) {
     rows.push_back(row);
   }
   return rows;
+}
+
+Json temperature_json(const TemperatureTerms& t) {
+  const auto drift = [](const LensDrift& l) -> Json {
+    return {{"fx", l.fx}, {"fy", l.fy}, {"cx", l.cx}, {"cy", l.cy}};
+  };
+  return {{"reference_c", t.reference_c},
+          {"range_c", t.range_c},
+          {"per_kelvin",
+           {{"camera", drift(t.camera)},
+            {"projector", drift(t.projector)},
+            {"rotation_rad", t.rotation_rad},
+            {"translation_mm", t.translation_mm}}}};
 }
 
 std::string hash_of(Json json) {
@@ -72,6 +85,9 @@ Result<std::string> solved_rig_text(const Rig& nominal, const SolvedRig& solved)
                           {"terms", f->terms},
                           {"coefficients", f->coefficients}};
   }
+  if (solved.temp_c) json["temp_c"] = *solved.temp_c;
+  json.erase("temperature");
+  if (solved.temperature) json["temperature"] = temperature_json(*solved.temperature);
   json["sha256"] = hash_of(json);
   std::string text = json.dump(kIndent) + "\n";
   ENAMEL_TRY(parse_rig(text));
@@ -92,13 +108,7 @@ std::string capture_time_utc(const std::string& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder + "/poses", ignored))
     if (entry.is_regular_file(ignored)) newest = std::max(newest, entry.last_write_time(ignored));
   if (newest == fs::file_time_type::min()) return {};
-  const auto utc = std::chrono::file_clock::to_sys(newest);
-  const std::time_t seconds = std::chrono::duration_cast<std::chrono::seconds>(utc.time_since_epoch()).count();
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  char text[32];
-  const std::size_t n = std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return {text, n};
+  return utc_text(std::chrono::time_point_cast<WallTime::duration>(std::chrono::file_clock::to_sys(newest)));
 }
 
 }  // namespace enamel::calib

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "calib/report/report.hpp"
-#include "calib/report/svg.hpp"
+#include "protocol/base/xml.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -38,8 +38,8 @@ std::string page_of(const std::string& title, const std::vector<ReportSection>& 
   std::string out = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title><style>{1}</style></head>\n"
       "<body><h1>{0}</h1>\n",
-      escaped(title), kStyle);
-  for (const ReportSection& s : sections) out += "<h2>" + escaped(s.title) + "</h2>\n" + s.html + "\n";
+      xml_escaped(title), kStyle);
+  for (const ReportSection& s : sections) out += "<h2>" + xml_escaped(s.title) + "</h2>\n" + s.html + "\n";
   return out + "</body></html>\n";
 }
 

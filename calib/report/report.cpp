@@ -8,6 +8,7 @@
 #include "calib/report/coverage_plot.hpp"
 #include "calib/report/residual_plot.hpp"
 #include "calib/report/svg.hpp"
+#include "protocol/base/xml.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -28,13 +29,13 @@ ReportSection verdict(const ReportInput& in) {
   std::string html = fmt::format("<p class=\"verdict {0}\">{0}</p>\n", j.is_accepted ? "accepted" : "refused");
   if (!j.reasons.empty()) {
     html += "<ul>";
-    for (const auto& reason : j.reasons) html += "<li>" + escaped(reason) + "</li>";
+    for (const auto& reason : j.reasons) html += "<li>" + xml_escaped(reason) + "</li>";
     html += "</ul>\n";
   }
   html += "<table class=\"facts\">";
   const auto fact = [&](const std::string& what, const std::string& value) { html += row({what, value}); };
-  fact("probe", in.serial.empty() ? "-" : escaped(in.serial));
-  fact("pictures taken", in.calibrated_at.empty() ? "-" : escaped(in.calibrated_at));
+  fact("probe", in.serial.empty() ? "-" : xml_escaped(in.serial));
+  fact("pictures taken", in.calibrated_at.empty() ? "-" : xml_escaped(in.calibrated_at));
   fact("poses", fmt::format("{} used, {} rejected", in.solution->poses.size(), in.solution->rejected.size()));
   fact("reprojection, rms", fmt::format("camera {:.4f} px, projector {:.4f} px", r.rms_camera_px, r.rms_projector_px));
   fact("error to expect over the volume",
@@ -51,7 +52,7 @@ ReportSection verdict(const ReportInput& in) {
   html += "</table>\n";
   if (!in.solution->notes.empty()) {
     html += "<ul class=\"notes\">";
-    for (const auto& note : in.solution->notes) html += "<li>" + escaped(note) + "</li>";
+    for (const auto& note : in.solution->notes) html += "<li>" + xml_escaped(note) + "</li>";
     html += "</ul>\n";
   }
   return {"Verdict", html};
@@ -101,9 +102,9 @@ Result<ReportSection> planes(const ReportInput& in) {
   for (const PlaneCheck& plane : j.planes) {
     ENAMEL_TRY_ASSIGN(const std::string map,
                       plane_map(plane, in.solution->state.camera.width, in.solution->state.camera.height, limit_um));
-    html +=
-        figure(map, fmt::format("Pose {}, {:.1f} mm: rms {:.2f} µm, sag {:.2f}, twist {:.2f} µm", escaped(plane.pose),
-                                plane.depth_mm, plane.rms_um, plane.shape.sag_um(), plane.shape.twist_um));
+    html += figure(
+        map, fmt::format("Pose {}, {:.1f} mm: rms {:.2f} µm, sag {:.2f}, twist {:.2f} µm", xml_escaped(plane.pose),
+                         plane.depth_mm, plane.rms_um, plane.shape.sag_um(), plane.shape.twist_um));
   }
   html += fmt::format(
       "</div><p>The ground between the dots over its best plane, in the camera's image; means of 15 × 15 pixels. "
@@ -116,9 +117,9 @@ Result<ReportSection> planes(const ReportInput& in) {
 ReportSection steps(const ReportInput& in) {
   std::string html = "<table>" + row({"after", "planes, µm rms", "±", "95 %, µm", "sag or twist, µm", "±"}, "th");
   for (const StepEffect& s : in.steps) {
-    html += row({escaped(s.step), fmt::format("{:.4f}", s.plane_rms_um), fmt::format("{:.4f}", s.plane_rms_sigma_um),
-                 fmt::format("{:.3f}", s.plane_p95_um), fmt::format("{:.3f}", s.sag_um),
-                 fmt::format("{:.3f}", s.sag_sigma_um)});
+    html += row({xml_escaped(s.step), fmt::format("{:.4f}", s.plane_rms_um),
+                 fmt::format("{:.4f}", s.plane_rms_sigma_um), fmt::format("{:.3f}", s.plane_p95_um),
+                 fmt::format("{:.3f}", s.sag_um), fmt::format("{:.3f}", s.sag_sigma_um)});
   }
   return {"Effect of each step", html + "</table><p>On the judging planes; ± one standard error.</p>"};
 }
@@ -130,14 +131,14 @@ ReportSection poses(const ReportInput& in) {
   for (const PoseRow& p : pose_rows(*in.solution, in.target)) {
     const auto plane = std::find_if(in.judgement->planes.begin(), in.judgement->planes.end(),
                                     [&](const PlaneCheck& c) { return c.pose == p.pose; });
-    html += row({escaped(p.pose), "used", fmt::format("{:.1f}", p.depth_mm), fmt::format("{:.1f}", p.tilt_deg),
+    html += row({xml_escaped(p.pose), "used", fmt::format("{:.1f}", p.depth_mm), fmt::format("{:.1f}", p.tilt_deg),
                  std::to_string(p.dots), std::to_string(p.outliers), fmt::format("{:.4f}", p.rms_camera_px),
                  fmt::format("{:.4f}", p.rms_projector_px),
                  plane == in.judgement->planes.end() ? "-" : fmt::format("{:.2f}", plane->rms_um)});
   }
   for (const PoseNote& note : in.solution->rejected) {
     html += fmt::format("<tr class=\"rejected\"><td>{}</td><td>rejected</td><td colspan=\"7\">{}</td></tr>\n",
-                        escaped(note.pose), escaped(note.reason));
+                        xml_escaped(note.pose), xml_escaped(note.reason));
   }
   return {"Poses", html + "</table>"};
 }

@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calib/report/svg.hpp"
+#include "protocol/base/xml.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -57,6 +58,16 @@ std::string base64(const std::vector<unsigned char>& bytes) {
   return out;
 }
 
+/// An arrow from a place in the field, no longer than to the field's border.
+Vector2d cut_at_border(const Vector2d& from, const Vector2d& along, const Vector2d& field) {
+  double share = 1;
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const double room = along[k] > 0 ? field[k] - from[k] : from[k];
+    if (std::abs(along[k]) > room) share = std::min(share, room / std::abs(along[k]));
+  }
+  return share * along;
+}
+
 }  // namespace
 
 std::string residual_field(const std::vector<FieldArrow>& arrows, int width_px, int height_px) {
@@ -76,14 +87,14 @@ std::string residual_field(const std::vector<FieldArrow>& arrows, int width_px, 
     if (cell.count < 4) continue;
     const int col = i % kCols, row = i / kCols;
     const Vector2d middle((col + 0.5) * width_px / kCols, (row + 0.5) * height_px / kRows);
-    svg.arrow(corner + zoom * middle, kMeanLength * length * cell.mean(), cell.is_systematic() ? "#c0392b" : "#1f3a5f",
-              1.8);
+    const Vector2d along = cut_at_border(zoom * middle, kMeanLength * length * cell.mean(), {zoom * width_px, tall});
+    svg.arrow(corner + zoom * middle, along, cell.is_systematic() ? "#c0392b" : "#1f3a5f", 1.8);
   }
   const double y = tall + 2 * kMargin + 14;
   svg.arrow({kMargin, y - 4}, {14, 0}, "#9fb0bf", 1.2);
   svg.text({kMargin + 20, y}, fmt::format("one dot: {:g} px", legend_px));
   svg.arrow({150, y - 4}, {14, 0}, "#1f3a5f", 1.8);
-  svg.text({170, y}, fmt::format("mean of a cell: {:g} px", legend_px / kMeanLength));
+  svg.text({170, y}, fmt::format("cell mean: {:g} px", legend_px / kMeanLength));
   svg.arrow({330, y - 4}, {14, 0}, "#c0392b", 1.8);
   svg.text({350, y}, "beyond 3 sigma");
   return svg.str();
@@ -113,7 +124,7 @@ Result<std::string> plane_map(const PlaneCheck& plane, int width_px, int height_
   if (!cv::imencode(".png", picture, png)) return fail(ErrorCode::kInternal, "a plane's picture cannot be encoded");
   return fmt::format(
       "<img class=\"map\" alt=\"plane of pose {}\" width=\"{}\" height=\"{}\" src=\"data:image/png;base64,{}\">",
-      escaped(plane.pose), 2 * cols, 2 * rows, base64(png));
+      xml_escaped(plane.pose), 2 * cols, 2 * rows, base64(png));
 }
 
 }  // namespace enamel::calib

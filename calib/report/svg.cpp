@@ -6,33 +6,12 @@
 #include <array>
 #include <cmath>
 
+#include "protocol/base/xml.hpp"
+
 namespace enamel::calib {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 void Svg::line(const Vector2d& from, const Vector2d& to, std::string_view style) {
   body_ += fmt::format("<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" {}/>\n", from.x(), from.y(),
@@ -41,7 +20,7 @@ void Svg::line(const Vector2d& from, const Vector2d& to, std::string_view style)
 
 void Svg::circle(const Vector2d& middle, double radius, std::string_view style, std::string_view tip) {
   body_ += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" {}>", middle.x(), middle.y(), radius, style);
-  if (!tip.empty()) body_ += "<title>" + escaped(tip) + "</title>";
+  if (!tip.empty()) body_ += "<title>" + xml_escaped(tip) + "</title>";
   body_ += "</circle>\n";
 }
 
@@ -51,7 +30,7 @@ void Svg::rect(const Vector2d& corner, const Vector2d& size, std::string_view st
 }
 
 void Svg::text(const Vector2d& at, std::string_view words, std::string_view style) {
-  body_ += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" {}>{}</text>\n", at.x(), at.y(), style, escaped(words));
+  body_ += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" {}>{}</text>\n", at.x(), at.y(), style, xml_escaped(words));
 }
 
 void Svg::arrow(const Vector2d& from, const Vector2d& along, std::string_view colour, double width) {

@@ -7,9 +7,6 @@
 
 namespace enamel::calib {
 
-/// &, <, > and quotes of a text as HTML and XML want them.
-[[nodiscard]] std::string escaped(std::string_view text);
-
 class Svg {
  public:
   Svg(double width, double height) : width_(width), height_(height) {}

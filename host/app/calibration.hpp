@@ -1,13 +1,32 @@
 // Which calibration a run measures with, and what the report says of it.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 
 #include "calib/model/rig.hpp"
 #include "host/record/burst_stream.hpp"
+#include "protocol/base/config.hpp"
 #include "protocol/base/result.hpp"
 
 namespace enamel::app {
+
+/// Beyond these a calibration is marked, not refused: the scan may be all there is.
+struct CalibrationLimits {
+  double max_age_days = 365;
+  double max_kelvins = 5;  ///< of a burst outside of what the calibration covers
+};
+
+/// Binds `[calibration]` of the configuration.
+void bind(ConfigReader& reader, CalibrationLimits& limits);
+
+/// What a calibration is used for.
+struct CalibrationUse {
+  std::string device_serial;                     ///< of the probe that made the bursts; may be empty
+  std::string scanned_at;                        ///< UTC; empty when the recording does not say
+  std::optional<std::array<double, 2>> burst_c;  ///< coldest and warmest burst
+};
 
 struct Calibration {
   calib::Rig rig;           ///< as its file says
@@ -29,8 +48,10 @@ struct Calibration {
 /// those of measuring_rig.
 [[nodiscard]] Result<calib::Rig> rig_to_measure(const Calibration& calibration, const host::BurstStream& stream);
 
-/// {"source", "sha256", "serial", "nominal", "foreign", "calibrated_at", "verdict", "expected_p95_um",
-/// "expected_p95_bound_um"}, the last four where known. device_serial: of the probe that made the bursts.
-[[nodiscard]] std::string calibration_json(const Calibration& calibration, const std::string& device_serial);
+/// {"source", "sha256", "serial", "nominal", "foreign", "calibrated_at", "age_days", "temp_c", "kelvins_beyond",
+/// "follows_temperature", "verdict", "expected_p95_um", "expected_p95_bound_um", "marks"}, those that are known.
+/// `marks` says in words what speaks against it; each is logged as a warning too.
+[[nodiscard]] std::string calibration_json(const Calibration& calibration, const CalibrationUse& use,
+                                           const CalibrationLimits& limits);
 
 }  // namespace enamel::app

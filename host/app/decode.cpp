@@ -34,7 +34,8 @@ Result<int> run_decode(const Options& o) {
   for (const std::string& key : rig.unknown_keys) log::info("rig", "unknown key '{}' kept and ignored", key);
   ENAMEL_TRY_ASSIGN(const proto::Burst burst, stream->burst_with_id({o.burst}));
   if (!proto::is_consistent(burst)) return fail(ErrorCode::kCaptureCorrupt, "burst " + std::to_string(o.burst));
-  ENAMEL_TRY_ASSIGN(const auto decoder, algo::BurstDecoder::make(rig, config.pipeline.decode));
+  ENAMEL_TRY_ASSIGN(const auto decoder,
+                    algo::BurstDecoder::make(calib::rig_at(rig, burst.temp_centi_c / 100.0), config.pipeline.decode));
 
   algo::DecodeReport report{.burst = o.burst, .mode = rig.patterns.mode, .stage_ms = {}};
   algo::DecodeWorkspace workspace;

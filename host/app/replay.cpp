@@ -10,6 +10,7 @@
 #include "host/app/run_options.hpp"
 #include "host/app/screen.hpp"
 #include "host/record/burst_stream.hpp"
+#include "host/record/calibration_attachment.hpp"
 #include "host/session/replay_session.hpp"
 #include "protocol/base/file.hpp"
 #include "protocol/base/progress.hpp"
@@ -33,6 +34,13 @@ std::string resolved_input(const std::string& input) {
   std::error_code ec;
   const fs::path inside = fs::path(input) / "capture.mcap";
   return fs::is_regular_file(inside, ec) ? inside.string() : input;
+}
+
+/// When a live recording began, UTC; empty for one that does not say.
+std::string recorded_at(const capture::CaptureInfo& info) {
+  for (const auto& [key, value] : info.metadata)
+    if (key == host::kRecordedAt) return value;
+  return {};
 }
 
 void tell(const Error& error) { std::fputs((error.message() + "\n").c_str(), stderr); }
@@ -63,6 +71,7 @@ Result<int> run_replay(const Options& o) {
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_to_measure(calibration, *stream));
   const auto recorded_rig = calib::parse_rig(stream->rig_text());
   const std::string device_serial = recorded_rig ? recorded_rig->serial : std::string();
+  const std::string recorded = recorded_at(stream->info());
   ENAMEL_TRY(make_folder(o.run.out));
   const Truth truth{attached_text(*stream, "truth/surface.ply"), attached_text(*stream, "truth/poses.csv")};
   const std::uint64_t total = stream->info().bursts;
@@ -85,7 +94,8 @@ Result<int> run_replay(const Options& o) {
   report.orders = outcome.scan.orders;
   report.simulated = session->simulated();
   report.config_toml = config.text;
-  report.calibration_json = calibration_json(calibration, device_serial);
+  report.calibration_json =
+      calibration_json(calibration, {device_serial, recorded, outcome.scan.temp_c}, config.calibration);
   report.notes["source"] = o.input;
   report.notes["pace"] = o.paced ? "recorded speed, live shedding rules" : "lossless, as fast as possible";
   Screen::State state{.scan = view::ScanState::kFinished,

@@ -31,6 +31,7 @@ void print_calibration(const nlohmann::json& c) {
   if (c.contains("expected_p95_um"))
     words += number(c["expected_p95_um"].get<double>(), ", expected within %.2f", " um");
   row("calibration", words + ", sha256 " + c.value("sha256", "").substr(0, 12));
+  for (const auto& mark : c.value("marks", nlohmann::json::array())) row("", "! " + mark.get<std::string>());
 }
 
 void print_accuracy(const nlohmann::json& a) {
@@ -72,6 +73,7 @@ Result<LoadedConfig> load_config(const RunOptions& o) {
   for (const std::string& setting : o.settings) ENAMEL_TRY(reader.set(setting));
   LoadedConfig config;
   host::bind(reader, config.pipeline);
+  bind(reader, config.calibration);
   ENAMEL_TRY(reader.finish());
   config.text = reader.dump();
   return config;

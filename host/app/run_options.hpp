@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/app/calibration.hpp"
 #include "host/report/report.hpp"
 #include "host/session/pipeline_config.hpp"
 #include "host/session/scan_pipeline.hpp"
@@ -26,6 +27,7 @@ void add_run_options(CLI::App& app, RunOptions& options);
 
 struct LoadedConfig {
   host::PipelineConfig pipeline;
+  CalibrationLimits calibration;
   std::string text;  ///< resolved, TOML
 };
 /// Errors: of ConfigReader.

@@ -11,6 +11,7 @@
 #include "protocol/base/file.hpp"
 #include "protocol/base/log.hpp"
 #include "protocol/base/progress.hpp"
+#include "protocol/base/utc.hpp"
 
 namespace enamel::app {
 
@@ -149,7 +150,9 @@ Result<int> run_scan(const ScanRun& scan) {
 
   host::Report report = first_report(scan, outcome, config, state.simulated);
   if (const auto rig = session->rig())
-    report.calibration_json = calibration_json(calibration.value_or(Calibration{*rig, "", "probe"}), rig->serial);
+    report.calibration_json =
+        calibration_json(calibration.value_or(Calibration{*rig, "", "probe"}),
+                         {rig->serial, utc_text(wall_time()), outcome.scan.temp_c}, config.calibration);
   state.scan = view::ScanState::kFinished;
   state.counters = {outcome.counts.captured, outcome.counts.fused,      outcome.counts.rejected_total(),
                     outcome.counts.shed,     outcome.counts.incomplete, outcome.counts.lost_on_wire};

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "protocol/base/file.hpp"
-#include "protocol/base/wall_time.hpp"
+#include "protocol/base/utc.hpp"
 
 namespace enamel::flash_app {
 namespace {
@@ -30,7 +30,7 @@ update::Updated<EventLog> EventLog::open(const std::string& path) {
   EventLog log;
   if (path.empty()) return log;
   if (const Result<std::string> before = read_file(path)) {
-    const std::string kept = without_old_lines(*before, to_utc_text(wall_time() - kKept));
+    const std::string kept = without_old_lines(*before, utc_text_ms(wall_time() - kKept));
     if (kept != *before) {
       if (const auto written = write_file(path, kept); !written) {
         return update::fail(update::HostError::kLogFile, written.error().detail);
@@ -44,7 +44,7 @@ update::Updated<EventLog> EventLog::open(const std::string& path) {
 
 void EventLog::write(const update::PortInfo& probe, const update::FlashEvent& event) {
   if (!out_.is_open()) return;
-  const nlohmann::ordered_json line = {{"ts", to_utc_text(wall_time())},
+  const nlohmann::ordered_json line = {{"ts", utc_text_ms(wall_time())},
                                        {"serial", probe.serial},
                                        {"event", event.event},
                                        {"block", event.block},

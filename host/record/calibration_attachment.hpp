@@ -6,5 +6,6 @@ namespace enamel::host {
 
 inline constexpr const char* kCalibrationAttachment = "calibration.json";               ///< rig.json in force
 inline constexpr const char* kCalibrationReportAttachment = "calibration-report.json";  ///< of `calibrate solve --json`
+inline constexpr const char* kRecordedAt = "recorded_at";  ///< metadata: UTC, when a live recording began
 
 }  // namespace enamel::host

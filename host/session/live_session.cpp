@@ -7,6 +7,7 @@
 #include "host/record/calibration_attachment.hpp"
 #include "host/session/probe_counts.hpp"
 #include "protocol/base/log.hpp"
+#include "protocol/base/utc.hpp"
 
 namespace enamel::host {
 
@@ -85,7 +86,8 @@ Result<void> LiveSession::start_pipeline(const proto::DeviceInfo& info) {
       .workers = config_.workers, .preview_model = config_.preview_model, .calib_crc32 = rig.crc32};
   ENAMEL_TRY_ASSIGN(pipeline_, ScanPipeline::create(rig, config_.pipeline, options, clock_));
   if (!config_.recording_path.empty()) {
-    const capture::CaptureHeader header{text, config_.program, {{"serial", info.serial}, {"model", info.model}}};
+    const capture::CaptureHeader header{
+        text, config_.program, {{"serial", info.serial}, {"model", info.model}, {kRecordedAt, utc_text(wall_time())}}};
     ENAMEL_TRY_ASSIGN(recorder_, Recorder::create(config_.recording_path, header));
     recorder_->attach(capture::kConfigAttachment, "application/toml", config_.config_text);
     if (config_.calibration) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <mutex>
 #include <span>
 #include <thread>
 
@@ -23,42 +25,46 @@ constexpr std::size_t kEntrance = 2;
 }  // namespace
 
 struct ScanPipeline::Impl {
-  Impl(const ScanPipelineOptions& o, Clock& c)
-      : options(o), clock(c), gate(kEntrance, GatePolicy::kLossless), graph(c) {}
+  Impl(const calib::Rig& r, const PipelineConfig& p, const ScanPipelineOptions& o, Clock& c)
+      : rig(r), config(p), options(o), clock(c), gate(kEntrance, GatePolicy::kLossless), graph(c) {}
 
-  void build(const calib::Rig& rig, const PipelineConfig& config,
-             const std::shared_ptr<const algo::BurstDecoder>& decoder);
+  void build(const calib::Rig& rig, const std::shared_ptr<const algo::BurstDecoder>& decoder);
+  void start(std::optional<double> temp_c);
   void run(const std::stop_token& stop);
 
+  calib::Rig rig;
+  PipelineConfig config;
+  std::shared_ptr<const algo::BurstDecoder> decoder;  ///< of `rig` as it stands
   ScanPipelineOptions options;
   Clock& clock;
+  std::once_flag started;
   IngressGate<Accepted> gate;
   graph::Graph graph;
   PreviewSlot preview;
-  SinkStage* sink = nullptr;
+  std::atomic<SinkStage*> sink{nullptr};  ///< of the graph, once started
   stage::FuseStage* fuse = nullptr;
   std::atomic<std::uint64_t> pushed{0};
   std::optional<HostTime> first_push;
+  std::optional<std::array<double, 2>> temp_c;  ///< coldest and warmest burst
   HostTime drained_at{};
   Result<void> ran;
   std::atomic<bool> drained{false};
   std::jthread thread;  // last: ends before what it uses
 };
 
-void ScanPipeline::Impl::build(const calib::Rig& rig, const PipelineConfig& config,
-                               const std::shared_ptr<const algo::BurstDecoder>& decoder) {
+void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<const algo::BurstDecoder>& baked) {
   auto& source = graph.add<SourceStage>(gate);
   std::array<stage::DecodeStage*, kDecoders> decoders{};
   for (std::size_t i = 0; i < kDecoders; ++i) {
-    decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), decoder, options.calib_crc32);
+    decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), baked, options.calib_crc32);
   }
-  auto& track = graph.add<stage::TrackStage>(rig, config.track, config.guide, decoder);
+  auto& track = graph.add<stage::TrackStage>(optics, config.track, config.guide, baked);
   const stage::FuseStageConfig fuse_config{.fuse = config.fuse,
                                            .mesh = config.mesh,
                                            .preview_model = options.preview_model,
                                            .preview_period = config.preview_period};
-  fuse = &graph.add<stage::FuseStage>(rig, fuse_config);
-  sink = &graph.add<SinkStage>(clock);
+  fuse = &graph.add<stage::FuseStage>(optics, fuse_config);
+  SinkStage& last = graph.add<SinkStage>(clock);
   auto& screen = graph.add<PreviewStage>(preview);
 
   const std::array<graph::In<proto::Burst>*, kDecoders> ins{&decoders[0]->burst, &decoders[1]->burst};
@@ -67,15 +73,37 @@ void ScanPipeline::Impl::build(const calib::Rig& rig, const PipelineConfig& conf
   graph.connect_split<proto::Burst>(source.burst, ins, one);
   graph.connect_merge<stage::Decoded>(outs, track.patch, one);
   graph.connect(track.tracked, fuse->tracked, one);
-  graph.connect(fuse->fused, sink->fused);
+  graph.connect(fuse->fused, last.fused);
   graph.connect(fuse->preview, screen.item, {.on_full = graph::OnFull::kKeepLatest});
   const graph::ItemHead none;
   graph.connect_feedback(fuse->view, track.model, static_cast<std::size_t>(config.feedback_delay),
                          graph::make_item<ModelView>(none, ModelView{}));
+  sink = &last;
+}
+
+/// Optics at the first burst's temperature: a scan takes minutes, the optics drift over the better part of an hour.
+/// What the bursts' temperatures were stands in the result.
+void ScanPipeline::Impl::start(std::optional<double> temp_c_first) {
+  std::call_once(started, [&] {
+    calib::Rig optics = rig;
+    if (rig.temperature && temp_c_first) {
+      optics = calib::rig_at(rig, *temp_c_first);
+      if (auto warm = algo::BurstDecoder::make(optics, config.decode)) {
+        decoder = std::make_shared<const algo::BurstDecoder>(std::move(*warm));
+      } else {
+        ran = tl::unexpected<Error>(warm.error());
+      }
+    }
+    build(optics, decoder);
+    if (ran) ran = graph.validate();
+    thread = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  });
 }
 
 void ScanPipeline::Impl::run(const std::stop_token& stop) {
-  if (options.workers <= 0) {
+  if (!ran) {
+    // Nothing runs: what comes is turned away, and join() tells why.
+  } else if (options.workers <= 0) {
     ran = graph::InlineExecutor().run(graph, stop);
   } else {
     ran = graph::WorkerExecutor(static_cast<std::size_t>(options.workers)).run(graph, stop);
@@ -89,11 +117,8 @@ void ScanPipeline::Impl::run(const std::stop_token& stop) {
 Result<std::unique_ptr<ScanPipeline>> ScanPipeline::create(const calib::Rig& rig, const PipelineConfig& config,
                                                            const ScanPipelineOptions& options, Clock& clock) {
   ENAMEL_TRY_ASSIGN(auto decoder, algo::BurstDecoder::make(rig, config.decode));
-  auto impl = std::make_unique<Impl>(options, clock);
-  impl->build(rig, config, std::make_shared<const algo::BurstDecoder>(std::move(decoder)));
-  ENAMEL_TRY(impl->graph.validate());
-  Impl& running = *impl;
-  impl->thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
+  auto impl = std::make_unique<Impl>(rig, config, options, clock);
+  impl->decoder = std::make_shared<const algo::BurstDecoder>(std::move(decoder));
   return std::unique_ptr<ScanPipeline>(new ScanPipeline(std::move(impl)));
 }
 
@@ -103,7 +128,11 @@ ScanPipeline::~ScanPipeline() { finish(); }
 
 bool ScanPipeline::push(Accepted item) {
   if (!impl_->first_push) impl_->first_push = impl_->clock.now();
-  if (item.exposed) impl_->sink->note_exposure(item.id, *item.exposed);
+  const double temp_c = item.burst->temp_centi_c / 100.0;
+  impl_->start(temp_c);
+  auto& range = impl_->temp_c;
+  range = range ? std::array{std::min((*range)[0], temp_c), std::max((*range)[1], temp_c)} : std::array{temp_c, temp_c};
+  if (item.exposed) impl_->sink.load()->note_exposure(item.id, *item.exposed);
   if (impl_->gate.push(std::move(item))) return false;
   impl_->pushed.fetch_add(1, std::memory_order_relaxed);
   impl_->graph.waker().notify();
@@ -111,6 +140,7 @@ bool ScanPipeline::push(Accepted item) {
 }
 
 void ScanPipeline::finish() {
+  impl_->start(std::nullopt);
   impl_->gate.close();
   impl_->graph.waker().notify();
 }
@@ -123,11 +153,17 @@ Result<void> ScanPipeline::join() {
 }
 
 PreviewSlot& ScanPipeline::preview() { return impl_->preview; }
-std::uint64_t ScanPipeline::fused_so_far() const { return impl_->sink->fused_count.value(); }
-std::uint64_t ScanPipeline::rejected_so_far() const { return impl_->sink->rejected_count.value(); }
+std::uint64_t ScanPipeline::fused_so_far() const {
+  const SinkStage* sink = impl_->sink;
+  return sink != nullptr ? sink->fused_count.value() : 0;
+}
+std::uint64_t ScanPipeline::rejected_so_far() const {
+  const SinkStage* sink = impl_->sink;
+  return sink != nullptr ? sink->rejected_count.value() : 0;
+}
 
 ScanResult ScanPipeline::take_result() {
-  SinkStage& sink = *impl_->sink;
+  SinkStage& sink = *impl_->sink.load();
   ScanResult result;
   result.trace = std::move(sink.trace);
   const std::vector<Pose> at_mid_burst = algo::poses_at_mid_burst(sink.poses, {});
@@ -147,6 +183,7 @@ ScanResult ScanPipeline::take_result() {
   }
   result.latency_ms = ms(sink.latency_ns.summary());
   if (impl_->first_push) result.seconds = std::chrono::duration<double>(impl_->drained_at - *impl_->first_push).count();
+  result.temp_c = impl_->temp_c;
   result.graph_mermaid = impl_->graph.mermaid();
   return result;
 }

@@ -1,7 +1,9 @@
 // The stage graph of a scan, from bursts to the model: source -> decode -> track -> fuse -> sink, with the model fed
-// back through a delay edge and a preview tap that keeps the latest. Live scans and replays run exactly this.
+// back through a delay edge and a preview tap that keeps the latest. Live scans and replays run exactly this. A rig
+// with temperature terms is taken at the temperature of the first burst.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -48,7 +50,8 @@ struct ScanResult {
   OrderTotals orders;
   std::map<std::string, Percentiles> stage_ms;
   Percentiles latency_ms;
-  double seconds = 0;  ///< from the first burst in to the last burst out
+  double seconds = 0;                           ///< from the first burst in to the last burst out
+  std::optional<std::array<double, 2>> temp_c;  ///< coldest and warmest burst, degrees C; empty without bursts
   std::string graph_mermaid;
 };
 

@@ -4,33 +4,11 @@
 #include <map>
 #include <mutex>
 
+#include "protocol/base/xml.hpp"
 #include "protocol/dds/participant_impl.hpp"
 
 namespace enamel::dds {
 namespace {
-
-std::string xml_escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 struct Registry {
   std::mutex mutex;

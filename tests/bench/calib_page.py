@@ -6,7 +6,7 @@ import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import calib_pictures as pictures  # noqa: E402
-from decode_page import Page, machine  # noqa: E402
+from bench_page import Page, machine  # noqa: E402
 
 
 def errors(e):
@@ -119,19 +119,7 @@ def main(work, out):
                   "2 µm: `enamel calibrate solve --hold-out 02,05,08`.")
         for name in pictures.draw(f"{work}/report", out):
             page.note(f"![{name}]({name})")
-    judged = [r for r in page.rows if r["met"] is not None]
-    missed = [r for r in judged if not r["met"]]
-    head = ["# Calibration benchmark", "", "Made by `tools/bench-calibration`; do not edit. Figures: [calibration.json]"
-            "(calibration.json). The method: [../calibration.md](../calibration.md).", "",
-            f"{len(judged) - len(missed)} of {len(judged)} targets met. {where['cpu']}, {where['cores']} cores, load "
-            f"{where['load_1min']:.1f}, commit {where['commit']}.", ""]
-    if missed:
-        head += ["Missed:", ""] + [f"- {r['what']}: {r['measured']} (target {r['target']})" for r in missed]
-    with open(f"{out}/calibration.md", "w", encoding="utf-8") as f:
-        f.write("\n".join(head + page.text) + "\n")
-    with open(f"{out}/calibration.json", "w", encoding="utf-8") as f:
-        json.dump({"machine": where, "rows": page.rows, "study": study}, f, indent=1)
-        f.write("\n")
+    page.write(out, "calibration", "tools/bench-calibration", where, {"study": study})
 
 
 if __name__ == "__main__":

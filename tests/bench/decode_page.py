@@ -2,8 +2,6 @@
 """decode_page.py WORK OUT ENAMEL: gathers what tools/bench measured, adds peers, writes OUT/decode.json, decode.md, PNGs."""
 import json
 import os
-import platform
-import subprocess
 import sys
 
 import numpy as np
@@ -12,27 +10,9 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import decode_peers as peers  # noqa: E402
 import decode_pictures as pictures  # noqa: E402
 import order_sections as orders  # noqa: E402
+from bench_page import Page, machine  # noqa: E402
 
 SHARED = os.environ.get("ENAMEL_SHARED", "../shared")
-
-
-class Page:
-    """Rows with a target, each either met or not, in sections."""
-
-    def __init__(self):
-        self.rows, self.text = [], []
-
-    def section(self, title, note=""):
-        self.text += ["", f"## {title}", ""] + ([note, ""] if note else [])
-        self.text += ["| What | Target | Measured | Met |", "|---|---|---|---|"]
-
-    def row(self, what, target, measured, met):
-        """met: True, False, or None where there is no target."""
-        self.rows.append({"what": what, "target": target, "measured": measured, "met": met})
-        self.text.append(f"| {what} | {target} | {measured} | {'–' if met is None else 'yes' if met else '**no**'} |")
-
-    def note(self, text):
-        self.text += ["", text, ""]
 
 
 def worst(rows, key):
@@ -187,12 +167,6 @@ def time_rows(page, decode):
         page.row(name.split("/")[-1], "≤ 9 ms", f"{total:.1f} ms: {parts}", total <= 9)
 
 
-def machine():
-    cpu = platform.machine()
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
-    return {"cpu": cpu, "cores": os.cpu_count(), "kernel": platform.release(), "load_1min": os.getloadavg()[0], "commit": commit}
-
-
 def main(work, out, program):
     def load(name):
         return json.load(open(f"{work}/{name}.json", encoding="utf-8"))
@@ -214,22 +188,9 @@ def main(work, out, program):
     oracle = peers.oracle_rows(SHARED, program, work)
     oracle_section(page, oracle, out, work)
     time_rows(page, decode)
-    judged = [r for r in page.rows if r["met"] is not None]
-    missed = [r for r in judged if not r["met"]]
-    head = ["# Decode benchmark", "", "Made by `tools/bench`; do not edit. Figures: [decode.json](decode.json). The method: "
-            "[../decode.md](../decode.md).", "",
-            f"{len(judged) - len(missed)} of {len(judged)} targets met. {where['cpu']}, {where['cores']} cores, load "
-            f"{where['load_1min']:.1f}, commit {where['commit']}.", ""]
-    if missed:
-        head += ["Missed:", ""] + [f"- {r['what']}: {r['measured']} (target {r['target']})" for r in missed]
-    with open(f"{out}/decode.md", "w", encoding="utf-8") as f:
-        f.write("\n".join(head + page.text) + "\n")
-    everything = {"machine": where, "rows": page.rows, "study": study, "oracle": oracle,
-                  "phase_ns_per_px": {k: v["ns_per_px"] for k, v in phase.items()},
-                  "decode_ms": {k: {s: x for s, x in v.items() if isinstance(x, float)} for k, v in decode.items()}}
-    with open(f"{out}/decode.json", "w", encoding="utf-8") as f:
-        json.dump(everything, f, indent=1, default=lambda x: x.item() if isinstance(x, np.generic) else str(x))
-        f.write("\n")
+    page.write(out, "decode", "tools/bench", where, {
+        "study": study, "oracle": oracle, "phase_ns_per_px": {k: v["ns_per_px"] for k, v in phase.items()},
+        "decode_ms": {k: {s: x for s, x in v.items() if isinstance(x, float)} for k, v in decode.items()}})
 
 
 if __name__ == "__main__":

@@ -21,6 +21,8 @@ std::string write_calibration(const TempFolder& tmp, const std::string& serial, 
   Json rig = json_of(std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe.json");
   rig["serial"] = serial;
   rig["patterns"] = {{"mode", "multi"}, {"steps", 4}, {"cycles", {1, 4, 16, 64}}, {"mean", 127}, {"amplitude", 120}};
+  rig["calibrated_at"] = "2020-01-31T12:00:00Z";
+  rig["temp_c"] = 20;  // the small recording's bursts are at 32
   rig["camera"]["fx"] = focal_scale * rig["camera"]["fx"].get<double>();
   const std::string path = tmp / ("rig-" + serial + ".json");
   EXPECT_TRUE(write_file(path, rig.dump(1)));
@@ -50,6 +52,9 @@ TEST(CalibrationInForce, ScanRecordsItAndReplayMeasuresWithIt) {
   EXPECT_EQ(live["calibration"]["verdict"], "accepted");
   EXPECT_EQ(live["calibration"]["expected_p95_um"], 0.25);
   EXPECT_FALSE(live["calibration"]["foreign"].get<bool>());
+  EXPECT_GT(live["calibration"]["age_days"], 1800);
+  EXPECT_EQ(live["calibration"]["kelvins_beyond"], 12);
+  EXPECT_EQ(live["calibration"]["marks"].size(), 2U) << live["calibration"];
   const auto replay = [&](const std::string& name, std::vector<std::string> more) {
     std::vector<std::string> argv{program("enamel"), "replay", tmp / "session", "--out", tmp / name, "--headless"};
     argv.insert(argv.end(), more.begin(), more.end());
@@ -62,11 +67,37 @@ TEST(CalibrationInForce, ScanRecordsItAndReplayMeasuresWithIt) {
   EXPECT_EQ(again["calibration"]["sha256"], live["calibration"]["sha256"]);
   EXPECT_EQ(again["calibration"]["expected_p95_um"], 0.25);
   EXPECT_EQ(again["hash"], live["hash"]) << "the recording carries what measured it";
+  EXPECT_EQ(again["calibration"]["marks"].size(), 2U) << "the recording says when it was made";
   // Control: the probe's own calibration gives another result.
   const Json own = replay("own", {"--rig", std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe.json"});
   EXPECT_NE(own["hash"], live["hash"]);
   EXPECT_NE(own["calibration"]["sha256"], live["calibration"]["sha256"]);
   EXPECT_FALSE(own["calibration"].contains("verdict"));
+  EXPECT_EQ(own["calibration"]["marks"].size(), 0U);
+}
+
+TEST(CalibrationInForce, TermsTakeTheOpticsToTheBurstsTemperature) {
+  const TempFolder tmp;
+  const auto hash = [&](const char* name, const auto& change) {
+    Json rig = json_of(std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe.json");
+    change(rig);
+    const std::string path = tmp / (std::string(name) + ".json");
+    EXPECT_TRUE(write_file(path, rig.dump(1)));
+    const Ran ran = run(
+        {program("enamel"), "replay", small_capture(), "--out", tmp / name, "--headless", "--rig", path}, seconds(180));
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    const Json report = json_of(tmp / (std::string(name) + "/report.json"));
+    EXPECT_EQ(report["calibration"]["temp_c"], Json({32, 32}));
+    return report["hash"];
+  };
+  constexpr double kPerKelvin = 0.5, kKelvins = 2;  // from 30 to the 32 degrees of the recording
+  const auto terms = [](Json& rig) {
+    rig["temperature"] = {
+        {"reference_c", 30}, {"range_c", {20, 40}}, {"per_kelvin", {{"camera", {{"fx", kPerKelvin}}}}}};
+  };
+  const auto moved = [](Json& rig) { rig["camera"]["fx"] = rig["camera"]["fx"].get<double>() + kPerKelvin * kKelvins; };
+  EXPECT_EQ(hash("terms", terms), hash("moved", moved));
+  EXPECT_NE(hash("terms", terms), hash("as-it-is", [](Json&) {})) << "control";
 }
 
 TEST(CalibrationInForce, AnotherProbesIsRefused) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <deque>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -73,8 +72,8 @@ class Guide {
   [[nodiscard]] calib::Coverage coverage() const { return coverage_of(accepted_, probe_.rig, wanted_); }
   [[nodiscard]] bool has_poses() const { return static_cast<int>(accepted_.size()) >= wanted_.poses; }
   [[nodiscard]] std::size_t refused() const { return rows_.size() - accepted_.size(); }
-  Result<void> commit(const std::string& target_text, int sweeps) {
-    return writer_.commit(probe_.rig, target_text, sweeps);
+  Result<void> commit(const std::string& target_text, int sweeps, std::optional<double> temp_c) {
+    return writer_.commit(probe_.rig, target_text, sweeps, temp_c);
   }
 
   [[nodiscard]] Json json(const char* verdict) const {
@@ -123,13 +122,17 @@ Result<void> gather(const Options& o, PoseFeed& feed, Guide& guide, Clock& clock
 }
 
 /// The folder, or the reason why there is none.
-Result<int> conclude(const Options& o, Guide& guide, std::uint64_t broken_sweeps, const std::string& target_text) {
+Result<int> conclude(const Options& o, Guide& guide, const PoseFeed& feed, const std::string& target_text) {
   const calib::Coverage coverage = guide.coverage();
   const char* verdict = coverage.is_enough() ? "complete" : guide.has_poses() ? "usable" : "refused";
   Json json = guide.json(verdict);
-  json["broken_sweeps"] = broken_sweeps;
-  if (broken_sweeps > 0) log::warn("calibrate", "{} sweeps dropped: bursts were lost on the way", broken_sweeps);
-  if (guide.has_poses()) ENAMEL_TRY(guide.commit(target_text, o.sweeps));
+  json["broken_sweeps"] = feed.broken_sweeps();
+  json["dropped_poses"] = feed.dropped_poses();
+  if (feed.broken_sweeps() > 0)
+    log::warn("calibrate", "{} sweeps dropped: bursts were lost on the way", feed.broken_sweeps());
+  if (feed.dropped_poses() > 0)
+    log::warn("calibrate", "{} poses dropped: this machine measures slower than they come", feed.dropped_poses());
+  if (guide.has_poses()) ENAMEL_TRY(guide.commit(target_text, o.sweeps, feed.temp_c()));
   if (o.json) std::puts(json.dump(1).c_str());
   if (!guide.has_poses()) {
     std::string detail = fmt::format("{} of {} poses taken, {} refused", coverage.poses, o.poses, guide.refused());
@@ -168,7 +171,7 @@ Result<int> run_capture(const Options& o) {
   ENAMEL_TRY(gather(o, *feed, guide, clock));
   feed->stop();
   if (const auto error = feed->error(); error && !guide.has_poses()) return tl::unexpected<Error>(*error);
-  return conclude(o, guide, feed->broken_sweeps(), target_text);
+  return conclude(o, guide, *feed, target_text);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// enamel calibrate check: planes of a calibration folder, or a two-sphere bar, as a rig sees them.
+// enamel calibrate check: planes of a calibration folder, a two-sphere bar or the overlaps of a scan, as a rig sees
+// them.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -6,6 +7,7 @@
 #include <string>
 
 #include "host/app/calibrate/bar.hpp"
+#include "host/app/calibrate/self_check.hpp"
 #include "host/app/calibrate/set.hpp"
 #include "host/app/calibrate/subcommand.hpp"
 #include "host/app/calibrate/verdict.hpp"
@@ -19,6 +21,7 @@ struct Options {
   std::string folder, rig;
   std::vector<std::string> poses;
   BarOptions bar;
+  SelfCheckOptions scan;
 };
 
 Result<int> run_bar(const Options& o, const calib::Rig& rig) {
@@ -27,11 +30,18 @@ Result<int> run_bar(const Options& o, const calib::Rig& rig) {
   return json["verdict"] == "accepted" ? 0 : exit_code(ErrorCode::kCalibrationRefused);
 }
 
+Result<int> run_self_check(const Options& o, const calib::Rig& rig) {
+  ENAMEL_TRY_ASSIGN(const Json json, self_check(rig, o.scan));
+  std::puts(json.dump(1).c_str());
+  return json["verdict"] == "alarm" ? exit_code(ErrorCode::kCalibrationRefused) : 0;
+}
+
 Result<int> run_check(const Options& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, load_intact(o.rig));
   if (!o.bar.capture.empty()) return run_bar(o, rig);
-  if (o.folder.empty()) return fail(ErrorCode::kUsage, "calibrate check wants a calibration folder or --bar");
+  if (!o.scan.capture.empty()) return run_self_check(o, rig);
+  if (o.folder.empty()) return fail(ErrorCode::kUsage, "calibrate check wants a calibration folder, --bar or --scan");
   ENAMEL_TRY_ASSIGN(const calib::CalibFolder folder, calib::open_calib_folder(o.folder));
   if (!rig.serial.empty() && !folder.nominal.serial.empty() && rig.serial != folder.nominal.serial) {
     return fail(ErrorCode::kRigForeign,
@@ -58,13 +68,18 @@ Result<int> run_check(const Options& o) {
 
 CalibrateCommand add_calibrate_check(CLI::App& app) {
   auto o = std::make_shared<Options>();
-  CLI::App* check = app.add_subcommand("check", "planes or a two-sphere bar as a rig sees them (JSON)");
+  CLI::App* check =
+      app.add_subcommand("check", "planes, a two-sphere bar or a scan's overlaps as a rig sees them (JSON)");
   check->add_option("DIR", o->folder, "calibration folder: its planes");
   check->add_option("--rig", o->rig, "rig.json to judge")->required();
   check->add_option("--poses", o->poses, "only these poses")->delimiter(',');
   check->add_option("--bar", o->bar.capture, "recording or exchange folder of a two-sphere bar at rest");
   check->add_option("--bar-mm", o->bar.design_mm, "its diameters, the smaller first, and the distance")->delimiter(',');
   check->add_option("--bursts", o->bar.bursts, "bursts of the bar to measure")->delimiter(',')->capture_default_str();
+  check->add_option("--scan", o->scan.capture, "recording or session folder of a scan: does it contradict the rig?");
+  check->add_option("--views", o->scan.views, "bursts of the scan that take part at most")
+      ->check(CLI::Range(20, 200))
+      ->capture_default_str();
   return {check, [o] { return run_check(*o); }};
 }
 

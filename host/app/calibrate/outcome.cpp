@@ -52,6 +52,8 @@ Result<std::string> rig_text(const Outcome& o) {
                           .calibrated_at = calib::capture_time_utc(o.folder.path),
                           .response = o.measured.response,
                           .correction = s.state.correction,
+                          .temp_c = o.folder.nominal.temp_c,
+                          .temperature = std::nullopt,
                           .rms_camera_px = s.result.rms_camera_px,
                           .rms_projector_px = s.result.rms_projector_px,
                           .poses = static_cast<int>(s.poses.size()),

@@ -89,6 +89,8 @@ Result<void> PoseFeed::on_probe(const proto::DeviceInfo& info, bool came_back) {
 void PoseFeed::on_burst(dds::Received<proto::Burst> burst, HostTime) {
   const bool whole = burst.valid && proto::is_consistent(burst.value);
   if (!whole || !gatherer_) return;  // its set is missing from the sweep, which is then dropped
+  temp_sum_c_ += burst.value.temp_centi_c / 100.0;
+  ++bursts_;
   std::array<Map<float>, 4> frames;
   for (int k = 0; k < proto::kFramesPerBurst; ++k) frames[static_cast<std::size_t>(k)] = image_of(burst.value, k);
   const int before = gatherer_->sweeps_so_far();
@@ -97,21 +99,17 @@ void PoseFeed::on_burst(dds::Received<proto::Burst> burst, HostTime) {
   PoseNews news;
   news.sweeps = before;
   if (event == calib::GatherEvent::kPose) news.frames = gatherer_->take();
-  const std::lock_guard lock(mutex_);
-  news_.push_back(std::move(news));
+  if (news_.push(std::move(news))) dropped_.fetch_add(1, std::memory_order_relaxed);
+}
+
+std::optional<double> PoseFeed::temp_c() const {
+  if (bursts_ == 0) return std::nullopt;
+  return temp_sum_c_ / static_cast<double>(bursts_);
 }
 
 std::optional<ProbeSeen> PoseFeed::probe() const {
   const std::lock_guard lock(mutex_);
   return probe_;
-}
-
-std::optional<PoseNews> PoseFeed::take() {
-  const std::lock_guard lock(mutex_);
-  if (news_.empty()) return std::nullopt;
-  PoseNews news = std::move(news_.front());
-  news_.pop_front();
-  return news;
 }
 
 std::optional<Error> PoseFeed::error() const {

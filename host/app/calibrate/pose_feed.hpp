@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <thread>
 
 #include "calib/guide/pose_gatherer.hpp"
+#include "host/ingest/ingress_gate.hpp"
 #include "host/ingest/live_feed.hpp"
 
 namespace enamel::app {
@@ -42,13 +42,17 @@ class PoseFeed final : private host::FeedSink {
   ~PoseFeed() override;
 
   [[nodiscard]] std::optional<ProbeSeen> probe() const;
-  [[nodiscard]] std::optional<PoseNews> take();
+  [[nodiscard]] std::optional<PoseNews> take() { return news_.try_pop(); }
   /// The probe's session is over, or error() says why nothing more will come.
   [[nodiscard]] bool ended() const { return ended_.load(std::memory_order_acquire); }
   /// kProbeNotFound, kProbeLost, kRigMissing, kRigInvalid, kPatternSet …
   [[nodiscard]] std::optional<Error> error() const;
   /// Sweeps dropped because a burst of theirs never came. After stop().
   [[nodiscard]] std::uint64_t broken_sweeps() const { return gatherer_ ? gatherer_->broken_sweeps() : 0; }
+  /// Poses that went unseen because those before them were not taken in time: the oldest goes first.
+  [[nodiscard]] std::uint64_t dropped_poses() const { return dropped_.load(std::memory_order_relaxed); }
+  /// Mean over the bursts, degrees C; empty before the first. After stop().
+  [[nodiscard]] std::optional<double> temp_c() const;
   /// Ends the session and waits for it.
   void stop();
 
@@ -67,10 +71,16 @@ class PoseFeed final : private host::FeedSink {
   std::unique_ptr<host::ProbeLink> link_;
   host::LiveFeed feed_;
   std::optional<calib::PoseGatherer> gatherer_;  ///< feed thread only
+  double temp_sum_c_ = 0;                        ///< of so many bursts; feed thread only
+  std::uint64_t bursts_ = 0;
 
-  mutable std::mutex mutex_;  ///< guards the next three
+  /// A pose is some 50 MB of pictures, and measuring one takes as long as showing the next.
+  static constexpr std::size_t kWaitingPoses = 4;
+  host::IngressGate<PoseNews> news_{kWaitingPoses, host::GatePolicy::kShedOldest};
+  std::atomic<std::uint64_t> dropped_{0};
+
+  mutable std::mutex mutex_;  ///< guards the next two
   std::optional<ProbeSeen> probe_;
-  std::deque<PoseNews> news_;
   std::optional<Error> error_;
   std::atomic<bool> ended_{false};
   std::jthread thread_;

@@ -13,6 +13,8 @@
 #include "host/app/calibrate/set.hpp"
 #include "host/app/calibrate/subcommand.hpp"
 #include "host/app/calibrate/verdict.hpp"
+#include "host/app/calibration.hpp"
+#include "protocol/base/utc.hpp"
 
 namespace enamel::app {
 namespace {
@@ -72,9 +74,15 @@ void add_verdict(Json& json, const calib::Rig& rig, const calib::RigDetails& d) 
 Json describe(const std::string& path, const calib::Rig& rig) {
   const calib::RigDetails d = calib::read_rig_details(rig);
   Json json{{"file", path}, {"serial", rig.serial}, {"calibrated_at", d.calibrated_at}};
+  if (const auto taken = parse_utc(d.calibrated_at)) {
+    const double days = std::chrono::duration<double, std::ratio<86400>>(wall_time() - *taken).count();
+    json["age_days"] = days;
+    json["stale"] = days > CalibrationLimits{}.max_age_days;
+  }
   json["temp_c"] = d.temp_c ? Json(*d.temp_c) : Json();
   json["sha256"] = seal_text(d.seal);
   add_verdict(json, rig, d);
+  if (rig.temperature) json["temperature_range_c"] = rig.temperature->range_c;
   if (d.residuals) {
     json["residuals"] = {{"rms_camera_px", d.residuals->rms_camera_px},
                          {"rms_projector_px", d.residuals->rms_projector_px},
@@ -94,11 +102,17 @@ std::string parameter_line(const Json& p) {
 
 std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
 
+std::string age_text(const Json& json) {
+  if (!json.contains("age_days")) return {};
+  return fmt::format(", {:.0f} days ago{}", json["age_days"].get<double>(),
+                     json["stale"].get<bool>() ? ": stale, calibrate anew" : "");
+}
+
 void print(const Json& json) {
   std::printf("%s: %s\n", json["file"].get<std::string>().c_str(), json["verdict"].get<std::string>().c_str());
   for (const auto& reason : json["reasons"]) std::printf("  because %s\n", reason.get<std::string>().c_str());
   std::printf("probe              %s\n", or_dash(json["serial"]).c_str());
-  std::printf("calibrated         %s\n", or_dash(json["calibrated_at"]).c_str());
+  std::printf("calibrated         %s%s\n", or_dash(json["calibrated_at"]).c_str(), age_text(json).c_str());
   std::printf("temperature        %s\n",
               json["temp_c"].is_null() ? "-" : fmt::format("{:.1f} C", json["temp_c"].get<double>()).c_str());
   std::printf("sha256             %s\n", json["sha256"].get<std::string>().c_str());

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "calib/io/rig_store.hpp"
@@ -27,6 +28,7 @@ struct Options {
   std::string pictures, chessboard, serial;
   std::string target = "auto";
   std::vector<std::string> hold_out;
+  std::optional<double> temp_c;
   bool install = false;
   bool json = false;
 };
@@ -68,6 +70,7 @@ Result<calib::CalibFolder> open_set(const Options& o) {
   if (!o.serial.empty() && !serial.empty() && serial != o.serial)
     return fail(ErrorCode::kRigForeign, o.folder + " is of probe " + serial + ", --serial says " + o.serial);
   if (serial.empty()) serial = o.serial;
+  if (o.temp_c) folder.nominal.temp_c = o.temp_c;
   return folder;
 }
 
@@ -150,6 +153,7 @@ CalibrateCommand add_calibrate_solve(CLI::App& app) {
       ->capture_default_str();
   solve->add_option("--hold-out", o->hold_out, "poses that only judge")->delimiter(',');
   solve->add_option("--serial", o->serial, "the probe, where the set's rig.json does not say");
+  solve->add_option("--temp-c", o->temp_c, "the probe's temperature, where the set's rig.json does not say");
   solve->add_flag("--install", o->install, "make it the probe's current calibration when it is accepted");
   solve->add_option("--store", o->store,
                     "folder of installed calibrations (default $ENAMEL_CALIBRATIONS, else the "

@@ -14,6 +14,7 @@ struct CalibrateCommand {
 CalibrateCommand add_calibrate_capture(CLI::App& app);
 CalibrateCommand add_calibrate_check(CLI::App& app);
 CalibrateCommand add_calibrate_compare(CLI::App& app);
+CalibrateCommand add_calibrate_join(CLI::App& app);
 CalibrateCommand add_calibrate_list(CLI::App& app);
 CalibrateCommand add_calibrate_revert(CLI::App& app);
 CalibrateCommand add_calibrate_show(CLI::App& app);

@@ -6,6 +6,7 @@
 #include "protocol/base/bytes.hpp"
 #include "protocol/base/crc32.hpp"
 #include "protocol/base/sha256.hpp"
+#include "protocol/base/xml.hpp"
 
 namespace enamel {
 namespace {
@@ -111,6 +112,11 @@ TEST(Bytes, PatchOutsideIsRefused) {
   w.put(1U);
   EXPECT_FALSE(w.patch(1, 2U));
   EXPECT_FALSE(w.patch(5, std::uint8_t{2}));
+}
+
+TEST(Xml, EscapesWhatWouldEndContentOrAnAttribute) {
+  EXPECT_EQ(xml_escaped(R"(<a b="1">&'µm')"), "&lt;a b=&quot;1&quot;&gt;&amp;'µm'");
+  EXPECT_EQ(xml_escaped(""), "");
 }
 
 }  // namespace

@@ -1,0 +1,47 @@
+"""What the benchmark pages share: rows with a target, the machine, and how a page is written."""
+import json
+import os
+import platform
+import subprocess
+
+
+class Page:
+    """Rows with a target, each either met or not, in sections."""
+
+    def __init__(self):
+        self.rows, self.text = [], []
+
+    def section(self, title, note=""):
+        self.text += ["", f"## {title}", ""] + ([note, ""] if note else [])
+        self.text += ["| What | Target | Measured | Met |", "|---|---|---|---|"]
+
+    def row(self, what, target, measured, met):
+        """met: True, False, or None where there is no target."""
+        self.rows.append({"what": what, "target": target, "measured": measured, "met": met})
+        self.text.append(f"| {what} | {target} | {measured} | {'–' if met is None else 'yes' if met else '**no**'} |")
+
+    def note(self, text):
+        self.text += ["", text, ""]
+
+    def write(self, out, name, tool, where, figures):
+        """OUT/NAME.md and OUT/NAME.json: the page under its head of targets met and missed, and the figures."""
+        judged = [r for r in self.rows if r["met"] is not None]
+        missed = [r for r in judged if not r["met"]]
+        head = [f"# {name.capitalize()} benchmark", "", f"Made by `{tool}`; do not edit. Figures: [{name}.json]({name}.json). "
+                f"The method: [../{name}.md](../{name}.md).", "",
+                f"{len(judged) - len(missed)} of {len(judged)} targets met. {where['cpu']}, {where['cores']} cores, load "
+                f"{where['load_1min']:.1f}, commit {where['commit']}.", ""]
+        if missed:
+            head += ["Missed:", ""] + [f"- {r['what']}: {r['measured']} (target {r['target']})" for r in missed]
+        with open(f"{out}/{name}.md", "w", encoding="utf-8") as f:
+            f.write("\n".join(head + self.text) + "\n")
+        with open(f"{out}/{name}.json", "w", encoding="utf-8") as f:
+            json.dump({"machine": where, "rows": self.rows, **figures}, f, indent=1,
+                      default=lambda x: x.item() if hasattr(x, "item") else str(x))
+            f.write("\n")
+
+
+def machine():
+    cpu = platform.machine()
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
+    return {"cpu": cpu, "cores": os.cpu_count(), "kernel": platform.release(), "load_1min": os.getloadavg()[0], "commit": commit}
