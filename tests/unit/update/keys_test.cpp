@@ -24,7 +24,7 @@ class Keys : public testing::Test {
   }
   [[nodiscard]] test::Ran embed(const std::string& files) const {
     return run({"/usr/bin/env", "cmake", "-DKEYS=" + files, "-DOUT=" + (folder_ / "keys.cpp"), "-P",
-                ENAMEL_SOURCE_DIR "/firmware/keys/embed_keys.cmake"});
+                std::string(ENAMEL_SOURCE_DIR) + "/firmware/keys/embed_keys.cmake"});
   }
   [[nodiscard]] static std::string digits(const std::string& file) {
     return nlohmann::json::parse(read_file(file).value())["key"];
