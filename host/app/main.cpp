@@ -6,21 +6,14 @@
 #include <cstdio>
 #include <opencv2/core/utility.hpp>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "host/app/command.hpp"
 #include "protocol/base/log.hpp"
+#include "protocol/base/subcommands.hpp"
 
 namespace {
 
-struct Command {
-  const char* name;
-  const char* what;
-  enamel::app::Run (*add)(CLI::App&);
-};
-
-constexpr std::array<Command, 10> kCommands{{
+constexpr std::array<enamel::Subcommand<enamel::app::Run>, 10> kCommands{{
     {"demo", "the whole system on this machine: twin, probe, DDS, live preview, mesh, accuracy", enamel::app::add_demo},
     {"scan", "live scan of a probe on the network", enamel::app::add_scan},
     {"replay", "reprocess a recording or exchange folder: same capture, same bits", enamel::app::add_replay},
@@ -37,25 +30,12 @@ constexpr std::array<Command, 10> kCommands{{
 int run(int argc, char** argv) {
   CLI::App app("enamel: an open intraoral 3D scanner", "enamel");
   app.set_version_flag("--version", std::string(ENAMEL_VERSION));
-  app.require_subcommand(1);
-  std::vector<std::pair<CLI::App*, enamel::app::Run>> commands;
-  for (const Command& command : kCommands) {
-    CLI::App* sub = app.add_subcommand(command.name, command.what);
-    commands.emplace_back(sub, command.add(*sub));
-  }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 1;
-  }
-  for (const auto& [sub, command] : commands) {
-    if (!sub->parsed()) continue;
-    const auto code = command();
-    if (code) return *code;
-    std::fputs((code.error().message() + "\n").c_str(), stderr);
-    return enamel::exit_code(code.error().code);
-  }
-  return 1;
+  const auto command = enamel::parse_subcommand<enamel::app::Run>(app, kCommands, argc, argv, 1);
+  if (!command) return command.error();
+  const auto code = (*command)();
+  if (code) return *code;
+  std::fputs((code.error().message() + "\n").c_str(), stderr);
+  return enamel::exit_code(code.error().code);
 }
 
 }  // namespace

@@ -34,6 +34,8 @@ struct ImageFile {
 };
 [[nodiscard]] update::Updated<ImageFile> open_image_file(const std::string& path);
 
+/// Why a probe that was seen cannot be opened.
+[[nodiscard]] update::UpdateError cannot_open(const update::PortInfo& probe, update::LinkFault fault);
 /// Error to stderr (three lines) or, as JSON, to stdout; its exit code.
 update::Exit report(const update::UpdateError& error, bool json);
 [[nodiscard]] nlohmann::json to_json(const update::UpdateError& error);

@@ -42,32 +42,38 @@ void add_choice(CLI::App& app, Choice& choice) {
 
 update::Updated<std::vector<update::PortInfo>> choose(update::UsbBus& bus, const Choice& choice) {
   std::vector<update::PortInfo> found;
+  std::string denied;
   for (update::PortInfo& p : bus.probes()) {
+    if (p.denied) denied = p.port;
     const bool meant =
         (choice.serial.empty() || p.serial == choice.serial) && (choice.port.empty() || p.port == choice.port);
     if (meant) found.push_back(std::move(p));
   }
-  if (found.empty()) return tl::unexpected(update::no_device(choice.serial + choice.port));
+  // The serial of a probe that may not be opened is not known: it may be the one that is meant.
+  if (found.empty() && !denied.empty()) return update::fail(update::HostError::kNoPermission, "port " + denied);
+  if (found.empty()) return update::fail(update::HostError::kNoProbe, choice.serial + choice.port);
   if (found.size() > 1 && !choice.all) {
-    return tl::unexpected(update::UpdateError{
-        update::Exit::kUsage, std::to_string(found.size()) + " probes are connected", "the command was meant for one",
-        "choose with --serial, --port or --all; `enamel-flash list` shows them"});
+    return update::fail(update::HostError::kSeveralProbes, std::to_string(found.size()));
   }
   return found;
 }
 
 update::Updated<ImageFile> open_image_file(const std::string& path) {
   const Result<std::string> content = read_file(path);
-  if (!content) {
-    return tl::unexpected(update::UpdateError{update::Exit::kUsage, content.error().detail,
-                                              "the path is misspelt or the file was moved", "check the path"});
-  }
+  if (!content) return update::fail(update::HostError::kUnreadable, content.error().detail);
   const std::span<const std::byte> read = std::as_bytes(std::span(*content));
   ImageFile file{{read.begin(), read.end()}, {}};
   const auto manifest = image::check_image_file(file.bytes, {});
   if (!manifest) return tl::unexpected(update::refused_by_probe(manifest.error()));
   file.manifest = *manifest;
   return file;
+}
+
+update::UpdateError cannot_open(const update::PortInfo& probe, update::LinkFault fault) {
+  if (fault == update::LinkFault::kDenied) {
+    return update::make_error(update::HostError::kNoPermission, "port " + probe.port);
+  }
+  return update::make_error(update::HostError::kBrokenTransfer, "opening port " + probe.port + ", " + to_text(fault));
 }
 
 nlohmann::json to_json(const update::UpdateError& error) {

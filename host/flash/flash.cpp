@@ -1,13 +1,11 @@
 // enamel-flash flash: new firmware onto one probe or many.
-#include <unistd.h>
-
-#include <array>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "host/flash/command.hpp"
+#include "host/flash/event_log.hpp"
+#include "host/flash/progress_lines.hpp"
 #include "host/update/batch.hpp"
 #include "protocol/image/version_text.hpp"
 
@@ -15,39 +13,14 @@ namespace enamel::flash_app {
 namespace {
 
 using update::Exit;
+using update::HostError;
 
 struct Options {
-  std::string file;
+  std::string file, json_log;
   Choice choice;
   std::size_t jobs = 4;
+  int wait_s = 30;
   bool allow_same = false, allow_older = false, dry_run = false, resume = true;
-};
-
-const char* name_of(update::Step step) {
-  static constexpr std::array kNames = {"checking", "sending", "verifying", "restarting", "confirming", "done"};
-  return kNames[static_cast<std::size_t>(step)];
-}
-
-/// One line a probe and step; on a terminal the percentage too.
-class ProgressLines {
- public:
-  void tell(const update::PortInfo& probe, const update::FlashProgress& p) {
-    const int percent = static_cast<int>(100 * p.share);
-    auto& [step, shown] = last_[probe.port];
-    const bool new_step = shown < 0 || step != p.step;
-    if (!new_step && (!terminal_ || percent == shown)) return;
-    step = p.step;
-    shown = percent;
-    const std::string left =
-        p.seconds_left > 1 ? ", " + std::to_string(static_cast<int>(p.seconds_left)) + " s left" : "";
-    std::fprintf(stderr, "%s%-8s %-16s %3d %% %s%s%s", terminal_ ? "\r\033[K" : "", probe.port.c_str(),
-                 probe.serial.c_str(), percent, name_of(p.step), left.c_str(),
-                 terminal_ && p.step != update::Step::kDone ? "" : "\n");
-  }
-
- private:
-  std::map<std::string, std::pair<update::Step, int>> last_ = {};
-  bool terminal_ = ::isatty(STDERR_FILENO) != 0;
 };
 
 nlohmann::json describe(const update::BatchEntry& e) {
@@ -74,31 +47,44 @@ void print(const update::BatchEntry& e, bool dry_run) {
   if (e.result->written) {
     std::printf("%s: %s -> %s, confirmed\n", name.c_str(), before.c_str(), after.c_str());
   } else if (dry_run) {
-    std::printf("%s: %s -> %s would be accepted; nothing was sent\n", name.c_str(), before.c_str(), after.c_str());
+    std::printf("%s: %s -> %s would be accepted; nothing was written\n", name.c_str(), before.c_str(), after.c_str());
   } else {
     std::printf("%s: runs %s already; --allow-same writes it again\n", name.c_str(), before.c_str());
   }
+}
+
+/// What goes on, to the person and to the log.
+update::BatchObserver observe(ProgressLines& lines, EventLog& log) {
+  return {
+      .progress = [&](const update::PortInfo& p, const update::FlashProgress& progress) { lines.tell(p, progress); },
+      .event =
+          [&](const update::PortInfo& p, const update::FlashEvent& e) {
+            log.write(p, e);
+            if (e.event != update::kSlowPort) return;
+            const update::UpdateError slow = update::make_error(HostError::kSlowPort, p.serial + ", " + e.status);
+            lines.note("note: " + slow.what + "\n  likely cause: " + slow.cause + "\n  what to do: " + slow.remedy);
+          }};
 }
 
 Exit run(const Options& o) {
   const auto file = open_image_file(o.file);
   if (!file) return report(file.error(), o.choice.json);
   const auto bus = update::open_usb_bus();
-  if (!bus) return report(update::no_device(""), o.choice.json);
+  if (!bus) return report(update::make_error(HostError::kNoUsb), o.choice.json);
   const auto probes = choose(*bus, o.choice);
   if (!probes) return report(probes.error(), o.choice.json);
+  auto log = EventLog::open(o.json_log);
+  if (!log) return report(log.error(), o.choice.json);
 
   const update::FlashRequest request{.image = std::span(file->bytes).first(file->manifest.image_len()),
                                      .manifest = file->manifest,
                                      .allow_same = o.allow_same,
                                      .allow_older = o.allow_older,
-                                     .dry_run = o.dry_run};
+                                     .dry_run = o.dry_run,
+                                     .return_deadline = std::chrono::seconds(o.wait_s)};
   SteadyClock clock;
-  ProgressLines lines;
-  const auto entries = update::flash_all(
-      *bus, clock, *probes, request, o.jobs,
-      [&](const update::PortInfo& p, const update::FlashProgress& progress) { lines.tell(p, progress); },
-      interrupted());
+  ProgressLines lines(*probes);
+  const auto entries = update::flash_all(*bus, clock, *probes, request, o.jobs, observe(lines, *log), interrupted());
   Exit exit = Exit::kOk;
   nlohmann::json all = nlohmann::json::array();
   for (const update::BatchEntry& e : entries) {
@@ -119,7 +105,9 @@ Run add_flash(CLI::App& app) {
   app.add_option("--jobs", o->jobs, "probes at a time")->check(CLI::Range(1, 16));
   app.add_flag("--allow-same", o->allow_same, "write a version that runs already");
   app.add_flag("--allow-older", o->allow_older, "accept a lower version; a lower security counter never is");
-  app.add_flag("--dry-run", o->dry_run, "all checks, nothing sent");
+  app.add_flag("--dry-run", o->dry_run, "all checks, nothing written");
+  app.add_option("--json-log", o->json_log, "append what happens as JSON lines; those older than 30 days go");
+  app.add_option("--wait", o->wait_s, "s to wait for a probe that is gone")->check(CLI::Range(1, 600));
   app.add_flag("--resume", o->resume,
                "go on where a broken download stopped: always so, the probe keeps what was right");
   return [o] { return run(*o); };

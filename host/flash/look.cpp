@@ -12,24 +12,25 @@ namespace enamel::flash_app {
 namespace {
 
 using update::Exit;
+using update::HostError;
 
 nlohmann::json look_at(update::UsbBus& bus, const update::PortInfo& p) {
   nlohmann::json j = {{"port", p.port},
                       {"serial", p.serial},
                       {"speed_mbit", p.speed_mbit},
                       {"mode", p.recovery() ? "recovery" : "run"}};
-  if (p.denied) {
-    j["problem"] = to_json(update::no_permission(p.port));
-    return j;
-  }
   SteadyClock clock;
   const auto link = bus.open(p.port);
-  const auto status = link ? update::DfuClient(**link, clock).read_status_block()
-                           : update::Linked<image::StatusBlock>(tl::unexpected(link.error()));
+  if (!link) {
+    j["problem"] = to_json(cannot_open(p, link.error()));
+    return j;
+  }
+  const update::Linked<image::StatusBlock> status = update::DfuClient(**link, clock).read_status_block();
   if (status) {
     j.update(to_json(*status));
   } else {
-    j["problem"] = to_json(update::transfer_failed("reading the status", to_text(status.error())));
+    j["problem"] =
+        to_json(update::make_error(HostError::kBrokenTransfer, "reading the status, " + to_text(status.error())));
   }
   return j;
 }
@@ -45,10 +46,11 @@ void print_row(const nlohmann::json& j) {
   const auto slot = [&](std::size_t i) {
     return slots[i]["state"].get<std::string>() + " " + slots[i]["version"].get<std::string>();
   };
-  std::printf("%-8s %-16s %-9s %-12s hw %-3d A: %-22s B: %-22s min counter %d\n", j["port"].get<std::string>().c_str(),
-              j["serial"].get<std::string>().c_str(), j["mode"].get<std::string>().c_str(),
-              j["running"].get<std::string>().c_str(), j["hw_rev"].get<int>(), slot(0).c_str(), slot(1).c_str(),
-              j["min_security_counter"].get<int>());
+  std::printf("%-8s %-16s %-9s %-12s hw %-3d A: %-22s B: %-22s min counter %d, battery %.2f V, port %d Mbit/s\n",
+              j["port"].get<std::string>().c_str(), j["serial"].get<std::string>().c_str(),
+              j["mode"].get<std::string>().c_str(), j["running"].get<std::string>().c_str(), j["hw_rev"].get<int>(),
+              slot(0).c_str(), slot(1).c_str(), j["min_security_counter"].get<int>(),
+              j["battery_mv"].get<double>() / 1000, j["speed_mbit"].get<int>());
 }
 
 }  // namespace
@@ -58,16 +60,21 @@ Run add_list(CLI::App& app) {
   app.add_flag("--json", *json, "as JSON");
   return [json] {
     const auto bus = update::open_usb_bus();
-    if (!bus) return report(update::no_device(""), *json);
+    if (!bus) return report(update::make_error(HostError::kNoUsb), *json);
     nlohmann::json all = nlohmann::json::array();
-    for (const update::PortInfo& p : bus->probes()) all.push_back(look_at(*bus, p));
+    Exit exit = Exit::kOk;
+    for (const update::PortInfo& p : bus->probes()) {
+      all.push_back(look_at(*bus, p));
+      const nlohmann::json& j = all.back();
+      if (exit == Exit::kOk && j.contains("problem")) exit = static_cast<Exit>(j["problem"]["exit_code"].get<int>());
+    }
     if (*json) {
       std::printf("%s\n", all.dump(1).c_str());
-      return Exit::kOk;
+      return exit;
     }
-    if (all.empty()) return report(update::no_device(""), false);
+    if (all.empty()) return report(update::make_error(HostError::kNoProbe), false);
     for (const nlohmann::json& j : all) print_row(j);
-    return Exit::kOk;
+    return exit;
   };
 }
 

@@ -13,13 +13,14 @@ namespace {
 
 using image::VendorRequest;
 using update::Exit;
+using update::HostError;
 using update::Updated;
 
 /// Opens each chosen probe and calls act(client, probe) on it; the first failure is the exit code.
 template <class Act>
 Exit for_each(const Choice& choice, Act act) {
   const auto bus = update::open_usb_bus();
-  if (!bus) return report(update::no_device(""), choice.json);
+  if (!bus) return report(update::make_error(update::HostError::kNoUsb), choice.json);
   const auto probes = choose(*bus, choice);
   if (!probes) return report(probes.error(), choice.json);
   SteadyClock clock;
@@ -28,9 +29,7 @@ Exit for_each(const Choice& choice, Act act) {
     Updated<void> done;
     const auto link = bus->open(p.port);
     if (!link) {
-      done = tl::unexpected(link.error() == update::LinkFault::kDenied
-                                ? update::no_permission(p.port)
-                                : update::transfer_failed("opening port " + p.port, to_text(link.error())));
+      done = tl::unexpected(cannot_open(p, link.error()));
     } else {
       update::DfuClient client(**link, clock);
       done = act(client);
@@ -56,16 +55,14 @@ Updated<void> ask(update::DfuClient& client, VendorRequest request, std::uint16_
                           ? client.read_status_block()
                           : update::Linked<image::StatusBlock>(tl::unexpected(done.error()));
   if (status && status->last_error != 0) return tl::unexpected(update::refused_by_probe(status->last_error));
-  return tl::unexpected(update::transfer_failed("asking the probe", to_text(done.error())));
+  return update::fail(HostError::kBrokenTransfer, "asking the probe, " + to_text(done.error()));
 }
 
 Updated<void> same_firmware(update::DfuClient& client, const Sha256Digest& wanted) {
   const auto status = client.read_status_block();
-  if (!status) return tl::unexpected(update::transfer_failed("reading the status", to_text(status.error())));
+  if (!status) return update::fail(HostError::kBrokenTransfer, "reading the status, " + to_text(status.error()));
   if (status->manifest_sha == wanted) return {};
-  return tl::unexpected(update::UpdateError{Exit::kVerify, "the probe runs other firmware than the file",
-                                            "it was not updated, or with another file",
-                                            "flash the file, or compare with the release it should run"});
+  return update::fail(HostError::kOtherFirmware);
 }
 
 struct Simple {

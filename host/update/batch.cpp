@@ -7,8 +7,7 @@
 namespace enamel::update {
 
 std::vector<BatchEntry> flash_all(UsbBus& bus, Clock& clock, const std::vector<PortInfo>& probes,
-                                  const FlashRequest& request, std::size_t jobs,
-                                  const std::function<void(const PortInfo&, const FlashProgress&)>& progress,
+                                  const FlashRequest& request, std::size_t jobs, const BatchObserver& observer,
                                   const std::atomic<bool>& stop) {
   std::vector<BatchEntry> entries(probes.size());
   std::atomic<std::size_t> next{0};
@@ -16,11 +15,17 @@ std::vector<BatchEntry> flash_all(UsbBus& bus, Clock& clock, const std::vector<P
   const auto work = [&] {
     for (std::size_t i = next++; i < probes.size(); i = next++) {
       entries[i].probe = probes[i];
-      const auto tell = [&](const FlashProgress& p) {
-        const std::lock_guard lock(telling);
-        progress(probes[i], p);
-      };
-      entries[i].result = stop ? tl::unexpected(cancelled()) : flash(bus, clock, probes[i], request, tell, stop);
+      const FlashObserver one{.progress =
+                                  [&, i](const FlashProgress& p) {
+                                    const std::lock_guard lock(telling);
+                                    observer.progress(probes[i], p);
+                                  },
+                              .event =
+                                  [&, i](const FlashEvent& e) {
+                                    const std::lock_guard lock(telling);
+                                    observer.event(probes[i], e);
+                                  }};
+      entries[i].result = stop ? fail(HostError::kCancelled) : flash(bus, clock, probes[i], request, one, stop);
     }
   };
   std::vector<std::jthread> workers;

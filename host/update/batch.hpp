@@ -13,10 +13,15 @@ struct BatchEntry {
   Updated<FlashResult> result = tl::unexpected(UpdateError{});
 };
 
-/// Flashes every probe, at most `jobs` at a time. `progress` is called from the workers, one at a time. Results in the
-/// order of `probes`; one probe's failure is no other's.
-[[nodiscard]] std::vector<BatchEntry> flash_all(
-    UsbBus& bus, Clock& clock, const std::vector<PortInfo>& probes, const FlashRequest& request, std::size_t jobs,
-    const std::function<void(const PortInfo&, const FlashProgress&)>& progress, const std::atomic<bool>& stop);
+/// Called from the workers, one call at a time.
+struct BatchObserver {
+  std::function<void(const PortInfo&, const FlashProgress&)> progress;
+  std::function<void(const PortInfo&, const FlashEvent&)> event;
+};
+
+/// Flashes every probe, at most `jobs` at a time. Results in the order of `probes`; one probe's failure is no other's.
+[[nodiscard]] std::vector<BatchEntry> flash_all(UsbBus& bus, Clock& clock, const std::vector<PortInfo>& probes,
+                                                const FlashRequest& request, std::size_t jobs,
+                                                const BatchObserver& observer, const std::atomic<bool>& stop);
 
 }  // namespace enamel::update

@@ -22,6 +22,7 @@ struct DfuAnswer {
 struct Broken {
   LinkFault fault = LinkFault::kOther;
   std::uint32_t refusal = 0;
+  std::uint32_t block = 0;  ///< of the download, from 0
 };
 
 class DfuClient {
@@ -36,6 +37,9 @@ class DfuClient {
   [[nodiscard]] Linked<void> vendor(image::VendorRequest request, std::uint16_t value = 0,
                                     std::span<const std::byte> data = {});
 
+  /// Would the probe take a download now (it is not scanning, its power suffices)? Asked with a block that is too short
+  /// to be looked into and taken back at once: nothing on the probe changes.
+  [[nodiscard]] tl::expected<void, Broken> may_begin(std::span<const std::byte> image);
   /// Sends an image (without suffix) from block 0. `sent` is told the bytes sent so far. Stops with ABORT when `stop`
   /// becomes true, then gives false.
   [[nodiscard]] tl::expected<bool, Broken> download(std::span<const std::byte> image,
@@ -45,6 +49,8 @@ class DfuClient {
   [[nodiscard]] tl::expected<void, Broken> manifest();
 
  private:
+  /// One block of a download and its answer, when the probe has taken it.
+  [[nodiscard]] Linked<DfuAnswer> send_block(std::uint16_t block, std::span<const std::byte> data);
   [[nodiscard]] Broken broken(LinkFault fault);
 
   ProbeLink* link_;

@@ -1,6 +1,9 @@
 #include "host/update/flash_flow.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "protocol/image/version_text.hpp"
 
 namespace enamel::update {
 namespace {
@@ -9,17 +12,28 @@ using namespace std::chrono_literals;
 
 constexpr int kRetries = 3;
 constexpr auto kLookEvery = 100ms;
-constexpr auto kSamePort = 10s;  ///< before other ports are searched
-constexpr std::uint8_t kConfirmed = 5;
+constexpr int kHighSpeedMbit = 480;
+constexpr std::uint8_t kPending = 3, kTrial = 4, kConfirmed = 5;  ///< slot states, docs/firmware-image.md §4
 constexpr double kTransferStart = 0.02, kTransferShare = 0.78, kVerifyEnd = 0.90;
 
 class Flow {
  public:
-  Flow(UsbBus& bus, Clock& clock, const PortInfo& probe, const FlashRequest& request,
-       const std::function<void(const FlashProgress&)>& progress, const std::atomic<bool>& stop)
-      : bus_(&bus), clock_(&clock), probe_(probe), request_(&request), progress_(&progress), stop_(&stop) {}
+  Flow(UsbBus& bus, Clock& clock, const PortInfo& probe, const FlashRequest& request, const FlashObserver& observer,
+       const std::atomic<bool>& stop)
+      : bus_(&bus), clock_(&clock), probe_(probe), request_(&request), observer_(&observer), stop_(&stop) {}
 
   Updated<FlashResult> run() {
+    Updated<FlashResult> result = update();
+    if (!result) {
+      log("failed", result.error().what);
+    } else {
+      log(result->written ? "confirmed" : "not written", image::to_text(result->after));
+    }
+    return result;
+  }
+
+ private:
+  Updated<FlashResult> update() {
     tell(Step::kPreflight, 0);
     Updated<FlashResult> result = preflight();
     if (!result || !result->written) return result;
@@ -31,14 +45,17 @@ class Flow {
     return result;
   }
 
- private:
   Updated<FlashResult> preflight() {
-    if (probe_.denied) return tl::unexpected(no_permission(probe_.port));
+    if (probe_.denied) return fail(HostError::kNoPermission, "port " + probe_.port);
     if (const auto opened = open(); !opened) return tl::unexpected(opened.error());
+    if (probe_.speed_mbit > 0 && probe_.speed_mbit < kHighSpeedMbit) {
+      log(kSlowPort, std::to_string(probe_.speed_mbit) + " Mbit/s");
+    }
     DfuClient client(*link_, *clock_);
     const Linked<image::StatusBlock> status = client.read_status_block();
-    if (!status) return tl::unexpected(transfer_failed("reading the status", to_text(status.error())));
+    if (!status) return fail(HostError::kBrokenTransfer, "reading the status, " + to_text(status.error()));
     FlashResult result{probe_.serial, status->version[status->active], request_->manifest.version, true};
+    log("begin", image::to_text(result.before) + " -> " + image::to_text(result.after));
     const image::Manifest& m = request_->manifest;
     if (status->hw_rev < m.hw_rev_min || status->hw_rev > m.hw_rev_max) {
       return tl::unexpected(refused_by_probe(image::Refusal::kHardware));
@@ -47,15 +64,23 @@ class Flow {
     if (m.security_counter < status->min_security_counter || older) {
       return tl::unexpected(refused_by_probe(image::Refusal::kRollback));
     }
-    if ((m.version == result.before && !request_->allow_same) || request_->dry_run) result.written = false;
+    if (m.version == result.before && !request_->allow_same) {
+      result.written = false;
+      return result;
+    }
+    // Battery and open session are the probe's to judge. A broken connection shows itself again in the transfer.
+    if (const auto ready = client.may_begin(request_->image); !ready && ready.error().refusal != 0) {
+      return tl::unexpected(refused_by_probe(ready.error().refusal));
+    }
+    if (request_->dry_run) result.written = false;
     return result;
   }
 
   Updated<void> open() {
     link_.reset();
     Linked<std::unique_ptr<ProbeLink>> link = bus_->open(probe_.port);
-    if (!link && link.error() == LinkFault::kDenied) return tl::unexpected(no_permission(probe_.port));
-    if (!link) return tl::unexpected(transfer_failed("opening port " + probe_.port, to_text(link.error())));
+    if (!link && link.error() == LinkFault::kDenied) return fail(HostError::kNoPermission, "port " + probe_.port);
+    if (!link) return fail(HostError::kBrokenTransfer, "opening port " + probe_.port + ", " + to_text(link.error()));
     link_ = std::move(*link);
     return {};
   }
@@ -66,26 +91,31 @@ class Flow {
       DfuClient client(*link_, *clock_);
       if (request_->allow_older) static_cast<void>(client.vendor(image::VendorRequest::kAllowOlder));
       started_ = clock_->now();
+      log("sending", "attempt " + std::to_string(attempt + 1));
       const auto sent = client.download(
           request_->image, [this](std::size_t n) { tell_sent(n); }, *stop_);
-      if (sent && !*sent) return tl::unexpected(cancelled());
+      if (sent && !*sent) return fail(HostError::kCancelled);
       tl::expected<void, Broken> done;
       if (sent) {
         tell(Step::kVerify, kTransferStart + kTransferShare);
+        log("verifying");
         done = client.manifest();
         if (done) return {};
       }
       const Broken why = sent ? done.error() : sent.error();
       if (why.refusal != 0) return tl::unexpected(refused_by_probe(why.refusal));
-      if (attempt == kRetries) return tl::unexpected(transfer_failed("sending the image", to_text(why.fault)));
+      log("broken", to_text(why.fault), why.block);
+      if (attempt == kRetries) return fail(HostError::kBrokenTransfer, "sending the image, " + to_text(why.fault));
       // What is neither a stall nor a silence is a connection that broke, whatever the system calls it.
       if (why.fault != LinkFault::kStall && why.fault != LinkFault::kTimeout) {
+        tell(Step::kGone, share_);
         if (auto back = wait_return(); !back) return back;
       }
     }
   }
 
   Updated<void> restart() {
+    log("restarting");
     // The probe may be gone before it has answered.
     static_cast<void>(DfuClient(*link_, *clock_).vendor(image::VendorRequest::kReboot));
     link_.reset();
@@ -109,22 +139,24 @@ class Flow {
     link_.reset();
     const HostTime gone = clock_->now();
     while (clock_->now() - gone < request_->return_deadline) {
-      if (*stop_) return tl::unexpected(cancelled());
-      if (const std::optional<PortInfo> back = find(clock_->now() - gone > kSamePort)) {
+      if (*stop_) return fail(HostError::kCancelled);
+      if (const std::optional<PortInfo> back = find(clock_->now() - gone > request_->return_deadline / 3)) {
         probe_ = *back;
-        if (open()) return {};
+        if (open()) {
+          log("back", "port " + probe_.port);
+          return {};
+        }
       }
       clock_->sleep_for(kLookEvery);
     }
-    return tl::unexpected(UpdateError{Exit::kTransfer, "the probe " + probe_.serial + " did not come back",
-                                      "unplugged, switched off, or its battery is empty",
-                                      "plug it in and run the same command again; the old firmware boots"});
+    return fail(HostError::kNotBack, probe_.serial.empty() ? "port " + probe_.port : probe_.serial);
   }
 
   Updated<void> wait_confirmed(const FlashResult& result) {
     tell(Step::kConfirm, 0.95);
     const HostTime deadline = clock_->now() + request_->confirm_deadline;
     while (clock_->now() < deadline) {
+      if (*stop_) return fail(HostError::kCancelled, "the new firmware is there and confirms itself");
       const Linked<image::StatusBlock> status = DfuClient(*link_, *clock_).read_status_block();
       if (!status) {
         if (auto back = wait_return(); !back) return back;
@@ -133,19 +165,23 @@ class Flow {
       const std::uint8_t active = status->active;
       if (status->version[active] == result.after && status->slot_state[active] == kConfirmed) return {};
       const bool given_up = std::none_of(status->slot_state.begin(), status->slot_state.end(),
-                                         [](std::uint8_t s) { return s == 3 || s == 4; });
-      if (given_up) break;
+                                         [](std::uint8_t s) { return s == kPending || s == kTrial; });
+      if (given_up) return fail(HostError::kRolledBack, image::to_text(status->version[active]));
       clock_->sleep_for(kLookEvery);
     }
-    UpdateError error = refused_by_probe(image::Refusal::kSelfTest);
-    error.what = "the new firmware was not confirmed; the probe runs the old one";
-    error.exit = Exit::kNotConfirmed;
-    return tl::unexpected(error);
+    return fail(HostError::kStillOnTrial);
   }
 
-  void tell(Step step, double share, double left = 0) const { (*progress_)({step, share, left}); }
+  void log(std::string_view event, std::string status = {}, std::uint32_t block = 0) const {
+    observer_->event({event, block, std::move(status)});
+  }
 
-  void tell_sent(std::size_t sent) const {
+  void tell(Step step, double share, double left = 0) {
+    share_ = share;
+    observer_->progress({step, share, left});
+  }
+
+  void tell_sent(std::size_t sent) {
     const double done = static_cast<double>(sent) / static_cast<double>(request_->image.size());
     const std::chrono::duration<double> passed = clock_->now() - started_;
     tell(Step::kTransfer, kTransferStart + kTransferShare * done, passed.count() * (1 - done) / done);
@@ -155,17 +191,18 @@ class Flow {
   Clock* clock_;
   PortInfo probe_;
   const FlashRequest* request_;
-  const std::function<void(const FlashProgress&)>* progress_;
+  const FlashObserver* observer_;
   const std::atomic<bool>* stop_;
   std::unique_ptr<ProbeLink> link_;
   HostTime started_{};
+  double share_ = 0;  ///< of everything, as told last
 };
 
 }  // namespace
 
 Updated<FlashResult> flash(UsbBus& bus, Clock& clock, const PortInfo& probe, const FlashRequest& request,
-                           const std::function<void(const FlashProgress&)>& progress, const std::atomic<bool>& stop) {
-  return Flow(bus, clock, probe, request, progress, stop).run();
+                           const FlashObserver& observer, const std::atomic<bool>& stop) {
+  return Flow(bus, clock, probe, request, observer, stop).run();
 }
 
 }  // namespace enamel::update

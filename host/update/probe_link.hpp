@@ -29,15 +29,29 @@ struct PortInfo {
   [[nodiscard]] bool recovery() const noexcept;
 };
 
+/// The fixed part of a setup packet; interface and length follow from the call.
+struct ControlRequest {
+  std::uint8_t type = 0;
+  std::uint8_t request = 0;
+  std::uint16_t value = 0;
+};
+
 /// One open probe. Not thread-safe; different probes may be used from different threads.
 class ProbeLink {
  public:
   virtual ~ProbeLink() = default;
-  [[nodiscard]] virtual Linked<void> out(std::uint8_t type, std::uint8_t request, std::uint16_t value,
-                                         std::span<const std::byte> data, std::chrono::milliseconds timeout) = 0;
+  /// `data`: at most image::kDfuTransferSize bytes.
+  [[nodiscard]] virtual Linked<void> out(const ControlRequest& request, std::span<const std::byte> data,
+                                         std::chrono::milliseconds timeout) = 0;
   /// The bytes that came, at most `length`.
-  [[nodiscard]] virtual Linked<std::vector<std::byte>> in(std::uint8_t type, std::uint8_t request, std::uint16_t value,
-                                                          std::uint16_t length, std::chrono::milliseconds timeout) = 0;
+  [[nodiscard]] virtual Linked<std::vector<std::byte>> in(const ControlRequest& request, std::uint16_t length,
+                                                          std::chrono::milliseconds timeout) = 0;
+  /// out(), and queued behind it in(): one wait for both. The fault of the first that failed; the probe has then
+  /// still seen the second.
+  [[nodiscard]] virtual Linked<std::vector<std::byte>> out_then_in(const ControlRequest& first,
+                                                                   std::span<const std::byte> data,
+                                                                   const ControlRequest& second, std::uint16_t length,
+                                                                   std::chrono::milliseconds timeout) = 0;
 };
 
 /// Thread-safe.

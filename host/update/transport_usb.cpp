@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <functional>
 #include <mutex>
 
@@ -77,6 +78,60 @@ void for_each_probe(libusb_context* context,
   if (n >= 0) libusb_free_device_list(list, 1);
 }
 
+/// A control transfer that can be queued behind another; its buffer stays from one to the next.
+class QueuedTransfer {
+ public:
+  QueuedTransfer() = default;
+  ~QueuedTransfer() { libusb_free_transfer(transfer_); }
+  QueuedTransfer(const QueuedTransfer&) = delete;
+  QueuedTransfer& operator=(const QueuedTransfer&) = delete;
+
+  /// `data` goes out; for an IN transfer it is empty and `length` bytes are asked for.
+  Linked<void> submit(libusb_device_handle* handle, const ControlRequest& r, std::span<const std::byte> data,
+                      std::uint16_t length, std::chrono::milliseconds timeout) {
+    if (transfer_ == nullptr || length > image::kDfuTransferSize) return tl::unexpected(LinkFault::kOther);
+    libusb_fill_control_setup(buffer_.data(), r.type, r.request, r.value, kDfuInterface, length);
+    if (!data.empty()) std::memcpy(buffer_.data() + LIBUSB_CONTROL_SETUP_SIZE, data.data(), data.size());
+    done_ = 0;
+    libusb_fill_control_transfer(
+        transfer_, handle, buffer_.data(), [](libusb_transfer* t) { *static_cast<int*>(t->user_data) = 1; }, &done_,
+        static_cast<unsigned>(timeout.count()));
+    const int code = libusb_submit_transfer(transfer_);
+    if (code != 0) return tl::unexpected(fault_of(code));
+    return {};
+  }
+
+  /// The bytes that were moved. Every transfer that was submitted has to be waited for.
+  Linked<std::span<const std::byte>> wait(libusb_context* context) {
+    while (done_ == 0) {
+      const int code = libusb_handle_events_completed(context, &done_);
+      if (code != 0 && code != LIBUSB_ERROR_INTERRUPTED) libusb_cancel_transfer(transfer_);
+    }
+    if (transfer_->status != LIBUSB_TRANSFER_COMPLETED) return tl::unexpected(fault_of(transfer_->status));
+    return std::as_bytes(std::span(buffer_))
+        .subspan(LIBUSB_CONTROL_SETUP_SIZE, static_cast<std::size_t>(transfer_->actual_length));
+  }
+
+ private:
+  static LinkFault fault_of(libusb_transfer_status status) {
+    switch (status) {
+      case LIBUSB_TRANSFER_STALL:
+        return LinkFault::kStall;
+      case LIBUSB_TRANSFER_TIMED_OUT:
+        return LinkFault::kTimeout;
+      case LIBUSB_TRANSFER_NO_DEVICE:
+        return LinkFault::kGone;
+      default:
+        return LinkFault::kOther;
+    }
+  }
+  static LinkFault fault_of(int code) { return update::fault_of(code); }
+
+  libusb_transfer* transfer_ = libusb_alloc_transfer(0);
+  std::array<unsigned char, LIBUSB_CONTROL_SETUP_SIZE + image::kDfuTransferSize> buffer_{};
+  int done_ = 1;
+};
+
 /// Has a context of its own, so that no other worker's thread handles this probe's transfers.
 class UsbLink final : public ProbeLink {
  public:
@@ -88,31 +143,50 @@ class UsbLink final : public ProbeLink {
   UsbLink(const UsbLink&) = delete;
   UsbLink& operator=(const UsbLink&) = delete;
 
-  Linked<void> out(std::uint8_t type, std::uint8_t request, std::uint16_t value, std::span<const std::byte> data,
+  Linked<void> out(const ControlRequest& request, std::span<const std::byte> data,
                    std::chrono::milliseconds timeout) override {
-    // libusb does not write to the data of an OUT transfer.
-    auto* bytes = const_cast<unsigned char*>(reinterpret_cast<const unsigned char*>(data.data()));
-    const int n = libusb_control_transfer(handle_, type, request, value, kDfuInterface, bytes,
-                                          static_cast<std::uint16_t>(data.size()), milliseconds(timeout));
-    if (n < 0) return tl::unexpected(fault_of(n));
-    if (static_cast<std::size_t>(n) != data.size()) return tl::unexpected(LinkFault::kOther);
-    return {};
+    const auto submitted = first_.submit(handle_, request, data, static_cast<std::uint16_t>(data.size()), timeout);
+    if (!submitted) return submitted;
+    return whole(first_.wait(context_.get()), data.size());
   }
 
-  Linked<std::vector<std::byte>> in(std::uint8_t type, std::uint8_t request, std::uint16_t value, std::uint16_t length,
+  Linked<std::vector<std::byte>> in(const ControlRequest& request, std::uint16_t length,
                                     std::chrono::milliseconds timeout) override {
-    std::vector<std::byte> data(length);
-    const int n = libusb_control_transfer(handle_, type, request, value, kDfuInterface,
-                                          reinterpret_cast<unsigned char*>(data.data()), length, milliseconds(timeout));
-    if (n < 0) return tl::unexpected(fault_of(n));
-    data.resize(static_cast<std::size_t>(n));
-    return data;
+    if (const auto submitted = second_.submit(handle_, request, {}, length, timeout); !submitted) {
+      return tl::unexpected(submitted.error());
+    }
+    return copied(second_.wait(context_.get()));
+  }
+
+  Linked<std::vector<std::byte>> out_then_in(const ControlRequest& first, std::span<const std::byte> data,
+                                             const ControlRequest& second, std::uint16_t length,
+                                             std::chrono::milliseconds timeout) override {
+    if (const auto submitted = first_.submit(handle_, first, data, static_cast<std::uint16_t>(data.size()), timeout);
+        !submitted) {
+      return tl::unexpected(submitted.error());
+    }
+    const auto behind = second_.submit(handle_, second, {}, length, timeout);
+    const Linked<void> sent = whole(first_.wait(context_.get()), data.size());
+    if (!behind) return tl::unexpected(sent ? behind.error() : sent.error());
+    auto answer = copied(second_.wait(context_.get()));
+    if (!sent) return tl::unexpected(sent.error());
+    return answer;
   }
 
  private:
-  static unsigned milliseconds(std::chrono::milliseconds t) { return static_cast<unsigned>(t.count()); }
+  static Linked<void> whole(const Linked<std::span<const std::byte>>& moved, std::size_t wanted) {
+    if (!moved) return tl::unexpected(moved.error());
+    if (moved->size() != wanted) return tl::unexpected(LinkFault::kOther);
+    return {};
+  }
+  static Linked<std::vector<std::byte>> copied(const Linked<std::span<const std::byte>>& moved) {
+    if (!moved) return tl::unexpected(moved.error());
+    return std::vector<std::byte>(moved->begin(), moved->end());
+  }
+
   Context context_;
   libusb_device_handle* handle_;
+  QueuedTransfer first_, second_;
 };
 
 std::string read_serial(libusb_device_handle* handle, std::uint8_t index) {

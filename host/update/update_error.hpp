@@ -11,18 +11,16 @@ namespace enamel::update {
 
 /// Exit codes of `enamel-flash` (docs/flashing.md).
 enum class Exit : int {
-  kOk = 0,
-  kInternal = 1,
-  kUsage = 2,
-  kNoDevice = 3,
-  kPermission = 4,
-  kImage = 5,
-  kSignature = 6,
-  kRollback = 7,
-  kTransfer = 8,
-  kVerify = 9,
-  kNotConfirmed = 10,
-  kCancelled = 11,
+#define ENAMEL_EXIT(name, number, meaning) name = number,  // NOLINT(bugprone-macro-parentheses)
+#include "host/update/exit_codes.def"
+#undef ENAMEL_EXIT
+};
+
+/// What the tool itself finds wrong; what a probe refuses has its own numbers (image::Refusal).
+enum class HostError : std::uint8_t {
+#define ENAMEL_HOST_ERROR(name, exit, what, cause, remedy) name,
+#include "host/update/host_errors.def"
+#undef ENAMEL_HOST_ERROR
 };
 
 struct UpdateError {
@@ -36,16 +34,16 @@ struct UpdateError {
 template <class T>
 using Updated = tl::expected<T, UpdateError>;
 
+/// The table's texts; `detail` (which probe, which file, what the system said) follows the first after a colon.
+[[nodiscard]] UpdateError make_error(HostError error, const std::string& detail = {});
+[[nodiscard]] inline tl::unexpected<UpdateError> fail(HostError error, const std::string& detail = {}) {
+  return tl::unexpected(make_error(error, detail));
+}
+
 /// The table's texts for a number from a status block, or a plain one for numbers that this version does not know.
 [[nodiscard]] UpdateError refused_by_probe(std::uint32_t number);
 [[nodiscard]] inline UpdateError refused_by_probe(image::Refusal why) {
   return refused_by_probe(static_cast<std::uint32_t>(why));
 }
-
-[[nodiscard]] UpdateError no_device(const std::string& wanted);
-/// With the text of the udev rule, ready to install.
-[[nodiscard]] UpdateError no_permission(const std::string& port);
-[[nodiscard]] UpdateError transfer_failed(const std::string& where, const std::string& fault);
-[[nodiscard]] UpdateError cancelled();
 
 }  // namespace enamel::update

@@ -1,12 +1,24 @@
 #include "protocol/base/clock.hpp"
 
+#include <fmt/chrono.h>
+
 #include <thread>
+
+#include "protocol/base/wall_time.hpp"
 
 namespace enamel {
 
 HostTime SteadyClock::now() const {
   return host_time(
       std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+}
+
+WallTime wall_time() { return std::chrono::system_clock::now(); }
+
+std::string to_utc_text(WallTime time) {
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch());
+  const auto whole = std::chrono::floor<std::chrono::seconds>(ms);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(std::time_t{whole.count()}), (ms - whole).count());
 }
 
 void SteadyClock::sleep_until(HostTime t) {

@@ -11,7 +11,8 @@ namespace enamel::image {
 
 /// The numbers travel in the status block (`last_error`); 0 there means none.
 enum class Refusal : std::uint16_t {
-#define ENAMEL_REFUSAL(name, number, status, what, cause, remedy) name = number,  // NOLINT(bugprone-macro-parentheses)
+#define ENAMEL_REFUSAL(name, number, status, exit, what, cause, remedy) \
+  name = number,  // NOLINT(bugprone-macro-parentheses)
 #include "protocol/image/refusals.def"
 #undef ENAMEL_REFUSAL
 };
@@ -29,7 +30,7 @@ using Checked = tl::expected<T, Refusal>;
     DfuStatus status;
   };
   constexpr Entry kEntries[] = {
-#define ENAMEL_REFUSAL(name, number, status, what, cause, remedy) {Refusal::name, DfuStatus::status},
+#define ENAMEL_REFUSAL(name, number, status, exit, what, cause, remedy) {Refusal::name, DfuStatus::status},
 #include "protocol/image/refusals.def"
 #undef ENAMEL_REFUSAL
   };

@@ -41,6 +41,7 @@ class ProbeModel final : private fw::UpdateServices {
   [[nodiscard]] const ProbeOptions& options() const { return options_; }
   [[nodiscard]] std::optional<std::size_t> running() const { return running_; }
   [[nodiscard]] image::StatusBlock status() const { return device_->status(); }
+  [[nodiscard]] image::DfuState dfu_state() const { return device_->position().state; }
   /// SHA-256 of the calibration partition.
   [[nodiscard]] std::string calibration_sha() const;
 

@@ -2,10 +2,11 @@
 
 #include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstddef>
 #include <cstring>
 #include <stdexcept>
@@ -14,86 +15,29 @@ namespace enamel::test {
 namespace {
 
 constexpr std::uint32_t kRebootMs = 300;
+constexpr std::uint8_t kDnloadType = 0x21, kDnload = 1;
 
-/// Device, configuration, DFU interface, DFU functional descriptor (DFU 1.1 §4.2).
-std::vector<std::uint8_t> descriptors(std::uint16_t bcd_device) {
-  return {18,
-          1,
-          0x00,
-          0x02,
-          0,
-          0,
-          0,
-          64,
-          0x09,
-          0x12,
-          0x01,
-          0x00,
-          static_cast<std::uint8_t>(bcd_device & 0xFFU),
-          static_cast<std::uint8_t>(bcd_device >> 8U),
-          1,
-          2,
-          3,
-          1,
-          9,
-          2,
-          27,
-          0,
-          1,
-          1,
-          0,
-          0x80,
-          250,
-          9,
-          4,
-          0,
-          0,
-          0,
-          0xFE,
-          1,
-          2,
-          0,
-          9,
-          0x21,
-          0x07,
-          0xE8,
-          0x03,
-          0x00,
-          0x10,
-          0x10,
-          0x01};
+void unref_all(std::deque<UMockdevIoctlData*>& urbs) {
+  for (UMockdevIoctlData* urb : urbs) umockdev_ioctl_data_unref(urb);
+  urbs.clear();
 }
 
-std::string device_text(int number, const ProbeModel& probe) {
-  const image::ImageVersion v = probe.status().version[*probe.running()];
-  const auto bcd = static_cast<std::uint16_t>(v.major << 8U | v.minor);
-  char id[16];
-  std::snprintf(id, sizeof id, "%04x", bcd);
-  const std::string n = std::to_string(number), address = std::to_string(number + 1);
-  const std::string node = "bus/usb/001/00" + address;
-  return "P: /devices/pci0000:00/0000:00:14.0/usb1/1-" + n + "\nN: " + node +
-         "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DEVNAME=/dev/" + node + "\nE: BUSNUM=001\nE: DEVNUM=00" +
-         address + "\nE: MAJOR=189\nE: MINOR=" + n + "\nA: busnum=1\\n\nA: devnum=" + address +
-         "\\n\nA: speed=480\\n\nA: bConfigurationValue=1\\n\nA: idVendor=1209\\n\nA: idProduct=0001\\n\nA: bcdDevice=" +
-         id + "\\n\nA: serial=" + probe.options().serial + "\\n\nH: descriptors=" + to_hex(descriptors(bcd)) + "\n\n";
-}
-
-/// A string descriptor in UTF-16.
-std::vector<std::byte> string_descriptor(const std::string& text) {
-  std::vector<std::byte> out = {static_cast<std::byte>(2 + 2 * text.size()), std::byte{3}};
-  for (const char c : text) {
-    out.push_back(static_cast<std::byte>(c));
-    out.push_back(std::byte{0});
-  }
-  return out;
+/// The emulated tree is made for its owner alone. Here everybody may see it and reach umockdev; who may open the device
+/// is for its mode to say.
+void share_with_others(UMockdevTestbed* testbed, const std::string& node, mode_t mode) {
+  const std::string root = umockdev_testbed_get_root_dir(testbed);
+  const auto change = [&root](const std::string& path, mode_t to) {
+    const std::string whole = root + path;
+    if (::chmod(whole.c_str(), to) != 0) throw std::runtime_error("cannot change the mode of " + whole);
+  };
+  for (const std::string& path : {std::string(), std::string("/ioctl/_default"), "/ioctl" + node}) change(path, 0777);
+  change(node, mode);
 }
 
 }  // namespace
 
 UsbPort::UsbPort(UMockdevTestbed* testbed, int number, const ProbeOptions& probe, const PortFaults& faults)
     : testbed_(testbed), number_(number), probe_(probe), faults_(faults) {
-  syspath_ = "/sys/devices/pci0000:00/0000:00:14.0/usb1/1-" + std::to_string(number);
-  devnode_ = "/dev/bus/usb/001/00" + std::to_string(number + 1);
   handler_ = umockdev_ioctl_base_new();
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(&UsbPort::on_ioctl), this);
   g_signal_connect(handler_, "client-vanished", G_CALLBACK(&UsbPort::on_vanished), this);
@@ -105,39 +49,47 @@ UsbPort::~UsbPort() {
   g_object_unref(handler_);
 }
 
+UsbIdentity UsbPort::identity() const {
+  const image::ImageVersion v = probe_.status().version[*probe_.running()];
+  return {number_, static_cast<std::uint16_t>(v.major << 8U | v.minor), faults_.speed_mbit, probe_.options().serial};
+}
+
 void UsbPort::plug_in() {
   GError* error = nullptr;
-  const std::string text = device_text(number_, probe_);
-  if (!umockdev_testbed_add_from_string(testbed_, text.c_str(), &error)) throw std::runtime_error(error->message);
-  if (!attached_ && !umockdev_testbed_attach_ioctl(testbed_, devnode_.c_str(), handler_, &error)) {
+  const std::string node = devnode(number_);
+  if (!umockdev_testbed_add_from_string(testbed_, testbed_text(identity()).c_str(), &error)) {
     throw std::runtime_error(error->message);
   }
-  attached_ = true;
+  if (attached_.insert(node).second && !umockdev_testbed_attach_ioctl(testbed_, node.c_str(), handler_, &error)) {
+    throw std::runtime_error(error->message);
+  }
+  if (faults_.mode) share_with_others(testbed_, node, *faults_.mode);
   plugged_ = true;
-  umockdev_testbed_uevent(testbed_, syspath_.c_str(), "add");
+  umockdev_testbed_uevent(testbed_, syspath(number_).c_str(), "add");
 }
 
 void UsbPort::forget_transfers() {
-  for (auto& [client, urbs] : done_) {
-    for (UMockdevIoctlData* urb : urbs) umockdev_ioctl_data_unref(urb);
-  }
+  for (auto& [client, urbs] : done_) unref_all(urbs);
+  for (auto& [client, urbs] : silent_) unref_all(urbs);
   done_.clear();
+  silent_.clear();
 }
 
 void UsbPort::on_vanished(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
-  auto& done = static_cast<UsbPort*>(self)->done_;
-  const auto urbs = done.find(client);
-  if (urbs == done.end()) return;
-  for (UMockdevIoctlData* urb : urbs->second) umockdev_ioctl_data_unref(urb);
-  done.erase(urbs);
+  for (auto* const pending : {&static_cast<UsbPort*>(self)->done_, &static_cast<UsbPort*>(self)->silent_}) {
+    const auto urbs = pending->find(client);
+    if (urbs == pending->end()) continue;
+    unref_all(urbs->second);
+    pending->erase(urbs);
+  }
 }
 
 void UsbPort::pull_out() {
   plugged_ = false;
   forget_transfers();
   // The handler stays: files that are still open get ENODEV, as from the kernel.
-  umockdev_testbed_uevent(testbed_, syspath_.c_str(), "remove");
-  umockdev_testbed_remove_device(testbed_, syspath_.c_str());
+  umockdev_testbed_uevent(testbed_, syspath(number_).c_str(), "remove");
+  umockdev_testbed_remove_device(testbed_, syspath(number_).c_str());
 }
 
 void UsbPort::later(std::uint32_t ms, GSourceFunc what) {
@@ -158,6 +110,18 @@ gboolean UsbPort::on_reboot(gpointer self) {
 
 gboolean UsbPort::on_return(gpointer self) {
   static_cast<UsbPort*>(self)->plug_in();
+  return G_SOURCE_REMOVE;
+}
+
+gboolean UsbPort::on_replug(gpointer self) {
+  auto* port = static_cast<UsbPort*>(self);
+  if (port->faults_.power_lost) {
+    port->probe_.boot();
+  } else {
+    port->probe_.bus_reset();
+  }
+  port->number_ = port->faults_.replug_port.value_or(port->number_);
+  port->plug_in();
   return G_SOURCE_REMOVE;
 }
 
@@ -189,10 +153,11 @@ gboolean UsbPort::handle(UMockdevIoctlClient* client) {
     case USBDEVFS_RELEASEINTERFACE:
     case USBDEVFS_SETINTERFACE:
     case USBDEVFS_SETCONFIGURATION:
-    case USBDEVFS_DISCARDURB:
     case USBDEVFS_CLEAR_HALT:
       umockdev_ioctl_client_complete(client, 0, 0);
       return TRUE;
+    case USBDEVFS_DISCARDURB:
+      return discard(client);
     case USBDEVFS_GETDRIVER:
       umockdev_ioctl_client_complete(client, -1, ENODATA);
       return TRUE;
@@ -210,7 +175,7 @@ gboolean UsbPort::handle(UMockdevIoctlClient* client) {
 gboolean UsbPort::submit(UMockdevIoctlClient* client) {
   UMockdevIoctlData* urb_data =
       umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, sizeof(usbdevfs_urb), nullptr);
-  usbdevfs_urb urb{};
+  usbdevfs_urb urb{};  // NOLINT(clang-diagnostic-zero-length-array): the kernel's own structure
   std::memcpy(&urb, urb_data->data, sizeof urb);
   const auto size = static_cast<std::size_t>(urb.buffer_length);
   UMockdevIoctlData* buffer = umockdev_ioctl_data_resolve(urb_data, offsetof(usbdevfs_urb, buffer), size, nullptr);
@@ -224,8 +189,15 @@ gboolean UsbPort::submit(UMockdevIoctlClient* client) {
   std::memcpy(&setup.length, buffer->data + 6, 2);
   std::vector<std::byte> data(size - kSetup);
   std::memcpy(data.data(), buffer->data + kSetup, data.size());
+  const Fault fault = next_fault(setup);
+  if (fault == Fault::kSilence) {
+    umockdev_ioctl_data_unref(buffer);
+    silent_[client].push_back(urb_data);
+    umockdev_ioctl_client_complete(client, 0, 0);
+    return TRUE;
+  }
   std::size_t length = 0;
-  const int status = transfer(setup, data, length);
+  const int status = fault == Fault::kStall || !plugged_ ? -EPIPE : transfer(setup, data, length);
   if (!plugged_) {
     umockdev_ioctl_data_unref(buffer);
     umockdev_ioctl_data_unref(urb_data);
@@ -264,24 +236,43 @@ gboolean UsbPort::reap(UMockdevIoctlClient* client) {
   return TRUE;
 }
 
-bool UsbPort::faulty(const fw::SetupPacket& setup) {
-  if (setup.request_type != 0x21 || setup.request != 1 || setup.length == 0) return false;
+gboolean UsbPort::discard(UMockdevIoctlClient* client) {
+  // libusb gives a transfer up and then reaps it like any other (linux/usb/usbdevice_fs.h: status -ENOENT).
+  for (UMockdevIoctlData* urb : silent_[client]) {
+    int given_up = -ENOENT;
+    umockdev_ioctl_data_update(urb, offsetof(usbdevfs_urb, status), reinterpret_cast<guint8*>(&given_up),
+                               sizeof given_up);
+    done_[client].push_back(urb);
+  }
+  silent_[client].clear();
+  umockdev_ioctl_client_complete(client, 0, 0);
+  return TRUE;
+}
+
+UsbPort::Fault UsbPort::next_fault(const fw::SetupPacket& setup) {
+  if (setup.request_type != kDnloadType || setup.request != kDnload) return Fault::kNone;
+  meter_.on_block(setup.value, setup.length);
+  if (setup.length == 0) return Fault::kNone;
   ++blocks_;
-  if (faults_.pull_at_block && blocks_ == *faults_.pull_at_block) {
+  if (faults_.interrupt_at_block == blocks_) ::kill(meter_.program(), SIGINT);
+  if (faults_.pull_at_block == blocks_) {
     pull_out();
-    if (faults_.replug_ms) later(*faults_.replug_ms, &UsbPort::on_return);
-    return true;
+    if (faults_.replug_ms) later(*faults_.replug_ms, &UsbPort::on_replug);
+    return Fault::kNone;
   }
   if (faults_.stall_count > 0 && blocks_ >= faults_.stalls_at_block) {
     --faults_.stall_count;
-    return true;
+    return Fault::kStall;
   }
-  return false;
+  if (faults_.silent_count > 0 && blocks_ >= faults_.silent_at_block) {
+    --faults_.silent_count;
+    return Fault::kSilence;
+  }
+  return Fault::kNone;
 }
 
 int UsbPort::transfer(const fw::SetupPacket& setup, std::span<std::byte> buffer, std::size_t& length) {
   if ((setup.request_type & 0x60U) == 0) return standard_request(setup, buffer, length);
-  if (faulty(setup)) return -EPIPE;
   const bool in = (setup.request_type & 0x80U) != 0;
   const fw::ControlReply reply = probe_.control(setup, in ? std::span<const std::byte>() : buffer);
   if (reply.stall) return -EPIPE;
@@ -293,12 +284,8 @@ int UsbPort::transfer(const fw::SetupPacket& setup, std::span<std::byte> buffer,
 int UsbPort::standard_request(const fw::SetupPacket& setup, std::span<std::byte> buffer, std::size_t& length) const {
   constexpr std::uint8_t kGetDescriptor = 6, kString = 3;
   if (setup.request != kGetDescriptor || (setup.value >> 8U) != kString) return -EPIPE;
-  const std::array<std::string, 4> strings = {"", "enamel", "enamel probe", probe_.options().serial};
-  const std::size_t index = setup.value & 0xFFU;
-  if (index >= strings.size()) return -EPIPE;
-  const std::vector<std::byte> reply =
-      index == 0 ? std::vector<std::byte>{std::byte{4}, std::byte{3}, std::byte{9}, std::byte{4}}
-                 : string_descriptor(strings[index]);
+  const std::vector<std::byte> reply = string_descriptor(identity(), setup.value & 0xFFU);
+  if (reply.empty()) return -EPIPE;
   length = std::min(reply.size(), buffer.size());
   std::copy_n(reply.begin(), length, buffer.begin());
   return 0;

@@ -1,15 +1,18 @@
 // enamel-sign: makes keys, signs firmware images, looks into them. Not shipped to the field.
-#include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "protocol/base/file.hpp"
+#include "protocol/base/subcommands.hpp"
 #include "protocol/image/image_file.hpp"
 #include "tools/sign/inspect.hpp"
 #include "tools/sign/key_file.hpp"
+#include "tools/sign/package_image.hpp"
 #include "tools/sign/sign_image.hpp"
 
 namespace {
@@ -83,34 +86,40 @@ Run add_inspect(CLI::App& app) {
   };
 }
 
+Run add_package(CLI::App& app) {
+  auto file = std::make_shared<std::string>();
+  auto out = std::make_shared<std::string>();
+  auto metainfo = std::make_shared<std::string>();
+  app.add_option("IMAGE", *file, "image (*.enfw)")->required();
+  app.add_option("--out", *out, "cabinet (*.cab) for fwupd")->required();
+  app.add_option("--metainfo", *metainfo, "write the metainfo there as well");
+  return [=]() -> Result<int> {
+    ENAMEL_TRY_ASSIGN(const std::string content, enamel::read_file(*file));
+    const auto manifest = image::check_image_file(std::as_bytes(std::span(content)), {});
+    if (!manifest) return refused(manifest.error());
+    const std::string text = sign::make_metainfo(*manifest);
+    if (!metainfo->empty()) ENAMEL_TRY(enamel::write_file(*metainfo, text));
+    ENAMEL_TRY(sign::write_cabinet(*out, content, text));
+    std::printf("%s  %s\n", sign::fwupd_guid().c_str(), out->c_str());
+    return 0;
+  };
+}
+
+constexpr std::array<enamel::Subcommand<Run>, 4> kCommands{{
+    {"keygen", "make a key pair", add_keygen},
+    {"sign", "put an image together and sign it", add_sign},
+    {"inspect", "print and check an image (JSON)", add_inspect},
+    {"package", "wrap an image for fwupd", add_package},
+}};
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("Keys and signatures of firmware images.", "enamel-sign");
-  app.require_subcommand(1);
-  struct Command {
-    CLI::App* app;
-    Run run;
-  };
-  std::vector<Command> commands;
-  const auto add = [&](const char* name, const char* what, Run (*setup)(CLI::App&)) {
-    CLI::App* sub = app.add_subcommand(name, what);
-    commands.push_back({sub, setup(*sub)});
-  };
-  add("keygen", "make a key pair", add_keygen);
-  add("sign", "put an image together and sign it", add_sign);
-  add("inspect", "print and check an image (JSON)", add_inspect);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : kUsage;
-  }
-  for (const Command& c : commands) {
-    if (!c.app->parsed()) continue;
-    const Result<int> done = c.run();
-    if (done) return *done;
-    std::fprintf(stderr, "%s\n", done.error().message().c_str());
-    return kUsage;
-  }
+  const auto command = enamel::parse_subcommand<Run>(app, kCommands, argc, argv, kUsage);
+  if (!command) return command.error();
+  const Result<int> done = (*command)();
+  if (done) return *done;
+  std::fprintf(stderr, "%s\n", done.error().message().c_str());
   return kUsage;
 }
