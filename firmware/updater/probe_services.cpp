@@ -15,7 +15,7 @@
 namespace enamel::fw {
 namespace {
 
-constexpr long kLeastCharge_percent = 30;
+constexpr long kLeastChargePercent = 30;
 /// Hosts give up a transfer after five seconds.
 constexpr std::chrono::milliseconds kWhileHostWaits{4000};
 
@@ -55,7 +55,7 @@ std::uint16_t ProbeServices::battery_mv() const noexcept {
 bool ProbeServices::power_suffices() const noexcept {
   if (options_->battery.empty()) return true;
   const std::optional<long> charge_percent = read_number(options_->battery + "/capacity");
-  return charge_percent && *charge_percent >= kLeastCharge_percent;
+  return charge_percent && *charge_percent >= kLeastChargePercent;
 }
 
 bool ProbeServices::self_test() noexcept { return self_test(kWhileHostWaits); }

@@ -47,7 +47,7 @@ void print(const update::BatchEntry& e, bool dry_run) {
   if (e.result->written) {
     std::printf("%s: %s -> %s, confirmed\n", name.c_str(), before.c_str(), after.c_str());
   } else if (dry_run) {
-    std::printf("%s: %s -> %s would be accepted; nothing was sent\n", name.c_str(), before.c_str(), after.c_str());
+    std::printf("%s: %s -> %s would be accepted; nothing was written\n", name.c_str(), before.c_str(), after.c_str());
   } else {
     std::printf("%s: runs %s already; --allow-same writes it again\n", name.c_str(), before.c_str());
   }
@@ -105,7 +105,7 @@ Run add_flash(CLI::App& app) {
   app.add_option("--jobs", o->jobs, "probes at a time")->check(CLI::Range(1, 16));
   app.add_flag("--allow-same", o->allow_same, "write a version that runs already");
   app.add_flag("--allow-older", o->allow_older, "accept a lower version; a lower security counter never is");
-  app.add_flag("--dry-run", o->dry_run, "all checks, nothing sent");
+  app.add_flag("--dry-run", o->dry_run, "all checks, nothing written");
   app.add_option("--json-log", o->json_log, "append what happens as JSON lines; those older than 30 days go");
   app.add_option("--wait", o->wait_s, "s to wait for a probe that is gone")->check(CLI::Range(1, 600));
   app.add_flag("--resume", o->resume,

@@ -14,9 +14,10 @@ class Replay final : public image::Ed25519 {
     const Sha256Digest digest = sha256(message);
     ByteReader in(answers_);
     while (in.remaining() > 0) {
-      const bool asked =
-          is(in.take(key.size()), key) & is(in.take(signature.size()), signature) & is(in.take(digest.size()), digest);
-      if (in.get<std::uint8_t>() == 1 && asked) return in.ok();
+      const bool same_key = is(in.take(key.size()), key), same_signature = is(in.take(signature.size()), signature),
+                 same_message = is(in.take(digest.size()), digest);
+      const bool verifies = in.get<std::uint8_t>() == 1;
+      if (same_key && same_signature && same_message && verifies) return in.ok();
     }
     return false;
   }

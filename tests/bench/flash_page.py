@@ -34,10 +34,10 @@ def cut_rows(page, build, full):
 def image_rows(page, build, update):
     page.section("Images that must not run")
     s = Suite(build, "fw_image")
-    bits = "Image.EverySingleBitOfTheManifestCounts"
-    flips, sample = "PayloadFlip.TenThousandOfAWholeImageAreSeenByTheirChunk", "PayloadFlip.AreRefusedByTheProbeBeforeTheirChunkIsWritten"
+    bits = "Flip.EveryBitOfTheManifestIsRefusedBeforeTheFirstErase"
+    flips, sample = "Flip.TenThousandOfAWholeImageAreSeenByTheirChunk", "Flip.PayloadsAreRefusedByTheProbeBeforeTheirChunkIsWritten"
     page.row("single-bit flips of the manifest, signature block and pad included, refused before the first erase", "100 %",
-             f"{s.figure(bits, 'bits')} bits, {word(s.passed(bits))}", s.passed(bits))
+             f"{update.figure(bits, 'refused')} bits, {word(update.passed(bits))}", update.passed(bits))
     page.row("random flips of a 16 MiB payload refused", "10 000 of 10 000", f"{update.figure(flips, 'refused')}",
              update.passed(flips) and update.figure(flips, "refused") == 10000)
     page.row("… whole way through the receiver: refused, the chunk's place untouched, resumed with the right bytes", "all",

@@ -64,6 +64,19 @@ bool lasts(const SlotRecord& slot) {
   return slot.state == SlotState::kConfirmed || slot.state == SlotState::kVerified || slot.state == SlotState::kEmpty;
 }
 
+std::optional<std::size_t> boot(ControlStore& store, SlotJudge& judge) {
+  const std::optional<std::size_t> slot = choose_slot(store, judge);
+#ifdef ENAMEL_FUZZ_CONTROL
+  // Negative control: a bootloader that charges confirmed slots too.
+  std::optional<ControlBlock> block = store.load();
+  if (slot && block && block->slot[*slot].state == SlotState::kConfirmed) {
+    --block->slot[*slot].tries;
+    static_cast<void>(store.store(*block));
+  }
+#endif
+  return slot;
+}
+
 /// What the stored block promises: something boots now; something boots for ever.
 struct Promise {
   bool now = false, always = false;
@@ -105,7 +118,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (cut) flash.cut_at(flash.operations() + in.below(2), in.below(kControlSize + 1), in.byte());
     const std::uint64_t writes = flash.operations();
     GivenContent judge(good);
-    const std::optional<std::size_t> slot = choose_slot(store, judge);
+    const std::optional<std::size_t> slot = boot(store, judge);
     demand(!slot || good[*slot], "what boots verifies");
     const bool written = flash.operations() > writes;
     flash.restore_power();

@@ -206,7 +206,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   test::ByteSource in(data, size);
   FuzzProbe probe(world().factory, world().keys, world().trusted);
   Host host(probe, in);
-  for (int steps = 0; steps < 64 && !in.empty(); ++steps) {
+  for (int steps = 0; steps < 24 && !in.empty(); ++steps) {
     host.step();
     probe.demand_bootable();
   }

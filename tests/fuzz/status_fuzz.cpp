@@ -20,16 +20,21 @@ class AnyAnswer final : public update::ProbeLink {
  public:
   AnyAnswer(std::span<const std::byte> answer, std::optional<update::LinkFault> fault)
       : answer_(answer), fault_(fault) {}
-  update::Linked<void> out(std::uint8_t, std::uint8_t, std::uint16_t, std::span<const std::byte>,
+  update::Linked<void> out(const update::ControlRequest&, std::span<const std::byte>,
                            std::chrono::milliseconds) override {
     if (fault_) return tl::unexpected(*fault_);
     return {};
   }
-  update::Linked<std::vector<std::byte>> in(std::uint8_t, std::uint8_t, std::uint16_t, std::uint16_t length,
+  update::Linked<std::vector<std::byte>> in(const update::ControlRequest&, std::uint16_t length,
                                             std::chrono::milliseconds) override {
     if (fault_) return tl::unexpected(*fault_);
     const auto part = answer_.first(std::min<std::size_t>(length, answer_.size()));
     return std::vector<std::byte>(part.begin(), part.end());
+  }
+  update::Linked<std::vector<std::byte>> out_then_in(const update::ControlRequest&, std::span<const std::byte>,
+                                                     const update::ControlRequest& second, std::uint16_t length,
+                                                     std::chrono::milliseconds timeout) override {
+    return in(second, length, timeout);
   }
 
  private:

@@ -60,6 +60,9 @@ sed 's,</provides>,,' "$work/firmware.metainfo.xml" >"$work/broken.metainfo.xml"
 refuses build-cabinet "$work/broken.cab" "$work/firmware.enfw" "$work/broken.metainfo.xml"
 { head -c 1000 "$work/firmware.enfw" && printf x && tail -c +1002 "$work/firmware.enfw"; } >"$work/altered.enfw"
 refuses firmware-parse "$work/altered.enfw" dfu
+if "$sign" package "$work/altered.enfw" --out "$work/altered.cab" >"$work/out" 2>&1 || [ -e "$work/altered.cab" ]; then
+  fail "enamel-sign package took an altered image"
+fi
 head -c 100000 "$work/ours.cab" >"$work/short.cab"
 refuses get-details "$work/short.cab"
 echo "fwupdtool takes image, metainfo and cabinet, and refuses the broken ones"

@@ -36,6 +36,7 @@ void on_exit(GPid pid, gint status, gpointer data) {
 /// Exit code of the command, -1 when it cannot be started or was killed.
 int run(std::vector<std::string> command, const std::vector<std::unique_ptr<UsbPort>>& ports) {
   std::vector<char*> argv;
+  argv.reserve(command.size() + 1);
   for (std::string& word : command) argv.push_back(word.data());
   argv.push_back(nullptr);
   Child child;

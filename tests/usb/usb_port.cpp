@@ -26,10 +26,12 @@ void unref_all(std::deque<UMockdevIoctlData*>& urbs) {
 /// is for its mode to say.
 void share_with_others(UMockdevTestbed* testbed, const std::string& node, mode_t mode) {
   const std::string root = umockdev_testbed_get_root_dir(testbed);
-  for (const std::string& path : {std::string(), std::string("/ioctl/_default"), "/ioctl" + node}) {
-    if (::chmod((root + path).c_str(), 0777) != 0) throw std::runtime_error("cannot change the mode of " + root + path);
-  }
-  if (::chmod((root + node).c_str(), mode) != 0) throw std::runtime_error("cannot change the mode of " + root + node);
+  const auto change = [&root](const std::string& path, mode_t to) {
+    const std::string whole = root + path;
+    if (::chmod(whole.c_str(), to) != 0) throw std::runtime_error("cannot change the mode of " + whole);
+  };
+  for (const std::string& path : {std::string(), std::string("/ioctl/_default"), "/ioctl" + node}) change(path, 0777);
+  change(node, mode);
 }
 
 }  // namespace
@@ -173,7 +175,7 @@ gboolean UsbPort::handle(UMockdevIoctlClient* client) {
 gboolean UsbPort::submit(UMockdevIoctlClient* client) {
   UMockdevIoctlData* urb_data =
       umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, sizeof(usbdevfs_urb), nullptr);
-  usbdevfs_urb urb{};
+  usbdevfs_urb urb{};  // NOLINT(clang-diagnostic-zero-length-array): the kernel's own structure
   std::memcpy(&urb, urb_data->data, sizeof urb);
   const auto size = static_cast<std::size_t>(urb.buffer_length);
   UMockdevIoctlData* buffer = umockdev_ioctl_data_resolve(urb_data, offsetof(usbdevfs_urb, buffer), size, nullptr);

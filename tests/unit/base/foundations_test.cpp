@@ -10,6 +10,7 @@
 #include "protocol/base/log.hpp"
 #include "protocol/base/progress.hpp"
 #include "protocol/base/result.hpp"
+#include "protocol/base/wall_time.hpp"
 
 namespace enamel {
 namespace {
@@ -71,6 +72,13 @@ TEST(Result, TryReturnsTheErrorAndAssignsTheValue) {
   EXPECT_EQ(quarter(8).value(), 2);
   EXPECT_EQ(quarter(6).error().detail, "odd");
   EXPECT_EQ(quarter(3).error().code, ErrorCode::kUsage);
+}
+
+TEST(WallTime, IsToldAsUtcTextsThatSort) {
+  const auto at = [](std::int64_t ms) { return to_utc_text(WallTime(std::chrono::milliseconds(ms))); };
+  EXPECT_EQ(at(1'767'225'600'007), "2026-01-01T00:00:00.007Z");
+  EXPECT_EQ(at(1'772'323'199'999), "2026-02-28T23:59:59.999Z");
+  EXPECT_LT(at(1'772'323'199'999), at(1'772'323'200'000));
 }
 
 TEST(Clock, SteadyClockNeverGoesBack) {
