@@ -13,11 +13,11 @@ namespace enamel::calib {
 struct SolvedRig {
   LensValues camera, projector;
   Pose T_proj_cam = Pose::Identity();
-  std::vector<std::string> parameter_names;   ///< of the covariance's rows
-  Eigen::MatrixXd covariance;                 ///< px, rad, mm by parameter
-  std::string calibrated_at;                  ///< UTC, e.g. 2026-01-31T12:00:00Z
-  std::optional<ProjectorResponse> response;  ///< where the folder has pictures of it
-  std::optional<CorrectionField> correction;  ///< where one earned its place
+  std::vector<std::string> parameter_names;     ///< of the covariance's rows
+  Eigen::MatrixXd covariance;                   ///< px, rad, mm by parameter
+  std::string calibrated_at;                    ///< UTC, e.g. 2026-01-31T12:00:00Z
+  std::optional<ProjectorResponse> response;    ///< where the folder has pictures of it
+  std::optional<CorrectionField> correction;    ///< where one earned its place
   std::optional<double> temp_c = std::nullopt;  ///< of the probe while the pictures were taken; empty: as the set says
   std::optional<TemperatureTerms> temperature = std::nullopt;
   double rms_camera_px = 0, rms_projector_px = 0;

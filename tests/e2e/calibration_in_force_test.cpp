@@ -83,8 +83,8 @@ TEST(CalibrationInForce, TermsTakeTheOpticsToTheBurstsTemperature) {
     change(rig);
     const std::string path = tmp / (std::string(name) + ".json");
     EXPECT_TRUE(write_file(path, rig.dump(1)));
-    const Ran ran = run({program("enamel"), "replay", small_capture(), "--out", tmp / name, "--headless", "--rig", path},
-                        seconds(180));
+    const Ran ran = run(
+        {program("enamel"), "replay", small_capture(), "--out", tmp / name, "--headless", "--rig", path}, seconds(180));
     EXPECT_EQ(ran.code, 0) << ran.err;
     const Json report = json_of(tmp / (std::string(name) + "/report.json"));
     EXPECT_EQ(report["calibration"]["temp_c"], Json({32, 32}));
