@@ -192,7 +192,7 @@ Result<DriftCheck> check_drift(std::vector<DriftView> views, const LensValues& c
     f.um = out.theta[at] * kModes[m].um_per_unit;
     f.sigma_um = std::sqrt(variance[at]) * kModes[m].um_per_unit;
     f.limit_um = kModes[m].limit_um;
-    f.smallest_um = f.limit_um + config.sigmas * f.sigma_um;
+    f.smallest_um = std::max(f.limit_um, config.sigmas * f.sigma_um);  // it must matter, and be no chance
     f.is_alarm = std::abs(f.um) > f.smallest_um;
   }
   return out;

@@ -36,7 +36,7 @@ struct DriftConfig {
   std::size_t min_matches = 100;  ///< a pair with fewer is none
   int stretches = 10;             ///< of the jackknife
   int iterations = 4;
-  double sigmas = 4;  ///< an alarm is beyond the limit by so many standard errors
+  double sigmas = 4;  ///< an alarm is beyond its limit and beyond so many standard errors
 };
 
 /// Deterministic. Error: kCalibrationPoses when fewer than two views a stretch, or too few pairs that overlap.
