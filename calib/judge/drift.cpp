@@ -13,6 +13,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// Limits: a depth or tilt of 10 um bends space by 2e-4, as much as a calibration's scale may be off; bends are half of
+/// the sag that a calibration is refused at, since a sag along x alone is half mean, half difference.
 /// Heights that one unit of theta makes at 48 mm, um: dz = z² delta, x = X/z. `prior_um` says what cannot be: it holds
 /// only what the scan leaves free.
 struct Mode {
@@ -24,9 +26,9 @@ constexpr double kZ = kDriftPivot_mm, kHalf_mm = 8;
 constexpr std::array<Mode, kDriftModes> kModes{{{"depth", 1e3 * kZ* kZ, 10, 1000},
                                                 {"tilt_x", 1e3 * kZ* kHalf_mm, 10, 300},
                                                 {"tilt_y", 1e3 * kZ* kHalf_mm, 10, 300},
-                                                {"twist", 1e3 * kHalf_mm* kHalf_mm, 1, 100},
-                                                {"bow_difference", 1e3 * kHalf_mm* kHalf_mm, 1, 100},
-                                                {"bow_mean", 1e3 * kHalf_mm* kHalf_mm, 1, 100}}};
+                                                {"twist", 1e3 * kHalf_mm* kHalf_mm, 0.5, 100},
+                                                {"bow_difference", 1e3 * kHalf_mm* kHalf_mm, 0.25, 100},
+                                                {"bow_mean", 1e3 * kHalf_mm* kHalf_mm, 0.25, 100}}};
 // Damps what nothing holds, a step at a time. Any firmer and the motion that all views share would creep.
 constexpr double kPoseStep_mm = 10, kPoseStep_rad = 0.2;
 
@@ -161,7 +163,7 @@ bool DriftCheck::is_alarm() const {
 std::vector<std::string> DriftCheck::blind() const {
   std::vector<std::string> names;
   for (const DriftFigure& f : figures)
-    if (f.smallest_um > 5 * f.limit_um) names.emplace_back(f.name);
+    if (f.smallest_um > 10 * f.limit_um) names.emplace_back(f.name);
   return names;
 }
 
@@ -190,7 +192,7 @@ Result<DriftCheck> check_drift(std::vector<DriftView> views, const LensValues& c
     f.um = out.theta[at] * kModes[m].um_per_unit;
     f.sigma_um = std::sqrt(variance[at]) * kModes[m].um_per_unit;
     f.limit_um = kModes[m].limit_um;
-    f.smallest_um = f.limit_um + config.sigmas * f.sigma_um;
+    f.smallest_um = std::max(f.limit_um, config.sigmas * f.sigma_um);  // it must matter, and be no chance
     f.is_alarm = std::abs(f.um) > f.smallest_um;
   }
   return out;

@@ -27,16 +27,16 @@ struct DriftCheck {
   double rms_before_um = 0, rms_after_um = 0;  ///< of the overlaps, poses adjusted: without and with the drift
   std::size_t views = 0, pairs = 0, matches = 0;
   [[nodiscard]] bool is_alarm() const;
-  /// A figure whose smallest drift seen is more than five limits: the scan says nothing about it.
+  /// A figure whose smallest drift seen is more than ten limits: the scan says nothing about it.
   [[nodiscard]] std::vector<std::string> blind() const;
 };
 
 struct DriftConfig {
   OverlapConfig overlap;
-  std::size_t min_matches = 300;  ///< a pair with fewer is none
+  std::size_t min_matches = 100;  ///< a pair with fewer is none
   int stretches = 10;             ///< of the jackknife
   int iterations = 4;
-  double sigmas = 5;  ///< an alarm is beyond the limit by so many standard errors
+  double sigmas = 4;  ///< an alarm is beyond its limit and beyond so many standard errors
 };
 
 /// Deterministic. Error: kCalibrationPoses when fewer than two views a stretch, or too few pairs that overlap.

@@ -32,7 +32,7 @@ struct PairSystem {
 inline constexpr double kDriftPivot_mm = 48;
 
 struct OverlapConfig {
-  int stride = 3;                ///< in cells
+  int stride = 6;                ///< in cells: what counts is many views, not many points of each
   double max_distance_mm = 0.1;  ///< point to plane; Welsch kernel of a third of it
   double min_cosine = 0.85;      ///< between the two normals
 };

@@ -106,11 +106,33 @@ Result<void> check_sets(const std::vector<RigAtTemperature>& sets) {
   return {};
 }
 
+constexpr Index kUnknowns = kRigParameters + kTemperatureRates;
+
+/// Normal equations of y = p + kelvins D b over the sets.
+struct Sums {
+  MatrixXd H = MatrixXd::Zero(kUnknowns, kUnknowns);
+  VectorXd b = VectorXd::Zero(kUnknowns);
+  double squares = 0;
+
+  /// Error: kRigInvalid for a covariance that is none.
+  Result<void> add(const MatrixXd& covariance, const VectorXd& y, double kelvins) {
+    MatrixXd J = MatrixXd::Zero(kRigParameters, kUnknowns);
+    J.leftCols(kRigParameters).setIdentity();
+    for (Index k = 0; k < kTemperatureRates; ++k)
+      J(kDrifting[static_cast<std::size_t>(k)], kRigParameters + k) = kelvins;
+    const Eigen::LLT<MatrixXd> root(covariance);
+    if (root.info() != Eigen::Success) return fail(ErrorCode::kRigInvalid, "a covariance is not positive");
+    H += J.transpose() * root.solve(J);
+    b += J.transpose() * root.solve(y);
+    squares += y.dot(root.solve(y));
+    return {};
+  }
+};
+
 }  // namespace
 
 Result<TemperatureFit> fit_temperature(const std::vector<RigAtTemperature>& sets) {
   ENAMEL_TRY(check_sets(sets));
-  constexpr Index kUnknowns = kRigParameters + kTemperatureRates;
   const Matrix3d base = sets[0].state.T_proj_cam.linear();
   MatrixXd turn = MatrixXd::Identity(kRigParameters, kRigParameters);
   turn.block<3, 3>(kRotation, kRotation) = left_jacobian(log_of(base));
@@ -125,28 +147,18 @@ Result<TemperatureFit> fit_temperature(const std::vector<RigAtTemperature>& sets
   const VectorXd unit = (turn * sets[0].covariance * turn.transpose()).diagonal().cwiseSqrt();
   if (!(unit.minCoeff() > 0)) return fail(ErrorCode::kRigInvalid, "a covariance is not positive");
   const VectorXd start = values_of(sets[0].state, base);
-  MatrixXd H = MatrixXd::Zero(kUnknowns, kUnknowns);
-  VectorXd b = VectorXd::Zero(kUnknowns);
-  double squares = 0;
+  Sums sums;
   for (const RigAtTemperature& s : sets) {
-    MatrixXd J = MatrixXd::Zero(kRigParameters, kUnknowns);
-    J.leftCols(kRigParameters).setIdentity();
-    for (Index k = 0; k < kTemperatureRates; ++k)
-      J(kDrifting[static_cast<std::size_t>(k)], kRigParameters + k) = s.temp_c - reference_c;
-    const MatrixXd scale = unit.cwiseInverse().asDiagonal();
-    const Eigen::LLT<MatrixXd> covariance(scale * turn * s.covariance * turn.transpose() * scale);
-    if (covariance.info() != Eigen::Success) return fail(ErrorCode::kRigInvalid, "a covariance is not positive");
-    const VectorXd y = scale * (values_of(s.state, base) - start);
-    H += J.transpose() * covariance.solve(J);
-    b += J.transpose() * covariance.solve(y);
-    squares += y.dot(covariance.solve(y));
+    const MatrixXd scaled = unit.cwiseInverse().asDiagonal() * turn;
+    const VectorXd y = unit.cwiseInverse().asDiagonal() * (values_of(s.state, base) - start);
+    ENAMEL_TRY(sums.add(scaled * s.covariance * scaled.transpose(), y, s.temp_c - reference_c));
   }
-  const Eigen::LDLT<MatrixXd> normal(H);
-  const VectorXd x = normal.solve(b);
+  const Eigen::LDLT<MatrixXd> normal(sums.H);
+  const VectorXd x = normal.solve(sums.b);
   const MatrixXd spread = normal.solve(MatrixXd::Identity(kUnknowns, kUnknowns));
 
   TemperatureFit fit;
-  fit.chi2 = squares - b.dot(x);
+  fit.chi2 = sums.squares - sums.b.dot(x);
   fit.degrees = kRigParameters * static_cast<int>(sets.size()) - static_cast<int>(kUnknowns);
   if (fit.chi2 > fit.degrees + kMaxSigmas * std::sqrt(2.0 * fit.degrees)) {
     return fail(ErrorCode::kCalibrationRefused,

@@ -11,7 +11,7 @@ namespace enamel::app {
 
 struct SelfCheckOptions {
   std::string capture;  ///< recording, exchange folder or session folder of a scan
-  int views = 60;       ///< bursts that take part at most, evenly spread over the scan
+  int views = 150;      ///< bursts that take part at most, evenly spread over the scan
   int workers = 2;
 };
 

@@ -88,7 +88,7 @@ std::vector<DriftView> scanned(const Scan& scan, std::uint64_t seed) {
 }
 
 DriftCheck check(const Scan& scan, std::uint64_t seed) {
-  const auto found = check_drift(scanned(scan, seed), kCamera);
+  const auto found = check_drift(scanned(scan, seed), kCamera, {.overlap = {.stride = 3}});
   EXPECT_TRUE(found) << found.error().message();
   return *found;
 }
