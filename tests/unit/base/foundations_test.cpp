@@ -10,7 +10,7 @@
 #include "protocol/base/log.hpp"
 #include "protocol/base/progress.hpp"
 #include "protocol/base/result.hpp"
-#include "protocol/base/wall_time.hpp"
+#include "protocol/base/utc.hpp"
 
 namespace enamel {
 namespace {
@@ -75,10 +75,18 @@ TEST(Result, TryReturnsTheErrorAndAssignsTheValue) {
 }
 
 TEST(WallTime, IsToldAsUtcTextsThatSort) {
-  const auto at = [](std::int64_t ms) { return to_utc_text(WallTime(std::chrono::milliseconds(ms))); };
+  const auto at = [](std::int64_t ms) { return utc_text_ms(WallTime(std::chrono::milliseconds(ms))); };
   EXPECT_EQ(at(1'767'225'600'007), "2026-01-01T00:00:00.007Z");
   EXPECT_EQ(at(1'772'323'199'999), "2026-02-28T23:59:59.999Z");
   EXPECT_LT(at(1'772'323'199'999), at(1'772'323'200'000));
+}
+
+TEST(WallTime, DatesReadBack) {
+  const WallTime time(std::chrono::seconds(1'772'323'199));
+  EXPECT_EQ(utc_text(time), "2026-02-28T23:59:59Z");
+  EXPECT_EQ(parse_utc(utc_text(time)), time);
+  EXPECT_FALSE(parse_utc("28.2.2026"));
+  EXPECT_FALSE(parse_utc("2026-02-28T23:59:59Z and more"));
 }
 
 TEST(Clock, SteadyClockNeverGoesBack) {
