@@ -7,7 +7,7 @@ import re
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from decode_page import Page, machine  # noqa: E402
+from bench_page import Page, machine  # noqa: E402
 from flash_lanes import Lane, Suite, output_of  # noqa: E402
 
 
@@ -110,26 +110,6 @@ def fuzz_rows(page, full):
         page.row(f"{target}: findings in {seconds} s", "0", found[0].group(2) if clean else "**a finding, or not run**", clean)
 
 
-def write(page, out, full):
-    where = machine()
-    missed = [r for r in page.rows if r["met"] is False]
-    judged = [r for r in page.rows if r["met"] is not None]
-    head = ["# Flashing benchmark", "", f"Made by `tools/bench-flashing{' --full' if full else ''}`; do not edit. How flashing works: "
-            "[../flashing.md](../flashing.md), [../firmware-image.md](../firmware-image.md).", "",
-            f"{len(judged) - len(missed)} of {len(judged)} targets met. {where['cpu']}, {where['cores']} cores, load {where['load_1min']:.1f}, "
-            f"commit {where['commit']}.", ""]
-    if missed:
-        head += ["Missed:", ""] + [f"- {r['what']}: {r['measured']} (target {r['target']})" for r in missed]
-    with open(f"{out}/flashing.md", "w", encoding="utf-8") as f:
-        f.write("\n".join(head + page.text) + "\n")
-    with open(f"{out}/flashing.json", "w", encoding="utf-8") as f:
-        json.dump({"machine": where, "full": full, "rows": page.rows}, f, indent=1, ensure_ascii=False)
-        f.write("\n")
-    for r in page.rows:
-        print(f"{'ok  ' if r['met'] else 'MISS'} {r['what']}: {r['measured']} (target {r['target']})")
-    return 1 if missed else 0
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("build")
@@ -145,7 +125,10 @@ def main():
     usb_rows(page, args.build, usb)
     guest_rows(page, args.build)
     fuzz_rows(page, args.full)
-    return write(page, args.out, args.full)
+    page.write(args.out, "flashing", f"tools/bench-flashing{' --full' if args.full else ''}", machine(), {"full": args.full})
+    for r in page.rows:
+        print(f"{'ok  ' if r['met'] else 'MISS'} {r['what']}: {r['measured']} (target {r['target']})")
+    return 0 if all(r["met"] for r in page.rows) else 1
 
 
 if __name__ == "__main__":
