@@ -91,11 +91,11 @@ TEST(CalibrationInForce, TermsTakeTheOpticsToTheBurstsTemperature) {
     return report["hash"];
   };
   constexpr double kPerKelvin = 0.5, kKelvins = 2;  // from 30 to the 32 degrees of the recording
-  const auto terms = [](Json& rig) {
+  const auto terms = [=](Json& rig) {
     rig["temperature"] = {
         {"reference_c", 30}, {"range_c", {20, 40}}, {"per_kelvin", {{"camera", {{"fx", kPerKelvin}}}}}};
   };
-  const auto moved = [](Json& rig) { rig["camera"]["fx"] = rig["camera"]["fx"].get<double>() + kPerKelvin * kKelvins; };
+  const auto moved = [=](Json& rig) { rig["camera"]["fx"] = rig["camera"]["fx"].get<double>() + kPerKelvin * kKelvins; };
   EXPECT_EQ(hash("terms", terms), hash("moved", moved));
   EXPECT_NE(hash("terms", terms), hash("as-it-is", [](Json&) {})) << "control";
 }
