@@ -95,7 +95,9 @@ TEST(CalibrationInForce, TermsTakeTheOpticsToTheBurstsTemperature) {
     rig["temperature"] = {
         {"reference_c", 30}, {"range_c", {20, 40}}, {"per_kelvin", {{"camera", {{"fx", kPerKelvin}}}}}};
   };
-  const auto moved = [=](Json& rig) { rig["camera"]["fx"] = rig["camera"]["fx"].get<double>() + kPerKelvin * kKelvins; };
+  const auto moved = [=](Json& rig) {
+    rig["camera"]["fx"] = rig["camera"]["fx"].get<double>() + kPerKelvin * kKelvins;
+  };
   EXPECT_EQ(hash("terms", terms), hash("moved", moved));
   EXPECT_NE(hash("terms", terms), hash("as-it-is", [](Json&) {})) << "control";
 }
