@@ -15,7 +15,7 @@ float ModelSight::distance_mm(const Vec3f& p_cam) const noexcept {
   if (!(p_view.z() > 1)) return kUnseen;
   const Vec2f at = camera_.project(p_view) * scale_;
   if (!(at.minCoeff() > -0.5F) || !(at.maxCoeff() < 1e6F)) return kUnseen;
-  const int i = static_cast<int>(at.x() + 0.5F), j = static_cast<int>(at.y() + 0.5F);
+  const int i = static_cast<int>(std::floor(at.x() + 0.5F)), j = static_cast<int>(std::floor(at.y() + 0.5F));
   if (i >= view_->points.width() || j >= view_->points.height()) return kUnseen;
   const float d = view_->normals(i, j).dot(T_model_cam_ * p_cam - view_->points(i, j));
   return std::isfinite(d) ? std::abs(d) : kUnseen;
