@@ -7,6 +7,7 @@
 
 #include "calib/judge/sphere_bar.hpp"
 #include "calib/model/measuring_rig.hpp"
+#include "host/app/calibration.hpp"
 #include "host/record/burst_stream.hpp"
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "pipeline/stages/burst_view.hpp"
@@ -15,8 +16,6 @@ namespace enamel::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kMaxKelvins = 5;  // beyond what the calibration covers: worth a note
 
 std::vector<calib::BarPoint> points_of(const SurfacePatch& patch) {
   std::vector<calib::BarPoint> points;
@@ -65,7 +64,7 @@ Result<Json> check_bar(const calib::Rig& rig, const BarOptions& options) {
     ENAMEL_TRY_ASSIGN(const proto::Burst burst, stream->burst_with_id({id}));
     if (!proto::is_consistent(burst)) return fail(ErrorCode::kCaptureCorrupt, fmt::format("burst {}", id));
     const double temp_c = burst.temp_centi_c / 100.0;
-    if (const auto beyond = calib::kelvins_beyond(rig, temp_c); beyond && *beyond > kMaxKelvins) {
+    if (const auto beyond = calib::kelvins_beyond(rig, temp_c); beyond && *beyond > CalibrationLimits{}.max_kelvins) {
       out["notes"].push_back(fmt::format("burst {}: {:.1f} degrees C lies {:.1f} K beyond what the calibration covers",
                                          id, temp_c, *beyond));
     }

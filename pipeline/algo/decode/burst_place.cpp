@@ -49,7 +49,7 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodedBurst& out) 
     judge_orders(pieces, b.polarity_evidence, b.orders);
   }
   make_spans(pieces, b.orders, b.phase.reject, b.spans);
-  find_relative(pieces, b.orders.pieces, config_.order.min_region_px, b.parent, out.relative);
+  find_relative(pieces, b.orders.pieces, config_.order.min_region_px, b.orders.work.parent, out.relative);
   const double judged = b.orders.agreeing_px + b.orders.contradicting_px;
   diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;
   diag.torn_share =

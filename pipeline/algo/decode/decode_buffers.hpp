@@ -24,7 +24,6 @@ struct DecodeWorkspace::Buffers {
   OrderResult orders;
   std::vector<CellSpan> spans;
   std::vector<CellSpan> relative_cells;  ///< of mode M's undecided pieces
-  std::vector<std::int32_t> parent;
   PolarityMaps polarity;
   ClosureFit closure;
   RigidMotionWork rigid;

@@ -1,48 +1,21 @@
 #include "pipeline/algo/decode/relative_regions.hpp"
 
 #include <algorithm>
-#include <numeric>
+
+#include "pipeline/algo/unwrap/piece_sets.hpp"
 
 namespace enamel::algo {
-namespace {
-
-/// Sets of pieces; the first of a set in the list is its root.
-class Sets {
- public:
-  Sets(std::size_t count, std::vector<std::int32_t>& parent) : parent_(parent) {
-    parent_.resize(count);
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  std::size_t root(std::size_t i) {
-    while (static_cast<std::size_t>(parent_[i]) != i) {
-      parent_[i] = parent_[static_cast<std::size_t>(parent_[i])];
-      i = static_cast<std::size_t>(parent_[i]);
-    }
-    return i;
-  }
-  void unite(std::size_t a, std::size_t b) {
-    a = root(a), b = root(b);
-    parent_[std::max(a, b)] = static_cast<std::int32_t>(std::min(a, b));
-  }
-
- private:
-  std::vector<std::int32_t>& parent_;
-};
-
-}  // namespace
 
 void find_relative(std::span<const Piece> pieces, std::span<const PieceOrder> orders, int min_region_px,
                    std::vector<std::int32_t>& parent, RelativeSurface& out) {
   out.clear();
   const auto open = [&](std::size_t i) { return !orders[i].decided; };
-  Sets sets(pieces.size(), parent);
+  PieceSets sets(pieces.size(), parent);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     if (!open(i)) continue;
-    const Piece& p = pieces[i];
-    if (p.joined && !p.kink && open(i - 1)) sets.unite(i, i - 1);
-    for (const std::int32_t other : {p.up, p.down}) {
-      if (other >= 0 && open(static_cast<std::size_t>(other))) sets.unite(i, static_cast<std::size_t>(other));
-    }
+    each_neighbour(pieces[i], i, [&](std::size_t o) {
+      if (open(o)) sets.unite(i, o);
+    });
   }
   std::vector<RelativeSurface::Region> found(pieces.size());
   for (std::size_t i = 0; i < pieces.size(); ++i) {

@@ -4,19 +4,20 @@
 #include <numbers>
 #include <vector>
 
+#include "pipeline/algo/guide/ray_point.hpp"
+
 namespace enamel::algo {
 namespace {
 
 /// Whether the phase is on the projector and its depth in the range.
 bool add_pixel(const RayDepth& rays, std::size_t i, float phase_rad, float sigma_rad, SurfacePatch& patch) {
   const float q = rays.inverse_depth(i, phase_rad);
-  const bool inside =
-      q * rays.near_mm <= 1 && q * rays.far_mm >= 1 && phase_rad > rays.min_phase_rad && phase_rad < rays.max_phase_rad;
+  const bool inside = in_range(rays, q) && phase_rad > rays.min_phase_rad && phase_rad < rays.max_phase_rad;
   if (!inside) return false;
   const float z = 1 / q;
   patch.depth_mm[i] = z;
   patch.sigma_mm[i] = z * z * std::abs(rays.inverse_depth_slope(i, phase_rad)) * sigma_rad;
-  patch.points[i] = {rays.rays.x[i] * z, rays.rays.y[i] * z, z};
+  patch.points[i] = point_at(rays, i, z);
   return true;
 }
 

@@ -9,15 +9,12 @@
 #include <span>
 #include <utility>
 
+#include "pipeline/algo/guide/ray_point.hpp"
+
 namespace enamel::algo {
 namespace {
 
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
-
-/// 1/z within the depth range, or nothing.
-bool in_range(const RayDepth& rays, float q) { return q * rays.near_mm <= 1 && q * rays.far_mm >= 1; }
-
-Vec3f point_at(const RayDepth& rays, std::size_t i, float z) { return {rays.rays.x[i] * z, rays.rays.y[i] * z, z}; }
 
 constexpr std::int32_t kUnseen = -2, kOffTheModel = -1;
 

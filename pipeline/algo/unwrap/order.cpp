@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 #include "pipeline/algo/unwrap/order_rows.hpp"
+#include "pipeline/algo/unwrap/piece_sets.hpp"
 
 namespace enamel::algo {
 namespace {
@@ -24,42 +24,33 @@ class Solver {
   }
 
  private:
-  /// Calls visit(other) for the pieces linked to piece i that come before it in the list, and for the one below.
-  template <class Visit>
-  void neighbours(std::size_t i, Visit visit) const {
-    const Piece& p = pieces_[i];
-    if (p.joined && !p.kink) visit(i - 1);
-    if (p.up >= 0) visit(static_cast<std::size_t>(p.up));
-    if (p.down >= 0) visit(static_cast<std::size_t>(p.down));
-  }
-
   /// A zone of undecided pieces that borders on decided ones of one shift only continues that surface: plain
   /// unwrapping. Where two shifts meet in it nobody knows the place, and where its own code speaks against, it stays
   /// undecided.
   void inherit() {
-    reset_sets();
+    PieceSets sets(pieces_.size(), work_.parent);
     const auto undecided = [&](std::size_t i) { return !out_.pieces[i].decided; };
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      neighbours(i, [&](std::size_t o) {
-        if (undecided(i) && undecided(o)) unite(i, o);
+      each_neighbour(pieces_[i], i, [&](std::size_t o) {
+        if (undecided(i) && undecided(o)) sets.unite(i, o);
       });
     }
     constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max(), kSeveral = kUnknown - 1;
     work_.size.assign(pieces_.size(), kUnknown);  // the shift around each zone, at its root
     const auto note = [&](std::size_t zone, std::size_t source) {
-      std::int32_t& known = work_.size[root(zone)];
+      std::int32_t& known = work_.size[sets.root(zone)];
       const std::int32_t shift = out_.pieces[source].shift;
       known = known == kUnknown || known == shift ? shift : kSeveral;
     };
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      neighbours(i, [&](std::size_t o) {
+      each_neighbour(pieces_[i], i, [&](std::size_t o) {
         if (undecided(i) && !undecided(o)) note(i, o);
         if (!undecided(i) && undecided(o)) note(o, i);
       });
     }
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (!undecided(i) || work_.size[root(i)] >= kSeveral) continue;
-      const std::int32_t shift = work_.size[root(i)], state = shift - base_shift(work_, pieces_[i]);
+      if (!undecided(i) || work_.size[sets.root(i)] >= kSeveral) continue;
+      const std::int32_t shift = work_.size[sets.root(i)], state = shift - base_shift(work_, pieces_[i]);
       if (state < 0 || state >= kStates) continue;
       const OrderCosts& total = work_.row[i];  // of its own row, not diluted by others
       if (total.of[static_cast<std::size_t>(state)] - least(total) > to_cost(config_.inherit_cost)) continue;
@@ -78,36 +69,18 @@ class Solver {
     }
   }
 
-  void reset_sets() {
-    work_.parent.resize(pieces_.size());
-    std::iota(work_.parent.begin(), work_.parent.end(), 0);
-  }
-
-  std::size_t root(std::size_t i) {
-    while (static_cast<std::size_t>(work_.parent[i]) != i) {
-      work_.parent[i] = work_.parent[static_cast<std::size_t>(work_.parent[i])];
-      i = static_cast<std::size_t>(work_.parent[i]);
-    }
-    return i;
-  }
-
-  void unite(std::size_t a, std::size_t b) {
-    a = root(a), b = root(b);
-    if (a != b) work_.parent[std::max(a, b)] = static_cast<std::int32_t>(std::min(a, b));
-  }
-
   void find_specks() {
-    reset_sets();
+    PieceSets sets(pieces_.size(), work_.parent);
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      neighbours(i, [&](std::size_t o) {
+      each_neighbour(pieces_[i], i, [&](std::size_t o) {
         const PieceOrder &a = out_.pieces[i], &b = out_.pieces[o];
-        if (a.decided && b.decided && a.shift == b.shift) unite(i, o);
+        if (a.decided && b.decided && a.shift == b.shift) sets.unite(i, o);
       });
     }
     work_.size.assign(pieces_.size(), 0);
-    for (std::size_t i = 0; i < pieces_.size(); ++i) work_.size[root(i)] += pieces_[i].end - pieces_[i].begin;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) work_.size[sets.root(i)] += pieces_[i].end - pieces_[i].begin;
     for (std::size_t i = 0; i < pieces_.size(); ++i)
-      out_.pieces[i].speck = out_.pieces[i].decided && work_.size[root(i)] < config_.min_region_px;
+      out_.pieces[i].speck = out_.pieces[i].decided && work_.size[sets.root(i)] < config_.min_region_px;
   }
 
   const std::vector<Piece>& pieces_;
