@@ -44,18 +44,12 @@ RollingHash& RollingHash::update(std::span<const std::byte> bytes) noexcept {
   return *this;
 }
 
-RollingHash& RollingHash::update(std::string_view text) noexcept {
-  return update(std::as_bytes(std::span(text.data(), text.size())));
-}
-
 Sha256Digest RollingHash::digest() const noexcept {
   State s = load(state_);
   Sha256Digest out{};
   crypto_hash_sha256_final(&s, out.data());
   return out;
 }
-
-Sha256Digest sha256(std::span<const std::byte> bytes) noexcept { return RollingHash().update(bytes).digest(); }
 
 std::string sha256_hex(std::span<const std::byte> bytes) { return to_hex(sha256(bytes)); }
 

@@ -21,7 +21,7 @@ class RollingHash {
  public:
   RollingHash() noexcept;
   RollingHash& update(std::span<const std::byte> bytes) noexcept;
-  RollingHash& update(std::string_view text) noexcept;
+  RollingHash& update(std::string_view text) noexcept { return update(std::as_bytes(std::span<const char>(text))); }
   /// Bytes of contiguous values as they lie in memory. Only for types without padding.
   template <class T>
   requires(std::has_unique_object_representations_v<T> ||
@@ -41,7 +41,9 @@ class RollingHash {
   alignas(8) std::array<std::byte, 128> state_{};
 };
 
-[[nodiscard]] Sha256Digest sha256(std::span<const std::byte> bytes) noexcept;
+[[nodiscard]] inline Sha256Digest sha256(std::span<const std::byte> bytes) noexcept {
+  return RollingHash().update(bytes).digest();
+}
 [[nodiscard]] std::string sha256_hex(std::span<const std::byte> bytes);
 
 }  // namespace enamel

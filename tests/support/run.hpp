@@ -1,41 +1,21 @@
 // Runs a program of the build to its end and returns what it printed. For end-to-end tests.
 #pragma once
 
-#include <gtest/gtest.h>
+#include <unistd.h>
 
-#include <cstdlib>
-#include <filesystem>
+#include <chrono>
 #include <string>
 #include <vector>
 
 #include "host/app/child_process.hpp"
 #include "protocol/base/file.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace enamel::test {
 
 struct Ran {
   int code = -1;  ///< exit code, 128 + signal, or -1 when it had to be killed
   std::string out, err;
-};
-
-/// A fresh folder under the system's temporary folder, removed at the end of the test.
-class TempFolder {
- public:
-  TempFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "enamel-test-XXXXXX").string();
-    path_ = ::mkdtemp(pattern.data());
-  }
-  ~TempFolder() {
-    std::error_code ec;
-    std::filesystem::remove_all(path_, ec);
-  }
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
 };
 
 inline std::string program(const std::string& name) { return std::string(ENAMEL_BIN_DIR) + "/" + name; }

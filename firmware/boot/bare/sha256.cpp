@@ -90,10 +90,6 @@ RollingHash& RollingHash::update(std::span<const std::byte> bytes) noexcept {
   return *this;
 }
 
-RollingHash& RollingHash::update(std::string_view text) noexcept {
-  return update(std::as_bytes(std::span(text.data(), text.size())));
-}
-
 Sha256Digest RollingHash::digest() const noexcept {
   State s = load(state_);
   const std::uint64_t bits = 8 * s.length;
@@ -106,7 +102,5 @@ Sha256Digest RollingHash::digest() const noexcept {
   for (std::size_t i = 0; i < s.h.size(); ++i) put_big_endian(out.data() + 4 * i, s.h[i], 4);
   return out;
 }
-
-Sha256Digest sha256(std::span<const std::byte> bytes) noexcept { return RollingHash().update(bytes).digest(); }
 
 }  // namespace enamel

@@ -1,9 +1,10 @@
 #include "protocol/base/file.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
+
+#include "tests/support/temp_folder.hpp"
 
 namespace enamel {
 namespace {
@@ -12,13 +13,8 @@ namespace fs = std::filesystem;
 
 class File : public testing::Test {
  protected:
-  File() {
-    std::string pattern = (fs::temp_directory_path() / "enamel-file-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
-  }
-  ~File() override { fs::remove_all(folder_); }
-  [[nodiscard]] std::string at(const std::string& name) const { return (folder_ / name).string(); }
-  fs::path folder_;
+  [[nodiscard]] std::string at(const std::string& name) const { return folder_ / name; }
+  test::TempFolder folder_;
 };
 
 TEST_F(File, ComesBackByteForByte) {
@@ -37,7 +33,7 @@ TEST_F(File, EmptyFileIsNoError) {
 
 TEST_F(File, MissingFileAndFolderAreTold) {
   EXPECT_EQ(read_file(at("none")).error().code, ErrorCode::kFileNotFound);
-  EXPECT_EQ(read_file(folder_.string()).error().code, ErrorCode::kFileRead);
+  EXPECT_EQ(read_file(folder_.path().string()).error().code, ErrorCode::kFileRead);
 }
 
 TEST_F(File, AFailedWriteLeavesTheOldFileAlone) {
