@@ -25,8 +25,6 @@ target_compile_options(enamel_policy INTERFACE
   -ffp-contract=off -fno-fast-math)
 # g++ 12 sees an overlap in "literal" + std::to_string(n) that is not there (GCC bug 105651).
 target_compile_options(enamel_policy INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
-# g++ 12 sees overlapping copies inside std::string's operator+ that cannot be (GCC bug 105651).
-target_compile_options(enamel_policy INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 target_link_libraries(enamel_policy INTERFACE Threads::Threads)
 
 if(ENAMEL_SANITIZE)
