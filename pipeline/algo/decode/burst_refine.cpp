@@ -1,6 +1,8 @@
 // BurstDecoder's last step before depth: the best phase that all four frames give, less motion and harmonics.
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/decode_buffers.hpp"
+#include "pipeline/algo/decode/four_step_view.hpp"
+#include "pipeline/algo/decode/micro_view.hpp"
 #include "pipeline/algo/decode/relative_regions.hpp"
 #include "pipeline/algo/decode/surface.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
@@ -18,10 +20,11 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     diag.harmonic = b.closure.harmonic;
     step("closure");
     if (config_.motion_passes > 0 && !stands_still(b.closure, config_.rigid)) {
-      diag.rigid = fit_rigid_motion(b.phase, b.polarity, b.closure, *rays_, black, config_.motion_passes, config_.rigid,
+      FourStepView view(b.phase, b.polarity, b.closure, *rays_, black, config_.rigid.max_residual);
+      diag.rigid = fit_rigid_motion(view, b.phase, b.polarity.turn, *rays_, config_.motion_passes, config_.rigid,
                                     b.rigid, b.field);
     }
-    const BurstErrors errors = diag.rigid.moved ? b.field.errors(b.closure) : b.closure.errors();
+    const BurstErrors errors = diag.rigid.moved ? errors_of(b.field, b.closure) : b.closure.errors();
     const OddFrame odd = find_odd_frame(b.phase, b.polarity, errors, b.closure.block_px);
     diag.odd_shift_rad = odd.shift_rad;
     diag.unrest = odd.unrest;
@@ -55,6 +58,13 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     const auto& turn = b.polarity.turn;
     fit_micro_motion(b.spans, turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
     diag.motion_rad = b.micro_motion.motion_rad;
+    if (config_.motion_passes > 0 && !stands_still(b.micro_motion, config_.rigid.negligible_rad)) {
+      MicroView view(
+          {b.spans, turn, *micro_, diag.third_rad, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual});
+      diag.rigid =
+          fit_rigid_motion(view, b.phase, turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field);
+      if (diag.rigid.moved) spread_motion(b.field, b.micro_motion);
+    }
     step("motion");
     for (const auto* cells : {&b.spans, &b.relative_cells})
       undo_micro_motion(*cells, turn, *micro_, b.micro_motion, b.phase);

@@ -47,7 +47,7 @@ struct DecodeDiagnostics {
   double torn_share = 0;       ///< of smooth borders between cells: labelling jumps there
   float motion_rad = 0;        ///< mean phase change per frame interval
   float harmonic = 0;          ///< projector's B2/B1, from the closure; not in mode M
-  RigidMotion rigid;           ///< of the surface in the camera's frame, per frame interval; not in mode M
+  RigidMotion rigid;           ///< of the surface in the camera's frame, per frame interval
   PhaseRipple ripple;          ///< of four steps, as it was subtracted; not in mode M
   float third_rad = 0;         ///< mode M: a1 of the sin 3phi correction that was subtracted
   float code_turn_rad = 0;     ///< mode M: mean angle of the code against its orders

@@ -13,8 +13,10 @@ struct CodeRow {
   const float* order_sin;
   const float* motion_rad;
   const float* gain;
+  const float* light;       ///< dA/B per frame interval
   float inverse_ratio = 0;  ///< 1/L
   float harmonic = 0;       ///< B2/B
+  float black_dn = 0;
 };
 
 inline constexpr std::size_t kRefitSums = 5;  ///< gg, gm, mm, gR, mR with the slopes g = dR/dgain, m = dR/deps
@@ -22,6 +24,17 @@ inline constexpr std::size_t kRefitSums = 5;  ///< gg, gm, mm, gR, mR with the s
 /// Adds the row's normal equations to sums[k * width + u], weighted by 1/variance of R.
 void add_refit_row(const PhaseMaps& maps, const CodeRow& row, const NoiseModel& noise, float max_residual,
                    std::size_t at, std::size_t width, float* sums);
+
+/// R of a row's pixels, and by how much it falls per unit of motion, of light and of gain. NaN without code.
+struct ResidualRow {
+  float *residual, *by_motion, *by_light, *by_gain;
+};
+void code_residual_row(const PhaseMaps& maps, const CodeRow& row, std::size_t at, std::size_t width,
+                       const ResidualRow& out);
+
+/// Phase and mean light of a row as they were at mid-burst; `maps` stays.
+void mid_burst_row(const PhaseMaps& maps, const CodeRow& row, std::size_t at, std::size_t width, float* phase_rad,
+                   float* mean_dn);
 
 void undo_motion_row(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps& maps);
 
