@@ -2,6 +2,7 @@
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/decode_buffers.hpp"
 #include "pipeline/algo/decode/four_step_view.hpp"
+#include "pipeline/algo/decode/micro_gates.hpp"
 #include "pipeline/algo/decode/micro_view.hpp"
 #include "pipeline/algo/decode/relative_regions.hpp"
 #include "pipeline/algo/decode/surface.hpp"
@@ -65,6 +66,9 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
           fit_rigid_motion(view, b.phase, turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field);
       if (diag.rigid.moved) spread_motion(b.field, b.micro_motion);
     }
+    const MicroOdd odd = find_micro_odd(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise,
+                                        config_.micro_refit.max_residual, b.phase);
+    diag.code_shift_rad = odd.code_shift_rad, diag.odd_shift_rad = odd.odd_shift_rad, diag.unrest = odd.unrest;
     step("motion");
     for (const auto* cells : {&b.spans, &b.relative_cells})
       undo_micro_motion(*cells, turn, *micro_, b.micro_motion, b.phase);

@@ -29,6 +29,8 @@ struct DecodeWorkspace::Buffers {
   RigidMotionWork rigid;
   MotionField field;
   MicroMotion micro_motion;
+  PhaseMaps measured;     ///< of mode M: what `phase` was before the motion was taken off for the code's sake
+  MicroCode turned_code;  ///< as that motion shows it
   std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame
   Map<float> inverse_depth;
   std::vector<float> scratch;

@@ -149,6 +149,22 @@ void undo_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>&
   });
 }
 
+void undo_micro_motion(const MicroMotion& motion, PhaseMaps& maps) {
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  const std::vector<float> inside(width, 1.0F), none(width, 0.0F);
+  for (std::size_t at = 0; at < maps.phase_rad.size(); at += width) {
+    CodeRow row{};
+    row.order_cos = inside.data(), row.order_sin = none.data();
+    row.motion_rad = &motion.pixel_motion_rad[at], row.light = &motion.pixel_light[at];
+    row.black_dn = motion.black_dn;
+    undo_motion_row(row, at, width, maps);
+  }
+}
+
+float code_turn_of(float motion_rad, const MicroCode& code) noexcept {
+  return (1 + code.inverse_ratio) * kCodeTime * motion_rad;
+}
+
 void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
                      const MicroMotion& motion, float third_rad, const NoiseModel& noise,
                      const MicroRefitConfig& config, PhaseMaps& maps) {

@@ -48,6 +48,9 @@ struct MicroMotion {
   } work;
 };
 
+/// The angle by which a motion of the phase turns the code frame, which was taken before mid-burst.
+[[nodiscard]] float code_turn_of(float motion_rad, const MicroCode& code) noexcept;
+
 /// maps: of compute_micro_phase and correct_third_harmonic, whose a1 is third_rad. turn: place_spans of the same spans.
 /// Without spans: no motion, g = 1.
 void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
@@ -58,6 +61,9 @@ void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& 
 /// leave [-pi, pi) a little; their turns stay.
 void undo_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
                        const MicroMotion& motion, PhaseMaps& maps);
+
+/// The same at all pixels, whether or not their order is known.
+void undo_micro_motion(const MicroMotion& motion, PhaseMaps& maps);
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
 /// outlier, keep their three-frame solution.

@@ -1,5 +1,6 @@
 #include "pipeline/algo/phase/micro_refit_rows.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
@@ -14,7 +15,10 @@ HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
 constexpr float kHalfRoot3 = 0.8660254F, kInvRoot3 = 0.57735027F, kThird = 1.0F / 3;
-constexpr float kCodeTime = -0.5F, kFirstTime = -1.5F, kSecondTime = 0.5F, kThirdTime = 1.5F;
+constexpr float kFirstTime = -1.5F, kSecondTime = 0.5F, kThirdTime = 1.5F;
+/// What motion and a common phase leave of phases that each of the three frames has for itself: at right angles to
+/// both.
+constexpr float kFirstSkew = 0.26726124F, kSecondSkew = -0.80178373F, kThirdSkew = 0.53452248F;
 /// Variance of R over that of a frame: the code frame, A/3, and 2/3 each of the parts of B cos and B sin, on average.
 constexpr float kResidualVariance = 2.1F;
 
@@ -74,16 +78,16 @@ struct CodeModel {
 }
 
 /// What the code frame shows beyond the prediction of the other three, about the motion and gain assumed, and its slope
-/// over each of them. In DN; light: of dA/B.
+/// over each of them. In DN; light: of dA/B; alone: of a phase that the code frame has for itself; skew: see kSkew.
 struct Residual {
-  float rest, by_motion, by_light, by_gain, modulation;
+  float rest, by_motion, by_light, by_gain, by_alone, by_skew, modulation;
 };
 
-/// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order.
+/// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order; growth: relative_light.
 [[gnu::always_inline]] inline Residual code_residual(const Pixel& raw, float code, float phase_rad, Turn order,
-                                                     float motion_rad, float gain, float inverse_ratio,
+                                                     float motion_rad, float growth, float gain, float inverse_ratio,
                                                      float harmonic) {
-  const Pixel p = at_mid_burst(raw, motion_rad, 0);
+  const Pixel p = at_mid_burst(raw, motion_rad, growth);
   const float b3 = root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), c = p.cosine / b3, s = p.sine / b3;
   const float moved = phase_rad + wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
   const CodeModel k = code_model(order, inverse_ratio, moved, motion_rad, harmonic);
@@ -91,8 +95,8 @@ struct Residual {
   // What frames that differ by f0, f2, f3 (over B) take from A, B cos and B sin, and that from the prediction.
   const auto slope = [&](float f0, float f2, float f3, float turned) {
     const float da = -kThird * (f0 + f2 + f3), dc = -kThird * (2 * f0 - f2 - f3), ds = -kInvRoot3 * (f3 - f2);
-    const float turning = c * ds - s * dc, growth = c * dc + s * ds;
-    return -b * da - gb * growth * k.angle.cos + gb * (1 + inverse_ratio) * k.angle.sin * (turning + turned);
+    const float turning = c * ds - s * dc, swelling = c * dc + s * ds;
+    return -b * da - gb * swelling * k.angle.cos + gb * (1 + inverse_ratio) * k.angle.sin * (turning + turned);
   };
   const float c2 = -0.5F * c - kHalfRoot3 * s, c3 = -0.5F * c + kHalfRoot3 * s;  // cos of the other two frames
   const float s2 = -0.5F * s + kHalfRoot3 * c, s3 = -0.5F * s - kHalfRoot3 * c;
@@ -101,7 +105,14 @@ struct Residual {
   const float by_light =
       slope(kFirstTime * (1 + share * c), kSecondTime * (1 + share * c2), kThirdTime * (1 + share * c3), 0) -
       kCodeTime * (b + share * gb * k.angle.cos);
-  return {raw.mean + code - p.mean - gb * k.light, by_motion, by_light, -b * k.light, b};
+  const float code_frame = (raw.mean + code) / (1 + kCodeTime * growth);
+  return {code_frame - p.mean - gb * k.light,
+          by_motion,
+          by_light,
+          -b * k.light,
+          gb * (1 + inverse_ratio) * k.angle.sin,
+          slope(-kFirstSkew * s, -kSecondSkew * s2, -kThirdSkew * s3, 0),
+          b};
 }
 
 void add_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, float limit, std::size_t at,
@@ -117,7 +128,7 @@ void add_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, f
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, rate[u],
-                                     gain[u], inverse_ratio, harmonic);
+                                     0, gain[u], inverse_ratio, harmonic);
     const bool used =
         (std::abs(k.rest) < limit * k.modulation) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
     const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), r = select(used, k.rest, 0);
@@ -140,11 +151,38 @@ void residual_loop(const PhaseMaps& m, const CodeRow& row, std::size_t at, std::
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, rate[u],
-                                     gain[u], inverse_ratio, harmonic);
+                                     0, gain[u], inverse_ratio, harmonic);
     rest[u] = k.rest;
     motion[u] = -k.by_motion;
     light[u] = -k.by_light;
     growth[u] = -k.by_gain;
+  }
+}
+
+void odd_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, float limit, std::size_t at,
+              std::size_t width, float* sums) {
+  const NoiseModel noise = model;
+  const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic, black = row.black_dn;
+  const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
+  const float* __restrict code = &m.code_dn[at], * __restrict phase = &m.phase_rad[at];
+  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain, * __restrict light = row.light;
+  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
+  float* __restrict out = sums;
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const Pixel raw{mean[u] - black, cosine[u], sine[u]};
+    const Residual k = code_residual(raw, code[u], phase[u], {oc[u], os[u]}, rate[u], relative_light(raw, light[u]),
+                                     gain[u], inverse_ratio, harmonic);
+    const bool used =
+        (std::abs(k.rest) < limit * k.modulation) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
+    const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), y = select(used, -k.rest, 0);
+    const std::array<float, kOddColumns> x = {k.by_alone, k.by_skew, k.by_motion, k.by_light, k.by_gain};
+    std::size_t to = u;
+    for (std::size_t i = 0; i < kOddColumns; ++i) {
+      for (std::size_t j = i; j < kOddColumns; ++j, to += width) out[to] += w * x[i] * x[j];
+      out[to] += w * x[i] * y;
+      to += width;
+    }
   }
 }
 
@@ -218,6 +256,7 @@ namespace enamel::algo {
 
 HWY_EXPORT(add_loop);
 HWY_EXPORT(residual_loop);
+HWY_EXPORT(odd_loop);
 HWY_EXPORT(mid_burst_loop);
 HWY_EXPORT(undo_loop);
 HWY_EXPORT(join_loop);
@@ -230,6 +269,11 @@ void add_refit_row(const PhaseMaps& maps, const CodeRow& row, const NoiseModel& 
 void code_residual_row(const PhaseMaps& maps, const CodeRow& row, std::size_t at, std::size_t width,
                        const ResidualRow& out) {
   HWY_DYNAMIC_DISPATCH(residual_loop)(maps, row, at, width, out);
+}
+
+void add_micro_odd_row(const PhaseMaps& maps, const CodeRow& row, const NoiseModel& noise, float max_residual,
+                       std::size_t at, std::size_t width, float* sums) {
+  HWY_DYNAMIC_DISPATCH(odd_loop)(maps, row, noise, max_residual, at, width, sums);
 }
 
 void mid_burst_row(const PhaseMaps& maps, const CodeRow& row, std::size_t at, std::size_t width, float* phase_rad,
