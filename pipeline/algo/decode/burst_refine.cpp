@@ -7,6 +7,7 @@
 #include "pipeline/algo/decode/relative_regions.hpp"
 #include "pipeline/algo/decode/surface.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
+#include "pipeline/algo/phase/micro_saturated.hpp"
 
 namespace enamel::algo {
 
@@ -29,6 +30,7 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     const OddFrame odd = find_odd_frame(b.phase, b.polarity, errors, b.closure.block_px);
     diag.odd_shift_rad = odd.shift_rad;
     diag.unrest = odd.unrest;
+    diag.closure_share = odd.explained_share;
     correct_saturated(b.saturated, errors, b.phase, b.scratch);
     correct_phase(b.polarity, errors, black, b.phase);
     for (std::size_t k = 0; k < b.saturated.size(); ++k) b.phase.phase_rad[b.saturated[k].index] = b.scratch[k];
@@ -73,6 +75,12 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     for (const auto* cells : {&b.spans, &b.relative_cells})
       undo_micro_motion(*cells, turn, *micro_, b.micro_motion, b.phase);
     join_code_frame(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase);
+    solve_micro_saturated({b.spans, *micro_, b.micro_motion, diag.third_rad, diag.noise, rays_->phase_mid_rad.data()},
+                          config_.phase, b.phase, b.polarity.turn, b.filled);
+    for (const std::size_t i : b.filled) {
+      out.patch.texture_dn[i] = b.phase.mean_dn[i] - diag.noise.black_dn;
+      out.patch.modulation_dn[i] = b.phase.modulation_dn[i];
+    }
     step("refit");
     return b.polarity.turn;
   }

@@ -38,7 +38,8 @@ enum class BurstVerdict : std::uint8_t {
 /// Figures that the verdict and reports rest on.
 struct DecodeDiagnostics {
   double linked_share = 0;     ///< neighbouring pixel pairs that follow the rig's fringe carrier
-  double closure_share = 0;    ///< lit pixels whose fourth frame is A + S or A - S; not in mode M
+  double closure_share = 0;    ///< lit pixels whose fourth frame is as the other three predict it, A + S or A - S; in
+                               ///< mode M placed pixels whose code frame is
   double repeated_share = 0;   ///< of lit pixels: two frames are the same there, for the pair most alike
   float odd_shift_rad = 0;     ///< by which one frame seems to be off the others
   float unrest = 0;            ///< what else motion and harmonic do not explain, on the same scale

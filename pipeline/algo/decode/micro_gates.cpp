@@ -27,6 +27,7 @@ float median(std::vector<float>& values) {
 
 struct Blocks {
   std::vector<float> code_shift, odd, unrest;
+  double asked = 0, explained = 0;
 
   /// sums: of one block, as add_micro_odd_row lays them out.
   void add(const double* sums) {
@@ -36,9 +37,11 @@ struct Blocks {
       for (Eigen::Index j = i; j < left.cols(); ++j) left(i, j) = left(j, i) = *sums++;
       right[i] = *sums++;
     }
+    asked += sums[0], explained += sums[1];
     left.diagonal() += kSpread.cwiseAbs2().cwiseInverse();
     const auto factors = left.ldlt();
-    if (!(factors.solve(Vector::Unit(0))[0] < kInformed_rad * kInformed_rad)) return;
+    const Matrix covariance = factors.solve(Matrix::Identity());
+    if (!(std::max(covariance(0, 0), covariance(1, 1)) < kInformed_rad * kInformed_rad)) return;
     const Vector x = factors.solve(right);
     code_shift.push_back(static_cast<float>(x[0]));
     odd.push_back(static_cast<float>(std::hypot(x[0], x[1])));
@@ -70,7 +73,8 @@ MicroOdd find_micro_odd(std::span<const CellSpan> spans, const Map<std::int16_t>
   });
   Blocks blocks;
   for (std::size_t k = 0; k < across * down; ++k) blocks.add(&sums[k * kMicroOddSums]);
-  return {median(blocks.code_shift), median(blocks.odd), median(blocks.unrest)};
+  const double explained = blocks.asked > 0 ? blocks.explained / blocks.asked : 1;  // all codes may be saturated
+  return {median(blocks.code_shift), median(blocks.odd), explained, median(blocks.unrest)};
 }
 
 }  // namespace enamel::algo

@@ -13,9 +13,10 @@ namespace enamel::algo {
 /// shows, and motion, four phases have two more degrees of freedom: that of the code frame alone, and the skew of the
 /// three others at right angles to motion. One odd frame shows in them by 0.55 to 1 delta.
 struct MicroOdd {
-  float code_shift_rad = 0;  ///< of phi, signed: code frame alone
-  float odd_shift_rad = 0;   ///< both together
-  float unrest = 0;          ///< of B: light that changed during the burst otherwise than the motion explains
+  float code_shift_rad = 0;    ///< of phi, signed: code frame alone
+  float odd_shift_rad = 0;     ///< both together
+  double explained_share = 0;  ///< of pixels with a code: predicted by the other frames to within max_residual
+  float unrest = 0;            ///< of B: light that changed during the burst otherwise than the motion explains
 };
 
 /// maps and motion: those of fit_micro_motion, before undo_micro_motion; the motion is about to be taken out, so only

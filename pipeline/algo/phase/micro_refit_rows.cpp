@@ -173,8 +173,8 @@ void odd_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, f
     const Pixel raw{mean[u] - black, cosine[u], sine[u]};
     const Residual k = code_residual(raw, code[u], phase[u], {oc[u], os[u]}, rate[u], relative_light(raw, light[u]),
                                      gain[u], inverse_ratio, harmonic);
-    const bool used =
-        (std::abs(k.rest) < limit * k.modulation) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
+    const bool asked = (k.rest == k.rest) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);
+    const bool used = (std::abs(k.rest) < limit * k.modulation) & asked;
     const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), y = select(used, -k.rest, 0);
     const std::array<float, kOddColumns> x = {k.by_alone, k.by_skew, k.by_motion, k.by_light, k.by_gain};
     std::size_t to = u;
@@ -183,6 +183,8 @@ void odd_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, f
       out[to] += w * x[i] * y;
       to += width;
     }
+    out[to] += select(asked, 1, 0);
+    out[to + width] += select(used, 1, 0);
   }
 }
 

@@ -37,10 +37,10 @@ void code_residual_row(const PhaseMaps& maps, const CodeRow& row, std::size_t at
 /// Unknowns of the odd frame: phase of the code frame alone, skew of the other three, and beside them motion, light and
 /// gain as far as they differ from what `row` says.
 inline constexpr std::size_t kOddColumns = 5;
-inline constexpr std::size_t kMicroOddSums = kOddColumns * (kOddColumns + 3) / 2;
+inline constexpr std::size_t kMicroOddSums = kOddColumns * (kOddColumns + 3) / 2 + 2;
 
 /// Adds the row's normal equations to sums[k * width + u]: for each unknown i its products with i, i + 1, ... and then
-/// with the residual, weighted by 1/variance of R.
+/// with the residual, weighted by 1/variance of R; last, pixels with a code and those of them whose residual counts.
 void add_micro_odd_row(const PhaseMaps& maps, const CodeRow& row, const NoiseModel& noise, float max_residual,
                        std::size_t at, std::size_t width, float* sums);
 
