@@ -30,7 +30,6 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     const OddFrame odd = find_odd_frame(b.phase, b.polarity, errors, b.closure.block_px);
     diag.odd_shift_rad = odd.shift_rad;
     diag.unrest = odd.unrest;
-    diag.closure_share = odd.explained_share;
     correct_saturated(b.saturated, errors, b.phase, b.scratch);
     correct_phase(b.polarity, errors, black, b.phase);
     for (std::size_t k = 0; k < b.saturated.size(); ++k) b.phase.phase_rad[b.saturated[k].index] = b.scratch[k];
@@ -71,6 +70,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     const MicroOdd odd = find_micro_odd(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise,
                                         config_.micro_refit.max_residual, b.phase);
     diag.code_shift_rad = odd.code_shift_rad, diag.odd_shift_rad = odd.odd_shift_rad, diag.unrest = odd.unrest;
+    diag.closure_share = odd.explained_share;
     step("motion");
     for (const auto* cells : {&b.spans, &b.relative_cells})
       undo_micro_motion(*cells, turn, *micro_, b.micro_motion, b.phase);
