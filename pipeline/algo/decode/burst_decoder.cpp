@@ -86,8 +86,10 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   step("order");
   if (placed != BurstVerdict::kAccepted) return placed;
   const Map<std::int16_t>& turn = refine(workspace, out);
-  if (diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest)
-    return BurstVerdict::kPatternMismatch;
+  const bool odd =
+      diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest;
+  const bool unexplained = micro_ && config_.correct_closure && diag.closure_share < config_.min_closure_share;
+  if (odd || unexplained) return BurstVerdict::kPatternMismatch;
   take_phase(b.phase, diag.ripple, out.relative);
   make_surface(b.phase, turn, *rays_, diag.ripple, b.inverse_depth, out);
   step("triangulate");

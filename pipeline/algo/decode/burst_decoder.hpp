@@ -42,10 +42,13 @@ struct DecodeConfig {
   double min_closure_share = 0.65;
   double min_unplaced_closure_share = 0.85;  ///< with less and no order found, the frames are to blame, not the code
   double min_direction_share = 0.65;
-  double min_code_agreement = 0.95;  ///< five times the share of lying cells that order.hpp expects
-  double max_repeated_share = 0.9;   ///< of lit pixels at which two frames are the same picture
-  float max_odd_shift_rad = 0.1F;    ///< of one frame against the others: bends the phase by a quarter of it, and ...
-  float max_odd_over_unrest = 1.8F;  ///< ... stands out from what light and texture did during the burst
+  double min_code_agreement = 0.95;           ///< five times the share of lying cells that order.hpp expects
+  double max_repeated_share = 0.9;            ///< of lit pixels at which two frames are the same picture
+  double max_unplaced_repeated_share = 0.6;   ///< mode M: with more and no order found, the frames are to blame, ...
+  double min_unplaced_direction_share = 0.8;  ///< ... and with less of this
+  float max_odd_shift_rad = 0.1F;     ///< of one frame against the others: bends the phase by a quarter of it, and ...
+  float max_odd_over_unrest = 1.8F;   ///< ... stands out from what light and texture did during the burst
+  float harmless_motion_rad = 0.05F;  ///< mode M: with more a frame, orders are asked again without the motion
   double max_torn_share = 0.1;  ///< a foreign code can only be followed by jumping every few cells; surfaces do not
 };
 
@@ -93,6 +96,9 @@ class BurstDecoder {
   void solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
   bool looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
   BurstVerdict place(DecodeWorkspace& workspace, DecodedBurst& out) const;
+  void label(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise) const;
+  float label_by_code(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise, const MicroCode& seen) const;
+  void label_less_motion(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
   const Map<std::int16_t>& refine(DecodeWorkspace& workspace, DecodedBurst& out) const;
 
   std::shared_ptr<const RayDepth> rays_;

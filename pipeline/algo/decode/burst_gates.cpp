@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -96,7 +95,5 @@ double direction_share(const PhaseMaps& maps, const Carrier& carrier) {
   }
   return seen > 0 ? static_cast<double>(follows) / static_cast<double>(seen) : 0;
 }
-
-float max_code_turn_rad(double code_ratio) { return static_cast<float>(std::numbers::pi / (3 * code_ratio)); }
 
 }  // namespace enamel::algo

@@ -37,10 +37,4 @@ struct OddFrame {
 /// this tells. Noise of 0.15 rad, the mask's limit, leaves 0.87 of a fringe of 26 px, and 0.13 of a turned one.
 [[nodiscard]] double direction_share(const PhaseMaps& maps, const Carrier& carrier);
 
-/// Largest angle of the code, rad, that mode M's burst may show on average against its orders. A cyclic permutation of
-/// the phase frames shifts phi by 2 pi/3, which turns the code by (L + 1)/3 of the step 2 pi/L between orders: by a
-/// third of a step more than a whole number of them, unless L + 1 is a multiple of 3, where it looks like other orders
-/// of another surface. The limit is half that third: 10 degrees at L = 6, or motion of 0.22 rad a frame.
-[[nodiscard]] float max_code_turn_rad(double code_ratio);
-
 }  // namespace enamel::algo

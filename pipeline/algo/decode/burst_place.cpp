@@ -6,49 +6,89 @@
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/decode_buffers.hpp"
 #include "pipeline/algo/decode/relative_regions.hpp"
+#include "pipeline/algo/phase/micro_phase.hpp"
 
 namespace enamel::algo {
 namespace {
 
-/// Spans of decided pieces; the others' pixels are rejected.
-void make_spans(const std::vector<Piece>& pieces, const OrderResult& orders, Map<PixelReject>& reject,
-                std::vector<CellSpan>& spans) {
+/// Spans of decided pieces.
+void make_spans(const std::vector<Piece>& pieces, const OrderResult& orders, std::vector<CellSpan>& spans) {
   spans.clear();
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const Piece& p = pieces[k];
     const PieceOrder& o = orders.pieces[k];
-    if (o.decided && !o.speck) {
-      const bool whole = p.joined && k + 1 < pieces.size() && pieces[k + 1].joined;
-      spans.push_back({p.row, p.begin, p.end, p.cell + 2 * o.shift, whole});
-      continue;
-    }
+    if (!o.decided || o.speck) continue;
+    const bool whole = p.joined && k + 1 < pieces.size() && pieces[k + 1].joined;
+    spans.push_back({p.row, p.begin, p.end, p.cell + 2 * o.shift, whole});
+  }
+}
+
+/// Of all other pieces.
+void reject_undecided(const std::vector<Piece>& pieces, const OrderResult& orders, Map<PixelReject>& reject) {
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const Piece& p = pieces[k];
+    const PieceOrder& o = orders.pieces[k];
+    if (o.decided && !o.speck) continue;
     const PixelReject why = o.decided ? PixelReject::kSpeck : PixelReject::kRelative;
     std::fill(&reject(p.begin, p.row), &reject(p.begin, p.row) + (p.end - p.begin), why);
   }
 }
 
+void copy_measured(const PhaseMaps& from, PhaseMaps& to) {
+  to.mean_dn = from.mean_dn, to.cosine_dn = from.cosine_dn, to.sine_dn = from.sine_dn;
+  to.code_dn = from.code_dn, to.modulation_dn = from.modulation_dn, to.phase_rad = from.phase_rad;
+}
+
 }  // namespace
+
+void BurstDecoder::label(DecodeWorkspace::Buffers& b, const NoiseModel& noise) const {
+  static const Map<std::uint8_t> kNoCuts;
+  find_pieces(b.phase, b.links, b.flood, {rays_->phase_near_rad.data(), rays_->phase_far_rad.data()}, kNoCuts,
+              b.pieces);
+  b.polarity_evidence.measure(b.phase, noise, b.pieces.pieces, signs_, config_.order.outlier_cost);
+  find_orders(b.pieces.pieces, b.flood.components, b.polarity_evidence, config_.order, b.orders);
+  judge_orders(b.pieces.pieces, b.polarity_evidence, b.orders);
+}
+
+/// By a code frame that shows `seen`; returns the mean angle of the code against the orders found.
+float BurstDecoder::label_by_code(DecodeWorkspace::Buffers& b, const NoiseModel& noise, const MicroCode& seen) const {
+  find_code_steps(b.phase, noise, *micro_, b.flood, config_.order.unseen_jump_cost, b.steps);
+  find_pieces(b.phase, b.links, b.flood, {rays_->phase_near_rad.data(), rays_->phase_far_rad.data()}, b.steps.cut,
+              b.pieces);
+  b.micro_evidence.measure(b.phase, noise, b.pieces.pieces, seen, config_.order.outlier_cost);
+  find_orders(b.pieces.pieces, b.flood.components, b.micro_evidence, config_.order, b.orders);
+  const float turn = b.micro_evidence.settle(b.pieces.pieces, b.orders);
+  judge_orders(b.pieces.pieces, b.micro_evidence, b.orders);
+  return turn;
+}
+
+/// Motion ripples the phase and turns the code, so that pieces of one surface seem to differ. The orders found in spite
+/// of it show the motion; without it they are found again. The phase stays as it was measured.
+void BurstDecoder::label_less_motion(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag) const {
+  make_spans(b.pieces.pieces, b.orders, b.spans);
+  place_spans(b.spans, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
+  fit_micro_motion(b.spans, b.polarity.turn, *micro_, 0, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
+  if (std::abs(b.micro_motion.motion_rad) <= config_.harmless_motion_rad) return;
+  copy_measured(b.phase, b.measured);
+  undo_micro_motion(b.micro_motion, b.phase);
+  b.turned_code = turned_by(*micro_, code_turn_of(b.micro_motion.motion_rad, *micro_));
+  label_by_code(b, diag.noise, b.turned_code);
+  copy_measured(b.measured, b.phase);
+}
 
 /// Absolute orders of all pieces, and whether the code that they rest on is the rig's.
 BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodedBurst& out) const {
   auto& b = *workspace.buffers_;
   DecodeDiagnostics& diag = out.diagnostics;
   const auto& pieces = b.pieces.pieces;
-  static const Map<std::uint8_t> kNoCuts;
-  if (micro_) find_code_steps(b.phase, diag.noise, *micro_, b.flood, config_.order.unseen_jump_cost, b.steps);
-  find_pieces(b.phase, b.links, b.flood, {rays_->phase_near_rad.data(), rays_->phase_far_rad.data()},
-              micro_ ? b.steps.cut : kNoCuts, b.pieces);
   if (micro_) {
-    b.micro_evidence.measure(b.phase, diag.noise, pieces, *micro_, config_.order.outlier_cost);
-    find_orders(pieces, b.flood.components, b.micro_evidence, config_.order, b.orders);
-    diag.code_turn_rad = b.micro_evidence.settle(pieces, b.orders);
-    judge_orders(pieces, b.micro_evidence, b.orders);
+    diag.code_turn_rad = label_by_code(b, diag.noise, *micro_);
+    if (config_.correct_closure) label_less_motion(b, diag);
   } else {
-    b.polarity_evidence.measure(b.phase, diag.noise, pieces, signs_, config_.order.outlier_cost);
-    find_orders(pieces, b.flood.components, b.polarity_evidence, config_.order, b.orders);
-    judge_orders(pieces, b.polarity_evidence, b.orders);
+    label(b, diag.noise);
   }
-  make_spans(pieces, b.orders, b.phase.reject, b.spans);
+  make_spans(pieces, b.orders, b.spans);
+  reject_undecided(pieces, b.orders, b.phase.reject);
   find_relative(pieces, b.orders.pieces, config_.order.min_region_px, b.orders.work.parent, out.relative);
   const double judged = b.orders.agreeing_px + b.orders.contradicting_px;
   diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;
@@ -56,13 +96,14 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodedBurst& out) 
       b.orders.seams > 0 ? static_cast<double>(b.orders.torn_seams) / static_cast<double>(b.orders.seams) : 0;
   if (b.spans.empty()) {
     const bool blinded = b.saturated.size() > count_of(b.phase, PixelReject::kRelative) / 2;
-    const bool torn = !micro_ && diag.closure_share < config_.min_unplaced_closure_share;
+    const bool mixed = diag.repeated_share > config_.max_unplaced_repeated_share ||
+                       diag.direction_share < config_.min_unplaced_direction_share;
+    const bool torn = micro_ ? mixed : diag.closure_share < config_.min_unplaced_closure_share;
     return blinded ? BurstVerdict::kSaturated : (torn ? BurstVerdict::kPatternMismatch : BurstVerdict::kNoCode);
   }
   const bool informative = micro_ || signs_.informative;
   const bool follows = diag.code_agreement >= config_.min_code_agreement && diag.torn_share <= config_.max_torn_share;
-  const bool turned = micro_ && std::abs(diag.code_turn_rad) > max_code_turn_rad(micro_->ratio());
-  return informative && (!follows || turned) ? BurstVerdict::kPatternMismatch : BurstVerdict::kAccepted;
+  return informative && !follows ? BurstVerdict::kPatternMismatch : BurstVerdict::kAccepted;
 }
 
 }  // namespace enamel::algo

@@ -1,9 +1,13 @@
 // BurstDecoder's last step before depth: the best phase that all four frames give, less motion and harmonics.
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/decode_buffers.hpp"
+#include "pipeline/algo/decode/four_step_view.hpp"
+#include "pipeline/algo/decode/micro_gates.hpp"
+#include "pipeline/algo/decode/micro_view.hpp"
 #include "pipeline/algo/decode/relative_regions.hpp"
 #include "pipeline/algo/decode/surface.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
+#include "pipeline/algo/phase/micro_saturated.hpp"
 
 namespace enamel::algo {
 
@@ -18,10 +22,11 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     diag.harmonic = b.closure.harmonic;
     step("closure");
     if (config_.motion_passes > 0 && !stands_still(b.closure, config_.rigid)) {
-      diag.rigid = fit_rigid_motion(b.phase, b.polarity, b.closure, *rays_, black, config_.motion_passes, config_.rigid,
+      FourStepView view(b.phase, b.polarity, b.closure, *rays_, black, config_.rigid.max_residual);
+      diag.rigid = fit_rigid_motion(view, b.phase, b.polarity.turn, *rays_, config_.motion_passes, config_.rigid,
                                     b.rigid, b.field);
     }
-    const BurstErrors errors = diag.rigid.moved ? b.field.errors(b.closure) : b.closure.errors();
+    const BurstErrors errors = diag.rigid.moved ? errors_of(b.field, b.closure) : b.closure.errors();
     const OddFrame odd = find_odd_frame(b.phase, b.polarity, errors, b.closure.block_px);
     diag.odd_shift_rad = odd.shift_rad;
     diag.unrest = odd.unrest;
@@ -55,10 +60,27 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     const auto& turn = b.polarity.turn;
     fit_micro_motion(b.spans, turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
     diag.motion_rad = b.micro_motion.motion_rad;
+    if (config_.motion_passes > 0 && !stands_still(b.micro_motion, config_.rigid.negligible_rad)) {
+      MicroView view(
+          {b.spans, turn, *micro_, diag.third_rad, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual});
+      diag.rigid =
+          fit_rigid_motion(view, b.phase, turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field);
+      if (diag.rigid.moved) spread_motion(b.field, b.micro_motion);
+    }
+    const MicroOdd odd = find_micro_odd(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise,
+                                        config_.micro_refit.max_residual, b.phase);
+    diag.code_shift_rad = odd.code_shift_rad, diag.odd_shift_rad = odd.odd_shift_rad, diag.unrest = odd.unrest;
+    diag.closure_share = odd.explained_share;
     step("motion");
     for (const auto* cells : {&b.spans, &b.relative_cells})
       undo_micro_motion(*cells, turn, *micro_, b.micro_motion, b.phase);
     join_code_frame(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase);
+    solve_micro_saturated({b.spans, *micro_, b.micro_motion, diag.third_rad, diag.noise, rays_->phase_mid_rad.data()},
+                          config_.phase, b.phase, b.polarity.turn, b.filled);
+    for (const std::size_t i : b.filled) {
+      out.patch.texture_dn[i] = b.phase.mean_dn[i] - diag.noise.black_dn;
+      out.patch.modulation_dn[i] = b.phase.modulation_dn[i];
+    }
     step("refit");
     return b.polarity.turn;
   }

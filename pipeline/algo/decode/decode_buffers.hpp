@@ -29,7 +29,10 @@ struct DecodeWorkspace::Buffers {
   RigidMotionWork rigid;
   MotionField field;
   MicroMotion micro_motion;
+  PhaseMaps measured;     ///< of mode M: what `phase` was before the motion was taken off for the code's sake
+  MicroCode turned_code;  ///< as that motion shows it
   std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame
+  std::vector<std::size_t> filled;        ///< the same of mode M
   Map<float> inverse_depth;
   std::vector<float> scratch;
 };

@@ -75,9 +75,10 @@ std::string diagnostics_json(const DecodeDiagnostics& d, calib::PatternMode mode
     return fmt::format(
         "\"repeated_share\": {:.5f}, \"linked_share\": {:.5f}, \"direction_share\": {:.5f}, "
         "\"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, "
-        "\"code_turn_rad\": {:.6f}, \"third_rad\": {:.6f}, \"noise_from\": \"{}\"",
+        "\"code_turn_rad\": {:.6f}, \"motion_rad\": {:.6f}, \"third_rad\": {:.6f}, \"noise_from\": \"{}\",\n"
+        "  \"shift_mm_per_frame\": [{:.6f}], \"turn_rad_per_frame\": [{:.7f}]",
         d.repeated_share, d.linked_share, d.direction_share, d.code_agreement, d.torn_share, d.code_turn_rad,
-        d.third_rad, noise_from);
+        d.motion_rad, d.third_rad, noise_from, fmt::join(d.rigid.shift_mm, ", "), fmt::join(d.rigid.turn_rad, ", "));
   }
   return fmt::format(
       "\"repeated_share\": {:.5f}, \"linked_share\": {:.5f}, \"closure_share\": {:.5f}, "

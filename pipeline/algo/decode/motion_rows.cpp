@@ -92,15 +92,15 @@ struct NodeSums {
   for (std::size_t p = 0; p < kNodePixels; ++p) {
     const std::size_t at = p * s.nodes + n;
     const float* __restrict rate = &s.rate[at], * __restrict per_rate = &s.rate_per_rate[at];
-    const float* __restrict light = &s.light[at], * __restrict harmonic = &s.harmonic[at];
+    const float* __restrict light = &s.light[at], * __restrict shared = &s.shared[at];
     const float* __restrict residual = &s.residual[at], * __restrict used = &s.used[at];
     ENAMEL_INDEPENDENT
     for (std::size_t j = 0; j < kNodeLanes; ++j) {
       const float x = rate[j] + eps[j] * per_rate[j];
-      const float rest = residual[j] - x * eps[j] - light[j] * change[j] - harmonic[j] * rho;
+      const float rest = residual[j] - x * eps[j] - light[j] * change[j] - shared[j] * rho;
       const float asked = used[j] * counts[j];
       const bool counted = (std::abs(rest) <= limit) & (asked > 0);
-      const float r = select(counted, x, 0), l = select(counted, light[j], 0), h = select(counted, harmonic[j], 0);
+      const float r = select(counted, x, 0), l = select(counted, light[j], 0), h = select(counted, shared[j], 0);
       const float y = residual[j], left_over = select(counted, rest, 0);
       o.rr[j] += r * r, o.rl[j] += r * l, o.ll[j] += l * l;
       o.rh[j] += r * h, o.lh[j] += l * h, o.hh[j] += h * h;

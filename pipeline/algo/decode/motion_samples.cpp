@@ -8,8 +8,6 @@
 namespace enamel::algo {
 namespace {
 
-constexpr int kPixelStep = 2;
-
 void take_pixel(const PhaseMaps& m, float weight, float black_dn, float max_residual, std::size_t i, std::size_t to,
                 MotionSamples& out) {
   const float c = m.cosine_dn[i], s = m.sine_dn[i], b = m.modulation_dn[i], r = m.code_dn[i];
@@ -20,22 +18,27 @@ void take_pixel(const PhaseMaps& m, float weight, float black_dn, float max_resi
   out.rate[to] = plus ? 2 * (s - c) : -2 * c;
   out.rate_per_rate[to] = plus ? 2 * (s - c) : 2 * s;
   out.light[to] = plus ? -2 * b - 2 * share * (c + s) : 2 * b - 2 * share * s;
-  out.harmonic[to] = plus ? 4 * (c - s) * (c + s) / (b + 1e-6F) : 0;
+  out.shared[to] = plus ? 4 * (c - s) * (c + s) / (b + 1e-6F) : 0;
   out.residual[to] = r;
   out.used[to] = 1;
 }
 
 }  // namespace
 
-void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float black_dn, float max_residual,
-                  MotionSamples& out) {
-  const int columns = maps.phase_rad.width() / kNode_px, rows = maps.phase_rad.height() / kNode_px;
+void place_samples(int width, int height, MotionSamples& out) {
+  const int columns = width / kNode_px, rows = height / kNode_px;
   out.node.clear();
   for (int row = 1; row < rows - 1; ++row)
     for (int column = 2 - row % 2; column < columns - 1; column += 2) out.node.push_back(row * columns + column);
   out.nodes = (out.node.size() + kNodeLanes - 1) / kNodeLanes * kNodeLanes;
-  for (auto* v : {&out.rate, &out.rate_per_rate, &out.light, &out.harmonic, &out.residual, &out.used})
+  for (auto* v : {&out.rate, &out.rate_per_rate, &out.light, &out.shared, &out.residual, &out.used})
     v->assign(kNodePixels * out.nodes, 0.0F);
+}
+
+void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float black_dn, float max_residual,
+                  MotionSamples& out) {
+  const int columns = maps.phase_rad.width() / kNode_px;
+  place_samples(maps.phase_rad.width(), maps.phase_rad.height(), out);
   for (std::size_t n = 0; n < out.node.size(); ++n) {
     const int top = out.node[n] / columns * kNode_px, left = out.node[n] % columns * kNode_px;
     std::size_t p = 0;

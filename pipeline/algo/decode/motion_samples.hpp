@@ -13,16 +13,21 @@ namespace enamel::algo {
 inline constexpr std::size_t kNodePixels = 16;
 inline constexpr std::size_t kNodeLanes = 8;  ///< nodes are padded to a multiple of it by ones without pixels
 
-/// Columns of the closure residual y of each pixel (closure.hpp), polarity undone, for eps, dA/B and rho; pixel p of
-/// node n at [p * nodes + n]. All 0 where a pixel says nothing.
+/// Columns of the residual y of each pixel for eps, dA/B and a number that all pixels share (motion_view.hpp); pixel p
+/// of node n at [p * nodes + n]. All 0 where a pixel says nothing.
 struct MotionSamples {
   std::size_t nodes = 0;
   std::vector<std::int32_t> node;          ///< index in the grid of nodes
   std::vector<float> rate, rate_per_rate;  ///< column of eps at eps = 0, and its slope over eps: second order
-  std::vector<float> light, harmonic, residual, used;
+  std::vector<float> light, shared, residual, used;
 };
 
-/// max_residual: of B.
+inline constexpr int kPixelStep = 2;  ///< pixel p of a node: of each row kNode_px / kPixelStep
+
+/// Every second node of an image, no pixel of them used yet.
+void place_samples(int width, int height, MotionSamples& out);
+
+/// Of mode T's closure residual, polarity undone (closure.hpp); shared: rho. max_residual: of B.
 void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float black_dn, float max_residual,
                   MotionSamples& out);
 

@@ -17,7 +17,7 @@ constexpr float kMaxSlope = 3.7F;  ///< dz/dx of 75 degrees, the steepest that c
 constexpr float kMinCosine =
     0.6F;                   ///< of the incidence; slopes of steeper surface are known too badly to judge the motion by
 constexpr int kRounds = 3;  ///< each leaves out what the round before could not explain
-constexpr int kUnknowns = 7;  ///< V, W, rho
+constexpr int kUnknowns = 7;  ///< V, W, and what all pixels share
 using Vector7 = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix7 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Theta = std::array<double, kUnknowns>;
@@ -27,13 +27,12 @@ enum NodeQuality : std::uint8_t { kNoSlope, kTooSteep, kFits };
 /// One pass over the burst, with the slopes that the errors known so far leave.
 class Pass {
  public:
-  Pass(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureFit& coarse, const RayDepth& rays,
-       float black_dn, const RigidMotionConfig& config, RigidMotionWork& work)
-      : maps_(maps),
-        polarity_(polarity),
-        coarse_(coarse),
+  Pass(MotionView& view, const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays,
+       const RigidMotionConfig& config, RigidMotionWork& work)
+      : view_(view),
+        maps_(maps),
+        turn_(turn),
         rays_(rays),
-        black_dn_(black_dn),
         config_(config),
         work_(work),
         columns_(maps.phase_rad.width() / kNode_px),
@@ -41,8 +40,8 @@ class Pass {
         count_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
         pivot_mm_(0, 0, 2 / (1 / rays.near_mm + 1 / rays.far_mm)) {}
 
-  std::optional<Theta> run(const BurstErrors& known) {
-    make_motion_images(maps_, polarity_, rays_, known, black_dn_, work_.images);
+  std::optional<Theta> run(const MotionField* known) {
+    view_.make_images(known, work_.images);
     make_nodes();
     take_columns();
     return solve_robustly();
@@ -61,8 +60,7 @@ class Pass {
         light += work_.light[k * count_ + n] * static_cast<float>(theta[k]);
       }
       const int column = static_cast<int>(n) % columns_, row = static_cast<int>(n) / columns_;
-      const std::size_t block = coarse_.block_at(column * kNode_px, row * kNode_px);
-      field.rate_rad[n] = work_.quality[n] != kNoSlope ? rate : coarse_.block_motion_rad[block];
+      field.rate_rad[n] = work_.quality[n] != kNoSlope ? rate : view_.block_rate(column * kNode_px, row * kNode_px);
       field.light[n] = light;
     }
   }
@@ -95,7 +93,7 @@ class Pass {
   void make_node(const SlopeRow& slopes, int column, int row) {
     const std::size_t i = pixel_of(column, row), width = static_cast<std::size_t>(maps_.phase_rad.width());
     const float q = work_.images.inverse_depth.around(row, 0, 0)[column], det = slopes.det[column];
-    const float phase = maps_.phase_rad[i] + kTwoPiF * static_cast<float>(polarity_.turn[i]);
+    const float phase = maps_.phase_rad[i] + kTwoPiF * static_cast<float>(turn_[i]);
     const float slope = rays_.inverse_depth_slope(i, phase), b = maps_.modulation_dn[i];
     if (!(q > 0) || !(det > kMinDet) || !(std::abs(slope) > 0) || !(b > 1)) return;
     const float light = work_.images.light.around(row, 0, 0)[column];
@@ -149,7 +147,7 @@ class Pass {
         left(row, column) = left(column, row) = e.left[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
     }
     spread << Eigen::Vector3d::Constant(config_.shift_prior_mm), Eigen::Vector3d::Constant(config_.turn_prior_rad),
-        config_.harmonic_prior;
+        config_.shared_prior;
     left.diagonal() += e.squares / std::max(e.pixels, 1.0) * spread.cwiseInverse().cwiseAbs2();
     const Vector7 theta = left.ldlt().solve(right);
     Theta out{};
@@ -170,11 +168,10 @@ class Pass {
     return theta;
   }
 
+  MotionView& view_;
   const PhaseMaps& maps_;
-  const PolarityMaps& polarity_;
-  const ClosureFit& coarse_;
+  const Map<std::int16_t>& turn_;
   const RayDepth& rays_;
-  float black_dn_;
   const RigidMotionConfig& config_;
   RigidMotionWork& work_;
   int columns_, rows_;
@@ -194,14 +191,14 @@ bool stands_still(const ClosureFit& coarse, const RigidMotionConfig& config) {
   return 4 * moving < seen;
 }
 
-RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureFit& coarse,
-                             const RayDepth& rays, float black_dn, int passes, const RigidMotionConfig& config,
-                             RigidMotionWork& work, MotionField& field) {
+RigidMotion fit_rigid_motion(MotionView& view, const PhaseMaps& maps, const Map<std::int16_t>& turn,
+                             const RayDepth& rays, int passes, const RigidMotionConfig& config, RigidMotionWork& work,
+                             MotionField& field) {
   RigidMotion out;
-  take_samples(maps, polarity, black_dn, config.max_residual, work.samples);
-  Pass pass(maps, polarity, coarse, rays, black_dn, config, work);
+  view.take_samples(work.samples);
+  Pass pass(view, maps, turn, rays, config, work);
   for (int k = 0; k < passes; ++k) {
-    const auto theta = pass.run(out.moved ? field.errors(coarse) : coarse.errors());
+    const auto theta = pass.run(out.moved ? &field : nullptr);
     if (!theta) return {};
     pass.spread(*theta, field);
     std::copy_n(theta->begin(), 3, out.shift_mm.begin());

@@ -1,5 +1,5 @@
-// How the probe moved during the burst: the closure residual of all pixels, explained by one rigid motion. Six unknowns
-// for a whole image see through noise and curvature that a patch of the image cannot (algorithms.md §9).
+// How the probe moved during the burst: the residual of all pixels (motion_view.hpp), explained by one rigid motion.
+// Six unknowns for a whole image see through noise and curvature that a patch of the image cannot (algorithms.md §9).
 //
 // Frame of reference: camera, mm, rad; all motion is of the surface seen from the camera, per frame interval. With the
 // tangent plane m.P = 1 at a pixel (m = n/d, 1/z = q = m.r, r = (x, y, 1)) and the point's motion U = V + W x (P - P0),
@@ -16,6 +16,7 @@
 
 #include "pipeline/algo/decode/motion_images.hpp"
 #include "pipeline/algo/decode/motion_samples.hpp"
+#include "pipeline/algo/decode/motion_view.hpp"
 #include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/triangulate/ray_depth.hpp"
 
@@ -26,7 +27,7 @@ struct RigidMotionConfig {
   float outlier_sigmas = 4;       ///< second round: residuals beyond this many rms are left out
   double shift_prior_mm = 0.12;   ///< spread of a hand's shift per frame: 30 mm/s at 4 ms
   double turn_prior_rad = 0.004;  ///< and of its turn: 1 rad/s
-  double harmonic_prior = 0.05;   ///< spread of the projector's B2/B
+  double shared_prior = 0.05;     ///< spread of the projector's B2/B, in mode M of the code frame's gain
   std::size_t min_pixels = 600;   ///< of those asked, one in eight; fewer say nothing about six unknowns
   float min_block_pixels = 100;   ///< blocks with fewer are not asked whether anything moved
   float negligible_rad = 0.002F;  ///< a burst in which under a quarter of the blocks change faster counts as still
@@ -37,18 +38,6 @@ struct RigidMotion {
   std::array<double, 3> turn_rad{};  ///< W, per frame interval, about the optical axis' point at mid-range
   double about_mm = 0;               ///< depth of that point
   bool moved = false;                ///< determined
-};
-
-/// Motion at the nodes of a grid over the image, per frame interval.
-struct MotionField {
-  int columns = 0, rows = 0;
-  std::vector<float> rate_rad, light;  ///< eps; a = dA/B
-
-  /// Valid while this and `coarse` live; the harmonic is that of `coarse`.
-  [[nodiscard]] BurstErrors errors(const ClosureFit& coarse) const noexcept {
-    return {
-        {rate_rad.data(), columns, rows, kNode_px}, coarse.errors().harmonic, {light.data(), columns, rows, kNode_px}};
-  }
 };
 
 struct RigidMotionWork {
@@ -62,12 +51,11 @@ struct RigidMotionWork {
 /// Nothing worth an estimate happened during the burst. Texture that slides by on a surface without slope goes unseen.
 [[nodiscard]] bool stands_still(const ClosureFit& coarse, const RigidMotionConfig& config);
 
-/// Inputs after apply_polarity: c, s, B, residual, weights, and the phase as it was measured; `coarse`, the block-wise
-/// estimate. Slopes are those of the surface less the errors of `coarse`, and in each pass after the first less those
-/// that the pass before found. On moved, `field` holds the motion of the last pass; where the surface's slope is
-/// unknown, the blocks' own rate. passes >= 1.
-[[nodiscard]] RigidMotion fit_rigid_motion(const PhaseMaps& maps, const PolarityMaps& polarity,
-                                           const ClosureFit& coarse, const RayDepth& rays, float black_dn, int passes,
-                                           const RigidMotionConfig& config, RigidMotionWork& work, MotionField& field);
+/// maps, turn: what `view` sees, phases as they were measured. Slopes are those of the surface less the motion of the
+/// blocks, and in each pass after the first less that which the pass before found. On moved, `field` holds the motion
+/// of the last pass; where the surface's slope is unknown, the blocks' own rate. passes >= 1.
+[[nodiscard]] RigidMotion fit_rigid_motion(MotionView& view, const PhaseMaps& maps, const Map<std::int16_t>& turn,
+                                           const RayDepth& rays, int passes, const RigidMotionConfig& config,
+                                           RigidMotionWork& work, MotionField& field);
 
 }  // namespace enamel::algo

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <string>
 
+#include "pipeline/algo/phase/poly_trig.hpp"
+
 namespace enamel::algo {
 namespace {
 
@@ -33,6 +35,16 @@ Result<MicroCode> make_micro_code(const calib::PatternValues& patterns, const ca
     const double turn = 2 * std::numbers::pi * k / patterns.code_ratio;
     code.cosine.push_back(static_cast<float>(std::cos(turn)));
     code.sine.push_back(static_cast<float>(std::sin(turn)));
+  }
+  return code;
+}
+
+MicroCode turned_by(MicroCode code, float angle_rad) {
+  const float c = cos_poly(angle_rad), s = sin_poly(angle_rad);
+  for (std::size_t k = 0; k < code.cosine.size(); ++k) {
+    const float x = code.cosine[k], y = code.sine[k];
+    code.cosine[k] = c * x - s * y;
+    code.sine[k] = s * x + c * y;
   }
   return code;
 }

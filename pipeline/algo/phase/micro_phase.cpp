@@ -8,6 +8,7 @@ namespace enamel::algo {
 namespace {
 
 constexpr float kLargestResidue_rad = 0.2F;
+constexpr double kMinPixels = 5000;  ///< standard error of a1 at most 0.007 rad
 
 }  // namespace
 
@@ -29,7 +30,7 @@ ThirdHarmonic estimate_third_harmonic(std::span<const CellSpan> spans, const Pha
     out.pixels += b.end - a.begin;
     ++k;  // each half fringe counts once
   }
-  const double a1 = out.pixels > 0 ? -2.0 / 3.0 * sum / out.pixels : 0;
+  const double a1 = out.pixels >= kMinPixels ? -2.0 / 3.0 * sum / out.pixels : 0;
   out.a1_rad = static_cast<float>(std::abs(a1) <= static_cast<double>(kLargestResidue_rad) ? a1 : 0);
   return out;
 }

@@ -22,9 +22,9 @@ void compute_micro_phase(const BurstView& view, const NoiseModel& noise, const P
 /// a1 of the phase error a1 sin 3phi that a second harmonic B2 makes in three steps (a1 = -B2/B), self-calibrated: true
 /// phase is spread evenly over whole fringes, so a1 = -(2/3)<cos 3phi> (§3). Only pairs of `whole` spans that make a
 /// whole fringe are counted, because over half of one a slanted surface would bias the mean. Standard error
-/// (2/3)/sqrt(2 N) at worst, for phases at random. Good for the residue that a projector's look-up table leaves (B2 of
-/// a few per cent; first order, what remains is about a1^2); a raw gamma needs the table. Above 0.2 it is no residue:
-/// 0.
+/// (2/3)/sqrt(2 N) at worst, for phases at random; 0 from fewer than 5000 pixels. Good for the residue that a
+/// projector's look-up table leaves (B2 of a few per cent; first order, what remains is about a1^2); a raw gamma needs
+/// the table. Above 0.2 it is no residue: 0.
 struct ThirdHarmonic {
   float a1_rad = 0;
   double pixels = 0;

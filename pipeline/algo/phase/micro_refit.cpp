@@ -2,37 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "pipeline/algo/phase/closure.hpp"
-#include "pipeline/algo/phase/micro_refit_rows.hpp"
+#include "pipeline/algo/phase/micro_spans.hpp"
 
 namespace enamel::algo {
 namespace {
-
-/// Calls visit(v, order_cos, order_sin) for every row of the image that has spans.
-template <class Visit>
-void each_row(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-              const Visit& visit) {
-  const auto width = static_cast<std::size_t>(turn.width());
-  const int last = static_cast<int>(code.cosine.size()) - 1;
-  std::vector<float> cosine(width), sine(width);
-  for (std::size_t k = 0; k < spans.size();) {
-    const std::int32_t row = spans[k].row;
-    std::fill(cosine.begin(), cosine.end(), 0.0F);
-    std::fill(sine.begin(), sine.end(), 0.0F);
-    for (; k < spans.size() && spans[k].row == row; ++k) {
-      const auto order = static_cast<std::size_t>(std::clamp<int>(turn(spans[k].begin, row), 0, last));
-      std::fill(cosine.begin() + spans[k].begin, cosine.begin() + spans[k].end, code.cosine[order]);
-      std::fill(sine.begin() + spans[k].begin, sine.begin() + spans[k].end, code.sine[order]);
-    }
-    visit(row, cosine.data(), sine.data());
-  }
-}
-
-CodeRow row_of(const MicroMotion& motion, const MicroCode& code, float third_rad, std::size_t at, const float* cosine,
-               const float* sine) {
-  return {cosine, sine, &motion.pixel_motion_rad[at], &motion.pixel_gain[at], code.inverse_ratio, -third_rad};
-}
 
 struct Step {
   double gain = 0, motion = 0;
@@ -61,11 +37,14 @@ class Fitter {
     columns_ = (w + config.block_px - 1) / config.block_px;
     rows_ = (h + config.block_px - 1) / config.block_px;
     const auto blocks = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-    out.motion_rad = 0, out.gain = 1;
-    out.work.block_motion_rad.assign(blocks, 0.0F);
+    out.motion_rad = 0, out.gain = 1, out.black_dn = noise.black_dn;
+    out.columns = columns_, out.rows = rows_, out.block_px = config.block_px;
+    out.block_motion_rad.assign(blocks, 0.0F);
+    out.block_sigma_rad.assign(blocks, config.motion_prior_rad);
     out.work.block_gain.assign(blocks, 1.0F);
-    for (Map<float>* map : {&out.pixel_motion_rad, &out.pixel_gain})
+    for (Map<float>* map : {&out.pixel_motion_rad, &out.pixel_gain, &out.pixel_light})
       if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
+    std::fill(out.pixel_light.pixels().begin(), out.pixel_light.pixels().end(), 0.0F);
     spread();
   }
 
@@ -76,7 +55,7 @@ class Fitter {
       advance_burst();
       if (pass + 1 < config_.passes) {
         std::fill(out_.work.block_gain.begin(), out_.work.block_gain.end(), out_.gain);
-        std::fill(out_.work.block_motion_rad.begin(), out_.work.block_motion_rad.end(), out_.motion_rad);
+        std::fill(out_.block_motion_rad.begin(), out_.block_motion_rad.end(), out_.motion_rad);
       } else {
         advance_blocks();
       }
@@ -91,12 +70,12 @@ class Fitter {
                block_px = static_cast<std::size_t>(config_.block_px);
     out_.work.sums.assign(out_.work.block_gain.size() * kRefitSums, 0.0);
     auto& columns = out_.work.column_sums;
-    each_row(spans_, turn_, code_, [&](std::int32_t v, const float* cosine, const float* sine) {
+    each_code_row(spans_, turn_, code_, [&](std::int32_t v, const float* cosine, const float* sine) {
       if (v % row_step != 0) return;
       const std::size_t at = static_cast<std::size_t>(v) * width;
       columns.assign(kRefitSums * width, 0.0F);
-      add_refit_row(maps_, row_of(out_, code_, third_rad_, at, cosine, sine), noise_, config_.max_residual, at, width,
-                    columns.data());
+      add_refit_row(maps_, code_row_of(out_, code_, third_rad_, at, cosine, sine), noise_, config_.max_residual, at,
+                    width, columns.data());
       double* row =
           &out_.work
                .sums[static_cast<std::size_t>(v / config_.block_px) * static_cast<std::size_t>(columns_) * kRefitSums];
@@ -121,12 +100,13 @@ class Fitter {
                motion_spread = static_cast<double>(config_.motion_prior_rad);
     const double pg = 1 / (gain_spread * gain_spread), pm = 1 / (motion_spread * motion_spread);
     for (std::size_t k = 0; k < out_.work.block_gain.size(); ++k) {
-      float &gain = out_.work.block_gain[k], &motion = out_.work.block_motion_rad[k];
+      float &gain = out_.work.block_gain[k], &motion = out_.block_motion_rad[k];
       const double to_gain = static_cast<double>(out_.gain - gain),
                    to_motion = static_cast<double>(out_.motion_rad - motion);
       double* s = &out_.work.sums[k * kRefitSums];
       s[3] -= pg * to_gain, s[4] -= pm * to_motion;  // the prior pulls to the burst's values, not to the block's last
       const Step step = solve(s, pg, pm);
+      out_.block_sigma_rad[k] = static_cast<float>(1 / std::sqrt(s[2] + pm));
       gain += static_cast<float>(step.gain);
       motion = held(motion + static_cast<float>(step.motion));
     }
@@ -137,7 +117,7 @@ class Fitter {
   }
 
   void spread() {
-    interpolate_grid({out_.work.block_motion_rad.data(), columns_, rows_, config_.block_px}, out_.pixel_motion_rad);
+    interpolate_grid({out_.block_motion_rad.data(), columns_, rows_, config_.block_px}, out_.pixel_motion_rad);
     interpolate_grid({out_.work.block_gain.data(), columns_, rows_, config_.block_px}, out_.pixel_gain);
   }
 
@@ -163,19 +143,36 @@ void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& 
 void undo_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
                        const MicroMotion& motion, PhaseMaps& maps) {
   const auto width = static_cast<std::size_t>(turn.width());
-  each_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
+  each_code_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
     const std::size_t at = static_cast<std::size_t>(v) * width;
-    undo_motion_row(row_of(motion, code, 0, at, cosine, sine), at, width, maps);
+    undo_motion_row(code_row_of(motion, code, 0, at, cosine, sine), at, width, maps);
   });
+}
+
+void undo_micro_motion(const MicroMotion& motion, PhaseMaps& maps) {
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  const std::vector<float> inside(width, 1.0F), none(width, 0.0F);
+  for (std::size_t at = 0; at < maps.phase_rad.size(); at += width) {
+    CodeRow row{};
+    row.order_cos = inside.data(), row.order_sin = none.data();
+    row.motion_rad = &motion.pixel_motion_rad[at], row.light = &motion.pixel_light[at];
+    row.black_dn = motion.black_dn;
+    undo_motion_row(row, at, width, maps);
+  }
+}
+
+float code_turn_of(float motion_rad, const MicroCode& code) noexcept {
+  return (1 + code.inverse_ratio) * kCodeTime * motion_rad;
 }
 
 void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
                      const MicroMotion& motion, float third_rad, const NoiseModel& noise,
                      const MicroRefitConfig& config, PhaseMaps& maps) {
   const auto width = static_cast<std::size_t>(turn.width());
-  each_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
+  each_code_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
     const std::size_t at = static_cast<std::size_t>(v) * width;
-    join_code_row(row_of(motion, code, third_rad, at, cosine, sine), noise, config.outlier_sigmas, at, width, maps);
+    join_code_row(code_row_of(motion, code, third_rad, at, cosine, sine), noise, config.outlier_sigmas, at, width,
+                  maps);
   });
 }
 

@@ -31,18 +31,25 @@ struct MicroRefitConfig {
   float outlier_sigmas = 4;         ///< a code frame further off does not join
 };
 
-/// Motion and gain for the burst and at each pixel, bilinear between blocks.
+/// Motion and gain for the burst, its blocks, and at each pixel, bilinear between blocks.
 struct MicroMotion {
   float motion_rad = 0;  ///< eps
   float gain = 1;        ///< g
+  float black_dn = 0;
   Map<float> pixel_motion_rad, pixel_gain;
+  Map<float> pixel_light;  ///< dA/B per frame interval, dB/B = dA/(A - black); the fit leaves 0
+  int columns = 0, rows = 0, block_px = 32;
+  std::vector<float> block_motion_rad, block_sigma_rad;  ///< row major; sigma: by noise and prior
 
   struct Work {
     std::vector<double> sums;
     std::vector<float> column_sums;
-    std::vector<float> block_motion_rad, block_gain;
+    std::vector<float> block_gain;
   } work;
 };
+
+/// The angle by which a motion of the phase turns the code frame, which was taken before mid-burst.
+[[nodiscard]] float code_turn_of(float motion_rad, const MicroCode& code) noexcept;
 
 /// maps: of compute_micro_phase and correct_third_harmonic, whose a1 is third_rad. turn: place_spans of the same spans.
 /// Without spans: no motion, g = 1.
@@ -51,10 +58,12 @@ void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& 
                       MicroMotion& out);
 
 /// Rewrites mean, cosine, sine, modulation, code and phase of the spans' pixels as they were at mid-burst. Phases may
-/// leave
-/// [-pi, pi) a little; their turns stay.
+/// leave [-pi, pi) a little; their turns stay.
 void undo_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
                        const MicroMotion& motion, PhaseMaps& maps);
+
+/// The same at all pixels, whether or not their order is known.
+void undo_micro_motion(const MicroMotion& motion, PhaseMaps& maps);
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
 /// outlier, keep their three-frame solution.

@@ -1,5 +1,6 @@
 #include "pipeline/algo/phase/micro_refit_rows.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
@@ -14,7 +15,10 @@ HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
 constexpr float kHalfRoot3 = 0.8660254F, kInvRoot3 = 0.57735027F, kThird = 1.0F / 3;
-constexpr float kCodeTime = -0.5F, kFirstTime = -1.5F, kSecondTime = 0.5F, kThirdTime = 1.5F;
+constexpr float kFirstTime = -1.5F, kSecondTime = 0.5F, kThirdTime = 1.5F;
+/// What motion and a common phase leave of phases that each of the three frames has for itself: at right angles to
+/// both.
+constexpr float kFirstSkew = 0.26726124F, kSecondSkew = -0.80178373F, kThirdSkew = 0.53452248F;
 /// Variance of R over that of a frame: the code frame, A/3, and 2/3 each of the parts of B cos and B sin, on average.
 constexpr float kResidualVariance = 2.1F;
 
@@ -36,10 +40,17 @@ struct Pixel {
   float mean = 0, cosine = 0, sine = 0;
 };
 
-/// The three-frame solution with each frame at its own time.
-[[gnu::always_inline]] inline Pixel at_mid_burst(const Pixel& p, float motion_rad) {
-  const float i0 = p.mean + p.cosine, half = p.mean - 0.5F * p.cosine;
-  const float i2 = half - kHalfRoot3 * p.sine, i3 = half + kHalfRoot3 * p.sine;
+/// dA/A of a pixel above black, of its dA/B.
+[[gnu::always_inline]] inline float relative_light(const Pixel& p, float light) {
+  return light * root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F) / larger(p.mean, 1);
+}
+
+/// The three-frame solution, above black, with each frame at its own time and under its own light.
+[[gnu::always_inline]] inline Pixel at_mid_burst(const Pixel& p, float motion_rad, float growth) {
+  const float half = p.mean - 0.5F * p.cosine;
+  const float i0 = (p.mean + p.cosine) / (1 + kFirstTime * growth);
+  const float i2 = (half - kHalfRoot3 * p.sine) / (1 + kSecondTime * growth);
+  const float i3 = (half + kHalfRoot3 * p.sine) / (1 + kThirdTime * growth);
   const Turn a0 = turn_of(kFirstTime * motion_rad);
   const Turn a1 = Turn{-0.5F, kHalfRoot3} * turn_of(kSecondTime * motion_rad);
   const Turn a2 = Turn{-0.5F, -kHalfRoot3} * turn_of(kThirdTime * motion_rad);
@@ -66,10 +77,48 @@ struct CodeModel {
   return {a, a.cos + harmonic * (2 * a.cos * a.cos - 1), 1 - harmonic * cos3};
 }
 
+/// What the code frame shows beyond the prediction of the other three, about the motion and gain assumed, and its slope
+/// over each of them. In DN; light: of dA/B; alone: of a phase that the code frame has for itself; skew: see kSkew.
+struct Residual {
+  float rest, by_motion, by_light, by_gain, by_alone, by_skew, modulation;
+};
+
+/// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order; growth: relative_light.
+[[gnu::always_inline]] inline Residual code_residual(const Pixel& raw, float code, float phase_rad, Turn order,
+                                                     float motion_rad, float growth, float gain, float inverse_ratio,
+                                                     float harmonic) {
+  const Pixel p = at_mid_burst(raw, motion_rad, growth);
+  const float b3 = root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), c = p.cosine / b3, s = p.sine / b3;
+  const float moved = phase_rad + wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
+  const CodeModel k = code_model(order, inverse_ratio, moved, motion_rad, harmonic);
+  const float b = b3 * k.modulation, gb = gain * b;
+  // What frames that differ by f0, f2, f3 (over B) take from A, B cos and B sin, and that from the prediction.
+  const auto slope = [&](float f0, float f2, float f3, float turned) {
+    const float da = -kThird * (f0 + f2 + f3), dc = -kThird * (2 * f0 - f2 - f3), ds = -kInvRoot3 * (f3 - f2);
+    const float turning = c * ds - s * dc, swelling = c * dc + s * ds;
+    return -b * da - gb * swelling * k.angle.cos + gb * (1 + inverse_ratio) * k.angle.sin * (turning + turned);
+  };
+  const float c2 = -0.5F * c - kHalfRoot3 * s, c3 = -0.5F * c + kHalfRoot3 * s;  // cos of the other two frames
+  const float s2 = -0.5F * s + kHalfRoot3 * c, s3 = -0.5F * s - kHalfRoot3 * c;
+  const float share = b3 / larger(p.mean, 1);
+  const float by_motion = slope(-kFirstTime * s, -kSecondTime * s2, -kThirdTime * s3, kCodeTime);
+  const float by_light =
+      slope(kFirstTime * (1 + share * c), kSecondTime * (1 + share * c2), kThirdTime * (1 + share * c3), 0) -
+      kCodeTime * (b + share * gb * k.angle.cos);
+  const float code_frame = (raw.mean + code) / (1 + kCodeTime * growth);
+  return {code_frame - p.mean - gb * k.light,
+          by_motion,
+          by_light,
+          -b * k.light,
+          gb * (1 + inverse_ratio) * k.angle.sin,
+          slope(-kFirstSkew * s, -kSecondSkew * s2, -kThirdSkew * s3, 0),
+          b};
+}
+
 void add_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, float limit, std::size_t at,
               std::size_t width, float* sums) {
   const NoiseModel noise = model;  // a copy cannot alias what is written
-  const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic;
+  const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic, black = row.black_dn;
   const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
   const float* __restrict code = &m.code_dn[at], * __restrict phase = &m.phase_rad[at];
   const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain;
@@ -78,41 +127,98 @@ void add_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, f
   float* __restrict s3 = s2 + width, * __restrict s4 = s3 + width;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const Pixel raw{mean[u], cosine[u], sine[u]}, p = at_mid_burst(raw, rate[u]);
-    const float b3 = root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), c = p.cosine / b3, s = p.sine / b3;
-    const float moved = phase[u] + wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
-    const CodeModel k = code_model({oc[u], os[u]}, inverse_ratio, moved, rate[u], harmonic);
-    // What a unit of motion did to the frames, then to A, B cos and B sin, over B.
-    const float f0 = -kFirstTime * s, f2 = kSecondTime * (0.5F * s - kHalfRoot3 * c);
-    const float f3 = kThirdTime * (0.5F * s + kHalfRoot3 * c);
-    const float da = -kThird * (f0 + f2 + f3), dc = -kThird * (2 * f0 - f2 - f3), ds = -kInvRoot3 * (f3 - f2);
-    const float turning = c * ds - s * dc, growth = c * dc + s * ds, b = b3 * k.modulation, gb = gain[u] * b;
-    const float y = raw.mean + code[u] - p.mean - gb * k.light;
-    const float by_gain = -b * k.light;
-    const float by_motion =
-        -b * da - gb * growth * k.angle.cos + gb * (1 + inverse_ratio) * k.angle.sin * (turning + kCodeTime);
-    const bool used = (std::abs(y) < limit * b) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
-    const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), r = select(used, y, 0);
-    s0[u] += w * by_gain * by_gain;
-    s1[u] += w * by_gain * by_motion;
-    s2[u] += w * by_motion * by_motion;
-    s3[u] += w * by_gain * r;
-    s4[u] += w * by_motion * r;
+    const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, rate[u],
+                                     0, gain[u], inverse_ratio, harmonic);
+    const bool used =
+        (std::abs(k.rest) < limit * k.modulation) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
+    const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), r = select(used, k.rest, 0);
+    s0[u] += w * k.by_gain * k.by_gain;
+    s1[u] += w * k.by_gain * k.by_motion;
+    s2[u] += w * k.by_motion * k.by_motion;
+    s3[u] += w * k.by_gain * r;
+    s4[u] += w * k.by_motion * r;
+  }
+}
+
+void residual_loop(const PhaseMaps& m, const CodeRow& row, std::size_t at, std::size_t width, const ResidualRow& out) {
+  const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic, black = row.black_dn;
+  const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
+  const float* __restrict code = &m.code_dn[at], * __restrict phase = &m.phase_rad[at];
+  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain;
+  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
+  float* __restrict rest = out.residual, * __restrict motion = out.by_motion;
+  float* __restrict light = out.by_light, * __restrict growth = out.by_gain;
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, rate[u],
+                                     0, gain[u], inverse_ratio, harmonic);
+    rest[u] = k.rest;
+    motion[u] = -k.by_motion;
+    light[u] = -k.by_light;
+    growth[u] = -k.by_gain;
+  }
+}
+
+void odd_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, float limit, std::size_t at,
+              std::size_t width, float* sums) {
+  const NoiseModel noise = model;
+  const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic, black = row.black_dn;
+  const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
+  const float* __restrict code = &m.code_dn[at], * __restrict phase = &m.phase_rad[at];
+  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain, * __restrict light = row.light;
+  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
+  float* __restrict out = sums;
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const Pixel raw{mean[u] - black, cosine[u], sine[u]};
+    const Residual k = code_residual(raw, code[u], phase[u], {oc[u], os[u]}, rate[u], relative_light(raw, light[u]),
+                                     gain[u], inverse_ratio, harmonic);
+    const bool asked = (k.rest == k.rest) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);
+    const bool used = (std::abs(k.rest) < limit * k.modulation) & asked;
+    const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), y = select(used, -k.rest, 0);
+    const std::array<float, kOddColumns> x = {k.by_alone, k.by_skew, k.by_motion, k.by_light, k.by_gain};
+    std::size_t to = u;
+    for (std::size_t i = 0; i < kOddColumns; ++i) {
+      for (std::size_t j = i; j < kOddColumns; ++j, to += width) out[to] += w * x[i] * x[j];
+      out[to] += w * x[i] * y;
+      to += width;
+    }
+    out[to] += select(asked, 1, 0);
+    out[to + width] += select(used, 1, 0);
+  }
+}
+
+void mid_burst_loop(const PhaseMaps& m, const CodeRow& row, std::size_t at, std::size_t width, float* phase_rad,
+                    float* mean_dn) {
+  const float black = row.black_dn;
+  const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
+  const float* __restrict phase = &m.phase_rad[at], * __restrict rate = row.motion_rad, * __restrict light = row.light;
+  float* __restrict moved = phase_rad, * __restrict lit = mean_dn;
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const Pixel raw{mean[u] - black, cosine[u], sine[u]};
+    const Pixel p = at_mid_burst(raw, rate[u], relative_light(raw, light[u]));
+    moved[u] = phase[u] + wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
+    lit[u] = p.mean + black;
   }
 }
 
 void undo_loop(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps& m) {
+  const float black = row.black_dn;
   float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
   float* __restrict code = &m.code_dn[at], * __restrict modulation = &m.modulation_dn[at], * __restrict phase = &m.phase_rad[at];
-  const float* __restrict rate = row.motion_rad, * __restrict oc = row.order_cos, * __restrict os = row.order_sin;
+  const float* __restrict rate = row.motion_rad, * __restrict light = row.light;
+  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const bool inside = oc[u] * oc[u] + os[u] * os[u] > 0.5F;
-    const Pixel raw{mean[u], cosine[u], sine[u]}, p = at_mid_burst(raw, rate[u]);
+    const Pixel raw{mean[u] - black, cosine[u], sine[u]};
+    const float growth = relative_light(raw, light[u]);
+    const Pixel p = at_mid_burst(raw, rate[u], growth);
     const float step = wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
     phase[u] += select(inside, step, 0);
-    code[u] += select(inside, raw.mean - p.mean, 0);
-    mean[u] = select(inside, p.mean, raw.mean);
+    code[u] = select(inside, (raw.mean + code[u]) / (1 + kCodeTime * growth) - p.mean, code[u]);
+    mean[u] = select(inside, p.mean + black, mean[u]);
     cosine[u] = select(inside, p.cosine, raw.cosine);
     sine[u] = select(inside, p.sine, raw.sine);
     modulation[u] = select(inside, root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), modulation[u]);
@@ -151,12 +257,30 @@ HWY_AFTER_NAMESPACE();
 namespace enamel::algo {
 
 HWY_EXPORT(add_loop);
+HWY_EXPORT(residual_loop);
+HWY_EXPORT(odd_loop);
+HWY_EXPORT(mid_burst_loop);
 HWY_EXPORT(undo_loop);
 HWY_EXPORT(join_loop);
 
 void add_refit_row(const PhaseMaps& maps, const CodeRow& row, const NoiseModel& noise, float max_residual,
                    std::size_t at, std::size_t width, float* sums) {
   HWY_DYNAMIC_DISPATCH(add_loop)(maps, row, noise, max_residual, at, width, sums);
+}
+
+void code_residual_row(const PhaseMaps& maps, const CodeRow& row, std::size_t at, std::size_t width,
+                       const ResidualRow& out) {
+  HWY_DYNAMIC_DISPATCH(residual_loop)(maps, row, at, width, out);
+}
+
+void add_micro_odd_row(const PhaseMaps& maps, const CodeRow& row, const NoiseModel& noise, float max_residual,
+                       std::size_t at, std::size_t width, float* sums) {
+  HWY_DYNAMIC_DISPATCH(odd_loop)(maps, row, noise, max_residual, at, width, sums);
+}
+
+void mid_burst_row(const PhaseMaps& maps, const CodeRow& row, std::size_t at, std::size_t width, float* phase_rad,
+                   float* mean_dn) {
+  HWY_DYNAMIC_DISPATCH(mid_burst_loop)(maps, row, at, width, phase_rad, mean_dn);
 }
 
 void undo_motion_row(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps& maps) {

@@ -78,8 +78,16 @@ DecodedBurst decode(const calib::Rig& rig, const test::SyntheticBurst& burst, in
   return BurstDecoder::make(rig, config).value().decode(burst.frames.view());
 }
 
-TEST(RigidMotion, finds_shift_and_turn_and_takes_their_ripple_off_the_surface) {
-  const MovingBall ball{test::cropped_rig(480, 360), {0.030, -0.015, 0.024}, {0.0006, -0.0004, 0.0010}};
+class RigidMotionOf : public testing::TestWithParam<bool> {
+ protected:
+  static calib::Rig rig() { return GetParam() ? test::micro_rig(480, 360) : test::cropped_rig(480, 360); }
+};
+
+INSTANTIATE_TEST_SUITE_P(Modes, RigidMotionOf, testing::Bool(),
+                         [](const auto& mode) { return mode.param ? "M" : "T"; });
+
+TEST_P(RigidMotionOf, finds_shift_and_turn_and_takes_their_ripple_off_the_surface) {
+  const MovingBall ball{rig(), {0.030, -0.015, 0.024}, {0.0006, -0.0004, 0.0010}};
   const auto burst = ball.render(false);
   const DecodedBurst found = decode(ball.rig, burst, 2), blocks = decode(ball.rig, burst, 0);
   ASSERT_TRUE(found.accepted());
@@ -99,8 +107,8 @@ TEST(RigidMotion, finds_shift_and_turn_and_takes_their_ripple_off_the_surface) {
   EXPECT_GT(ripple(blocks), 2 * ripple(found)) << "negative control: each block's motion by itself";
 }
 
-TEST(RigidMotion, leaves_a_still_burst_alone) {
-  const MovingBall ball{test::cropped_rig(480, 360), Vector3d::Zero(), Vector3d::Zero()};
+TEST_P(RigidMotionOf, leaves_a_still_burst_alone) {
+  const MovingBall ball{rig(), Vector3d::Zero(), Vector3d::Zero()};
   const auto burst = ball.render(true);
   const DecodedBurst found = decode(ball.rig, burst, 2), blocks = decode(ball.rig, burst, 0);
   EXPECT_FALSE(found.diagnostics.rigid.moved);

@@ -1,0 +1,46 @@
+// Mode T's view of motion: the closure residual (closure.hpp). Private to algo/decode.
+#pragma once
+
+#include "pipeline/algo/decode/motion_view.hpp"
+#include "pipeline/algo/phase/closure.hpp"
+#include "pipeline/algo/phase/polarity.hpp"
+
+namespace enamel::algo {
+
+/// Valid while both live; the harmonic is that of `coarse`.
+[[nodiscard]] inline BurstErrors errors_of(const MotionField& field, const ClosureFit& coarse) noexcept {
+  return {field.rate_grid(), coarse.errors().harmonic, field.light_grid()};
+}
+
+/// maps, polarity: after apply_polarity; all borrowed.
+class FourStepView final : public MotionView {
+ public:
+  FourStepView(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureFit& coarse, const RayDepth& rays,
+               float black_dn, float max_residual)
+      : maps_(maps),
+        polarity_(polarity),
+        coarse_(coarse),
+        rays_(rays),
+        black_dn_(black_dn),
+        max_residual_(max_residual) {}
+
+  void take_samples(MotionSamples& out) override {
+    algo::take_samples(maps_, polarity_, black_dn_, max_residual_, out);
+  }
+  void make_images(const MotionField* known, MotionImages& out) override {
+    make_motion_images(maps_, polarity_, rays_, known != nullptr ? errors_of(*known, coarse_) : coarse_.errors(),
+                       black_dn_, out);
+  }
+  [[nodiscard]] float block_rate(int u, int v) const override {
+    return coarse_.block_motion_rad[coarse_.block_at(u, v)];
+  }
+
+ private:
+  const PhaseMaps& maps_;
+  const PolarityMaps& polarity_;
+  const ClosureFit& coarse_;
+  const RayDepth& rays_;
+  float black_dn_, max_residual_;
+};
+
+}  // namespace enamel::algo

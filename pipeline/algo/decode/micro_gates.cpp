@@ -1,0 +1,80 @@
+#include "pipeline/algo/decode/micro_gates.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pipeline/algo/phase/micro_spans.hpp"
+
+namespace enamel::algo {
+namespace {
+
+using Matrix = Eigen::Matrix<double, kOddColumns, kOddColumns>;
+using Vector = Eigen::Matrix<double, kOddColumns, 1>;
+
+constexpr int kRowStep = 8, kBlock_px = 64;
+constexpr double kInformed_rad = 0.05;  ///< sigma of a block's phase of the code frame that is asked
+/// Spread of the unknowns, in the order of kOddColumns: phases anywhere, what blocks leave of motion, light and gain.
+const Vector kSpread = (Vector() << 1, 1, 0.3, 0.3, 0.1).finished();
+
+float median(std::vector<float>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Blocks {
+  std::vector<float> code_shift, odd, unrest;
+  double asked = 0, explained = 0;
+
+  /// sums: of one block, as add_micro_odd_row lays them out.
+  void add(const double* sums) {
+    Matrix left;
+    Vector right;
+    for (Eigen::Index i = 0; i < left.rows(); ++i) {
+      for (Eigen::Index j = i; j < left.cols(); ++j) left(i, j) = left(j, i) = *sums++;
+      right[i] = *sums++;
+    }
+    asked += sums[0], explained += sums[1];
+    left.diagonal() += kSpread.cwiseAbs2().cwiseInverse();
+    const auto factors = left.ldlt();
+    const Matrix covariance = factors.solve(Matrix::Identity());
+    if (!(std::max(covariance(0, 0), covariance(1, 1)) < kInformed_rad * kInformed_rad)) return;
+    const Vector x = factors.solve(right);
+    code_shift.push_back(static_cast<float>(x[0]));
+    odd.push_back(static_cast<float>(std::hypot(x[0], x[1])));
+    unrest.push_back(static_cast<float>(std::abs(x[3])));
+  }
+};
+
+}  // namespace
+
+MicroOdd find_micro_odd(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                        const MicroMotion& motion, float third_rad, const NoiseModel& noise, float max_residual,
+                        const PhaseMaps& maps) {
+  const auto width = static_cast<std::size_t>(turn.width());
+  const std::size_t across = (width + kBlock_px - 1) / kBlock_px;
+  const std::size_t down = (static_cast<std::size_t>(turn.height()) + kBlock_px - 1) / kBlock_px;
+  std::vector<double> sums(across * down * kMicroOddSums, 0.0);
+  std::vector<float> columns(kMicroOddSums * width);
+  each_code_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
+    if (v % kRowStep != 0) return;
+    const std::size_t at = static_cast<std::size_t>(v) * width;
+    std::fill(columns.begin(), columns.end(), 0.0F);
+    add_micro_odd_row(maps, code_row_of(motion, code, third_rad, at, cosine, sine), noise, max_residual, at, width,
+                      columns.data());
+    double* row = &sums[static_cast<std::size_t>(v / kBlock_px) * across * kMicroOddSums];
+    for (std::size_t k = 0; k < kMicroOddSums; ++k) {
+      for (std::size_t u = 0; u < width; ++u)
+        row[u / kBlock_px * kMicroOddSums + k] += static_cast<double>(columns[k * width + u]);
+    }
+  });
+  Blocks blocks;
+  for (std::size_t k = 0; k < across * down; ++k) blocks.add(&sums[k * kMicroOddSums]);
+  const double explained = blocks.asked > 0 ? blocks.explained / blocks.asked : 1;  // all codes may be saturated
+  return {median(blocks.code_shift), median(blocks.odd), explained, median(blocks.unrest)};
+}
+
+}  // namespace enamel::algo

@@ -1,0 +1,105 @@
+#include "pipeline/algo/decode/micro_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/algo/decode/surface.hpp"
+#include "pipeline/algo/phase/micro_spans.hpp"
+
+namespace enamel::algo {
+namespace {
+
+constexpr std::size_t kRowValues = 4;       ///< residual and its columns of eps, light, gain
+constexpr float kInformed_rad = 0.005F;     ///< sigma of a block's eps that can be asked whether it moved
+constexpr float kSignificantSigmas = 2.0F;  ///< of a block's eps
+
+}  // namespace
+
+/// Row v lies in a sampled node row, whose first node is out.node[first].
+void MicroView::take_row(int v, const float* rows, std::size_t first, MotionSamples& out) const {
+  const auto width = static_cast<std::size_t>(in_.maps.phase_rad.width());
+  const int columns = in_.maps.phase_rad.width() / kNode_px, node_row = v / kNode_px;
+  const int line = v % kNode_px / kPixelStep;
+  const float *residual = rows, *rate = rows + width, *light = rate + width, *gain = light + width;
+  for (std::size_t n = first; n < out.node.size() && out.node[n] / columns == node_row; ++n) {
+    const int left = out.node[n] % columns * kNode_px + v / kPixelStep % kPixelStep;
+    for (int k = 0; k < kNode_px / kPixelStep; ++k) {
+      const auto u = static_cast<std::size_t>(left + k * kPixelStep);
+      const std::size_t i = in_.maps.phase_rad.index(static_cast<int>(u), v);
+      const float b = in_.maps.modulation_dn[i], limit = in_.max_residual * b;
+      if (in_.maps.reject[i] != PixelReject::kNone || !(std::abs(residual[u]) < limit)) continue;
+      const std::size_t to = static_cast<std::size_t>(line * kNode_px / kPixelStep + k) * out.nodes + n;
+      out.rate[to] = rate[u];
+      out.light[to] = light[u];
+      out.shared[to] = gain[u];
+      out.residual[to] = residual[u] + rate[u] * in_.blocks.pixel_motion_rad[i];
+      out.used[to] = 1;
+    }
+  }
+}
+
+void MicroView::take_samples(MotionSamples& out) {
+  const auto width = static_cast<std::size_t>(in_.maps.phase_rad.width());
+  place_samples(in_.maps.phase_rad.width(), in_.maps.phase_rad.height(), out);
+  const int columns = in_.maps.phase_rad.width() / kNode_px;
+  std::vector<float> rows(kRowValues * width);
+  std::size_t first = 0;
+  each_code_row(in_.spans, in_.turn, in_.code, [&](std::int32_t v, const float* cosine, const float* sine) {
+    if (v % kPixelStep != 0) return;
+    while (first < out.node.size() && out.node[first] / columns < v / kNode_px) ++first;
+    if (first == out.node.size() || out.node[first] / columns != v / kNode_px) return;
+    const std::size_t at = static_cast<std::size_t>(v) * width;
+    float* r = rows.data();
+    code_residual_row(in_.maps, code_row_of(in_.blocks, in_.code, in_.third_rad, at, cosine, sine), at, width,
+                      {r, r + width, r + 2 * width, r + 3 * width});
+    for (std::size_t u = 0; u < width; ++u)
+      if (cosine[u] == 0 && sine[u] == 0) r[u] = std::nanf("");
+    take_row(v, r, first, out);
+  });
+}
+
+void MicroView::make_images(const MotionField* known, MotionImages& out) {
+  const int width = in_.maps.phase_rad.width(), height = in_.maps.phase_rad.height();
+  const auto columns = static_cast<std::size_t>(width);
+  out.inverse_depth.resize(width, height);
+  out.light.resize(width, height);
+  out.phase.resize(columns);
+  out.row.resize(columns);
+  const MicroMotion& b = in_.blocks;
+  const Grid blocks{b.block_motion_rad.data(), b.columns, b.rows, b.block_px};
+  GridRows rate(known != nullptr ? known->rate_grid() : blocks, width);
+  GridRows light(known != nullptr ? known->light_grid() : Grid{}, width);
+  for (int v = 0; v < height; v += 2) {
+    const std::size_t at = in_.maps.phase_rad.index(0, v);
+    CodeRow row{};
+    row.motion_rad = rate.row(v), row.light = light.row(v), row.black_dn = b.black_dn;
+    mid_burst_row(in_.maps, row, at, columns, out.phase.data(), out.row.data());
+    for (float& a : out.row) a -= b.black_dn;
+    out.light.set_row(v / 2, out.row.data());
+    make_inverse_depth_row(in_.maps, in_.turn, in_.rays, at, out.phase.data(), out.row.data());
+    out.inverse_depth.set_row(v / 2, out.row.data());
+  }
+}
+
+float MicroView::block_rate(int u, int v) const {
+  const MicroMotion& b = in_.blocks;
+  return b.block_motion_rad[static_cast<std::size_t>((v / b.block_px) * b.columns + u / b.block_px)];
+}
+
+bool stands_still(const MicroMotion& blocks, float negligible_rad) {
+  std::size_t seen = 0, moving = 0;
+  for (std::size_t k = 0; k < blocks.block_motion_rad.size(); ++k) {
+    if (!(blocks.block_sigma_rad[k] < kInformed_rad)) continue;
+    ++seen;
+    const float limit = negligible_rad + kSignificantSigmas * blocks.block_sigma_rad[k];
+    moving += std::abs(blocks.block_motion_rad[k]) > limit ? 1U : 0U;
+  }
+  return seen > 0 && 4 * moving < seen;
+}
+
+void spread_motion(const MotionField& field, MicroMotion& out) {
+  interpolate_grid(field.rate_grid(), out.pixel_motion_rad);
+  interpolate_grid(field.light_grid(), out.pixel_light);
+}
+
+}  // namespace enamel::algo

@@ -1,0 +1,45 @@
+// Mode M's view of motion: what the code frame shows beyond the prediction of the other three (micro_refit.hpp).
+// Private to algo/decode.
+#pragma once
+
+#include <span>
+
+#include "pipeline/algo/decode/motion_view.hpp"
+#include "pipeline/algo/phase/micro_refit.hpp"
+#include "pipeline/algo/triangulate/ray_depth.hpp"
+
+namespace enamel::algo {
+
+struct MicroViewInput {
+  std::span<const CellSpan> spans;
+  const Map<std::int16_t>& turn;
+  const MicroCode& code;
+  float third_rad;
+  const PhaseMaps& maps;  ///< as fit_micro_motion takes them
+  const RayDepth& rays;
+  const MicroMotion& blocks;
+  float max_residual;  ///< of B
+};
+
+/// All borrowed. Residuals and their columns are about the motion of the blocks.
+class MicroView final : public MotionView {
+ public:
+  explicit MicroView(const MicroViewInput& input) : in_(input) {}
+
+  void take_samples(MotionSamples& out) override;
+  void make_images(const MotionField* known, MotionImages& out) override;
+  [[nodiscard]] float block_rate(int u, int v) const override;
+
+ private:
+  void take_row(int v, const float* rows, std::size_t first, MotionSamples& out) const;
+  MicroViewInput in_;
+};
+
+/// Nothing worth an estimate happened during the burst: under a quarter of the blocks that say anything change faster
+/// than negligible_rad and twice their own uncertainty.
+[[nodiscard]] bool stands_still(const MicroMotion& blocks, float negligible_rad);
+
+/// Motion and light of every pixel by the field, for undo_micro_motion.
+void spread_motion(const MotionField& field, MicroMotion& out);
+
+}  // namespace enamel::algo

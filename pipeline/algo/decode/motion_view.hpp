@@ -1,0 +1,41 @@
+// How a pattern mode shows motion during the burst. Each has a residual y, which its frames leave once the orders are
+// known: mode T the closure, mode M what its code frame shows beyond the prediction of the other three. All read
+//   y = (column of eps) eps + (column of dA/B) dA/B + (shared column) x + noise
+// where x is one number of the whole burst: the projector's second harmonic rho in mode T, the gain of the code frame
+// beyond its blocks' in mode M.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/algo/decode/motion_images.hpp"
+#include "pipeline/algo/decode/motion_samples.hpp"
+#include "pipeline/algo/phase/grid_rows.hpp"
+
+namespace enamel::algo {
+
+/// Motion at the nodes of a grid over the image, per frame interval.
+struct MotionField {
+  int columns = 0, rows = 0;
+  std::vector<float> rate_rad, light;  ///< eps; a = dA/B
+
+  /// Valid while this lives.
+  [[nodiscard]] Grid rate_grid() const noexcept { return {rate_rad.data(), columns, rows, kNode_px}; }
+  [[nodiscard]] Grid light_grid() const noexcept { return {light.data(), columns, rows, kNode_px}; }
+};
+
+/// One burst's; not thread-safe.
+class MotionView {
+ public:
+  MotionView() = default;
+  MotionView(const MotionView&) = delete;
+  MotionView& operator=(const MotionView&) = delete;
+  virtual ~MotionView() = default;
+
+  virtual void take_samples(MotionSamples& out) = 0;
+  /// Depth and light as they are when the motion known so far is undone; null: that of the blocks.
+  virtual void make_images(const MotionField* known, MotionImages& out) = 0;
+  /// eps by the block that holds pixel (u, v) alone.
+  [[nodiscard]] virtual float block_rate(int u, int v) const = 0;
+};
+
+}  // namespace enamel::algo
