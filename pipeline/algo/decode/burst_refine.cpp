@@ -25,8 +25,9 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
       FourStepView view(b.phase, b.polarity, b.closure, *rays_, black, config_.rigid.max_residual);
       diag.rigid = fit_rigid_motion(view, b.phase, b.polarity.turn, *rays_, config_.motion_passes, config_.rigid,
                                     b.rigid, b.field);
+      if (diag.rigid.moved) diag.harmonic = b.field.shared;
     }
-    const BurstErrors errors = diag.rigid.moved ? errors_of(b.field, b.closure) : b.closure.errors();
+    const BurstErrors errors = diag.rigid.moved ? errors_of(b.field) : b.closure.errors();
     const OddFrame odd = find_odd_frame(b.phase, b.polarity, errors, b.closure.block_px);
     diag.odd_shift_rad = odd.shift_rad;
     diag.unrest = odd.unrest;

@@ -7,9 +7,10 @@
 
 namespace enamel::algo {
 
-/// Valid while both live; the harmonic is that of `coarse`.
-[[nodiscard]] inline BurstErrors errors_of(const MotionField& field, const ClosureFit& coarse) noexcept {
-  return {field.rate_grid(), coarse.errors().harmonic, field.light_grid()};
+/// Valid while `field` lives. The harmonic is the one solved together with the motion: that of the blocks takes up what
+/// light sliding by leaves in the closure, wherever the b = +1 cells of a block are no whole fringe.
+[[nodiscard]] inline BurstErrors errors_of(const MotionField& field) noexcept {
+  return {field.rate_grid(), field.shared_grid(), field.light_grid()};
 }
 
 /// maps, polarity: after apply_polarity; all borrowed.
@@ -28,8 +29,8 @@ class FourStepView final : public MotionView {
     algo::take_samples(maps_, polarity_, black_dn_, max_residual_, out);
   }
   void make_images(const MotionField* known, MotionImages& out) override {
-    make_motion_images(maps_, polarity_, rays_, known != nullptr ? errors_of(*known, coarse_) : coarse_.errors(),
-                       black_dn_, out);
+    make_motion_images(maps_, polarity_, rays_, known != nullptr ? errors_of(*known) : coarse_.errors(), black_dn_,
+                       out);
   }
   [[nodiscard]] float block_rate(int u, int v) const override {
     return coarse_.block_motion_rad[coarse_.block_at(u, v)];

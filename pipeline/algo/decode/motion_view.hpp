@@ -17,10 +17,12 @@ namespace enamel::algo {
 struct MotionField {
   int columns = 0, rows = 0;
   std::vector<float> rate_rad, light;  ///< eps; a = dA/B
+  float shared = 0;                    ///< x
 
   /// Valid while this lives.
   [[nodiscard]] Grid rate_grid() const noexcept { return {rate_rad.data(), columns, rows, kNode_px}; }
   [[nodiscard]] Grid light_grid() const noexcept { return {light.data(), columns, rows, kNode_px}; }
+  [[nodiscard]] Grid shared_grid() const noexcept { return {&shared, 1, 1, kNode_px}; }
 };
 
 /// One burst's; not thread-safe.

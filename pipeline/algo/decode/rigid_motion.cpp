@@ -53,6 +53,7 @@ class Pass {
     field.rows = rows_;
     field.rate_rad.resize(count_);
     field.light.resize(count_);
+    field.shared = static_cast<float>(theta[6]);
     for (std::size_t n = 0; n < count_; ++n) {
       float rate = 0, light = 0;
       for (std::size_t k = 0; k < 6; ++k) {

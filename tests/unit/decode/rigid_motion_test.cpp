@@ -23,6 +23,7 @@ const Vector3d kCentre_mm(1.0, -0.5, 55.5);
 struct MovingBall {
   calib::Rig rig;
   Vector3d shift_mm, turn_rad;
+  double harmonic = 0;  ///< projector's B2/B
 
   [[nodiscard]] Eigen::AngleAxisd turn(double tau) const {
     const double angle = turn_rad.norm() * tau;
@@ -50,6 +51,7 @@ struct MovingBall {
       const double tau = static_cast<double>(k) - 1.5;
       test::SceneOptions o;
       o.noise = noise;
+      o.harmonic = harmonic;
       o.light = [&](int u, int v) { return light(u, v, tau); };
       auto at = test::render(
           rig, [&](int u, int v) { return depth(u, v, tau); }, o);
@@ -105,6 +107,16 @@ TEST_P(RigidMotionOf, finds_shift_and_turn_and_takes_their_ripple_off_the_surfac
   const auto ripple = [&](const DecodedBurst& b) { return std::sqrt(std::pow(ball.sigma_um(b), 2) - floor * floor); };
   EXPECT_LT(ripple(found), 2.0);
   EXPECT_GT(ripple(blocks), 2 * ripple(found)) << "negative control: each block's motion by itself";
+}
+
+TEST(RigidMotion, tells_the_projectors_harmonic_from_light_that_slides_by) {
+  const MovingBall ball{test::cropped_rig(480, 360), {0.040, 0, 0}, Vector3d::Zero(), 0.01};
+  const auto burst = ball.render(false);
+  const DecodedBurst found = decode(ball.rig, burst, 2), blocks = decode(ball.rig, burst, 0);
+  ASSERT_TRUE(found.diagnostics.rigid.moved);
+  EXPECT_NEAR(found.diagnostics.harmonic, ball.harmonic, 0.0005);
+  EXPECT_GT(std::abs(static_cast<double>(blocks.diagnostics.harmonic) - ball.harmonic), 0.001)
+      << "negative control: blocks that know no light";
 }
 
 TEST_P(RigidMotionOf, leaves_a_still_burst_alone) {
