@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "pipeline/algo/phase/micro_spans.hpp"
@@ -25,28 +26,51 @@ float median(std::vector<float>& values) {
   return *middle;
 }
 
-struct Blocks {
-  std::vector<float> code_shift, odd, unrest;
-  double asked = 0, explained = 0;
+struct Equations {
+  Matrix left = Matrix::Zero();
+  Vector right = Vector::Zero();
+};
 
+class Blocks {
+ public:
   /// sums: of one block, as add_micro_odd_row lays them out.
   void add(const double* sums) {
-    Matrix left;
-    Vector right;
-    for (Eigen::Index i = 0; i < left.rows(); ++i) {
-      for (Eigen::Index j = i; j < left.cols(); ++j) left(i, j) = left(j, i) = *sums++;
-      right[i] = *sums++;
+    Equations block;
+    for (Eigen::Index i = 0; i < block.left.rows(); ++i) {
+      for (Eigen::Index j = i; j < block.left.cols(); ++j) block.left(i, j) = block.left(j, i) = *sums++;
+      block.right[i] = *sums++;
     }
-    asked += sums[0], explained += sums[1];
+    asked_ += sums[0], explained_ += sums[1];
+    all_.left += block.left, all_.right += block.right;
+    judge(block, kInformed_rad);
+  }
+
+  /// Of blocks that all say too little, their sum; over a whole image light excuses nothing.
+  MicroOdd result() {
+    if (odd_.empty()) {
+      judge(all_, std::numeric_limits<double>::infinity());
+      unrest_.clear();
+    }
+    const double explained = asked_ > 0 ? explained_ / asked_ : 1;  // all codes may be saturated
+    return {median(code_shift_), median(odd_), explained, median(unrest_)};
+  }
+
+ private:
+  void judge(const Equations& block, double informed_rad) {
+    Matrix left = block.left;
     left.diagonal() += kSpread.cwiseAbs2().cwiseInverse();
     const auto factors = left.ldlt();
     const Matrix covariance = factors.solve(Matrix::Identity());
-    if (!(std::max(covariance(0, 0), covariance(1, 1)) < kInformed_rad * kInformed_rad)) return;
-    const Vector x = factors.solve(right);
-    code_shift.push_back(static_cast<float>(x[0]));
-    odd.push_back(static_cast<float>(std::hypot(x[0], x[1])));
-    unrest.push_back(static_cast<float>(std::abs(x[3])));
+    if (!(std::max(covariance(0, 0), covariance(1, 1)) < informed_rad * informed_rad)) return;
+    const Vector x = factors.solve(block.right);
+    code_shift_.push_back(static_cast<float>(x[0]));
+    odd_.push_back(static_cast<float>(std::hypot(x[0], x[1])));
+    unrest_.push_back(static_cast<float>(std::abs(x[3])));
   }
+
+  std::vector<float> code_shift_, odd_, unrest_;
+  Equations all_;
+  double asked_ = 0, explained_ = 0;
 };
 
 }  // namespace
@@ -73,8 +97,7 @@ MicroOdd find_micro_odd(std::span<const CellSpan> spans, const Map<std::int16_t>
   });
   Blocks blocks;
   for (std::size_t k = 0; k < across * down; ++k) blocks.add(&sums[k * kMicroOddSums]);
-  const double explained = blocks.asked > 0 ? blocks.explained / blocks.asked : 1;  // all codes may be saturated
-  return {median(blocks.code_shift), median(blocks.odd), explained, median(blocks.unrest)};
+  return blocks.result();
 }
 
 }  // namespace enamel::algo
