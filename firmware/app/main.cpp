@@ -9,6 +9,7 @@
 
 #include "firmware/app/options.hpp"
 #include "firmware/app/probe.hpp"
+#include "firmware/app/self_test_client.hpp"
 
 namespace {
 
@@ -46,7 +47,8 @@ int main(int argc, char** argv) {
     if (!options) return report(options.error());
     if (!*options) return 0;
     handle_signals();
-    const auto code = enamel::fw::run_probe(**options, g_stop);
+    const auto code =
+        (*options)->self_test ? enamel::fw::ask_self_test(**options, g_stop) : enamel::fw::run_probe(**options, g_stop);
     return code ? *code : report(code.error());
   } catch (const std::exception& e) {
     return report({enamel::ErrorCode::kInternal, e.what()});

@@ -18,6 +18,8 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
   source->add_option("--play", o.capture, "recording, played once at recorded speed; then the session ends")
       ->type_name("CAPTURE");
   source->add_option("--camera", o.camera, "real camera")->type_name("ID");
+  source->add_flag("--self-test", o.self_test,
+                   "no light: asks the enamel-probe that runs here to test itself; exit code 0 when it passed");
   source->require_option(1);
   app.add_option("--seed", o.seed, "with --twin: another patient, path, tremor and noise");
   app.add_option("--serial", o.serial, "serial number; default: sim-<process id>");
@@ -27,6 +29,9 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
       ->capture_default_str();
   app.add_option("--loops", o.loops, "with --play: rounds")->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--seconds", o.seconds, "end after so many seconds")->check(CLI::NonNegativeNumber);
+  app.add_option("--scan-lock", o.scan_lock,
+                 "file shared with enamel-updated: no update during a scan, no scan during one")
+      ->type_name("FILE");
   app.add_flag("--exit-after-session", o.exit_after_session, "end when a host has closed its session (as --play does)");
   app.add_flag("--json", o.json, "print the counters on stdout at the end");
   try {
@@ -40,7 +45,7 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
   if (o.serial.size() > 32) return fail(ErrorCode::kUsage, "--serial: at most 32 bytes");
   if (o.seed && o.twin_scene.empty()) return fail(ErrorCode::kUsage, "--seed goes with --twin");
   if (o.loops != 1 && o.capture.empty()) return fail(ErrorCode::kUsage, "--loops goes with --play");
-  if (o.serial.empty()) o.serial = fmt::format("sim-{}", getpid());
+  if (o.serial.empty() && !o.self_test) o.serial = fmt::format("sim-{}", getpid());
   if (!o.capture.empty()) o.exit_after_session = true;
   return std::optional(o);
 }

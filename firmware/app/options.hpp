@@ -19,6 +19,8 @@ struct ProbeOptions {
   double speed = 1.0;
   int loops = 1;
   std::optional<double> seconds;
+  std::string scan_lock;   ///< shared with enamel-updated; empty: this probe is never updated
+  bool self_test = false;  ///< no probe: ask the one that runs
   bool exit_after_session = false;
   bool json = false;
 };

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "firmware/app/light_source.hpp"
+#include "firmware/app/lock_gate.hpp"
 #include "firmware/control/dds_transport.hpp"
 #include "firmware/publish/dds_burst_sink.hpp"
 #include "firmware/sim/sim_device.hpp"
@@ -47,21 +48,24 @@ struct Probe {
   std::unique_ptr<TimeSyncServer> time_sync;
   BurstLedger ledger;
   LightSwitch light;
+  std::unique_ptr<LockGate> gate;  ///< null: never updated
   Publisher publisher;
   Acquisition acquisition;
   ProbeController controller;
   ControlServer server;
 
   Probe(SimDevice& dev, DdsBurstSink burst_sink, std::unique_ptr<DdsTransport> link,
-        std::unique_ptr<TimeSyncServer> sync, Clock& clock, const proto::DeviceInfo& info)
+        std::unique_ptr<TimeSyncServer> sync, std::unique_ptr<LockGate> update_gate, Clock& clock,
+        const proto::DeviceInfo& info)
       : device(dev),
         sink(std::move(burst_sink)),
         transport(std::move(link)),
         time_sync(std::move(sync)),
         light(dev),
+        gate(std::move(update_gate)),
         publisher(sink, ledger, clock, publisher_config(info)),
         acquisition(dev.hardware(), light, ledger, [this](CapturedBurst b) { publisher.push(std::move(b)); }),
-        controller(acquisition, light, ledger, controller_config(dev.mode())),
+        controller(acquisition, light, ledger, controller_config(dev.mode()), gate.get()),
         server(
             controller, *transport, ledger, dev, dev, [this] { return link_rates(); }, clock,
             ServerConfig{info.probe_id, info.fw_version}) {}
@@ -144,18 +148,26 @@ void print_summary(const ProbeOptions& options, const proto::DeviceInfo& info, c
   std::cout << summary.dump() << std::endl;
 }
 
+Result<std::unique_ptr<LockGate>> open_gate(const std::string& path) {
+  if (path.empty()) return nullptr;
+  ENAMEL_TRY_ASSIGN(auto lock, ScanLock::open(path));
+  return std::make_unique<LockGate>(std::move(lock));
+}
+
 Result<std::unique_ptr<Probe>> assemble(SimDevice& device, Clock& clock, const dds::Participant& participant,
-                                        const proto::DeviceInfo& info) {
+                                        const proto::DeviceInfo& info, std::unique_ptr<LockGate> gate) {
   ENAMEL_TRY_ASSIGN(auto sink, DdsBurstSink::create(participant));
   ENAMEL_TRY_ASSIGN(auto sync, TimeSyncServer::create(participant, info.probe_id, clock));
   ENAMEL_TRY_ASSIGN(auto link, DdsTransport::create(participant, info));
-  return std::make_unique<Probe>(device, std::move(sink), std::move(link), std::move(sync), clock, info);
+  return std::make_unique<Probe>(device, std::move(sink), std::move(link), std::move(sync), std::move(gate), clock,
+                                 info);
 }
 
 }  // namespace
 
 Result<int> run_probe(const ProbeOptions& options, const std::atomic<bool>& stop) {
   SteadyClock clock;
+  ENAMEL_TRY_ASSIGN(auto gate, open_gate(options.scan_lock));
   ENAMEL_TRY_ASSIGN(auto source, open_source(options));
   const bool simulated = source->simulated();
   SimConfig sim;
@@ -165,7 +177,7 @@ Result<int> run_probe(const ProbeOptions& options, const std::atomic<bool>& stop
   dds::ParticipantOptions dds_options;
   dds_options.tag = options.dds_tag;
   ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(dds_options));
-  ENAMEL_TRY_ASSIGN(const auto probe, assemble(*device, clock, participant, info));
+  ENAMEL_TRY_ASSIGN(const auto probe, assemble(*device, clock, participant, info, std::move(gate)));
   const CameraMode mode = device->mode();
   log::info("probe", "serial {}, id {:08x}, {}x{} at {:.1f} Hz, speed {}", info.serial, info.probe_id, mode.width,
             mode.height, 1e9 / static_cast<double>(mode.frame_period.count()), options.speed);

@@ -28,15 +28,18 @@ image::Checked<image::Manifest> read_slot_manifest(const FlashRegion& slot, cons
   return manifest;
 }
 
+bool chunk_verifies(const FlashRegion& slot, const image::Manifest& manifest, std::uint32_t chunk,
+                    SlotWorkspace& workspace) noexcept {
+  const std::uint64_t at = flash_map::kManifestArea + std::uint64_t{chunk} * image::kChunkSize;
+  return hash_region(slot, at, manifest.chunk_length(chunk), workspace.piece) == manifest.chunk_digest(chunk);
+}
+
 image::Checked<image::Manifest> check_slot(const FlashRegion& slot, const image::Hardware& hardware,
                                            const image::Trust& trust, SlotWorkspace& workspace) noexcept {
   const image::Checked<image::Manifest> manifest = read_slot_manifest(slot, hardware, trust, workspace);
   if (!manifest) return manifest;
   for (std::uint32_t i = 0; i < manifest->chunk_count; ++i) {
-    const std::uint64_t at = flash_map::kManifestArea + std::uint64_t{i} * image::kChunkSize;
-    if (hash_region(slot, at, manifest->chunk_length(i), workspace.piece) != manifest->chunk_digest(i)) {
-      return image::refuse(image::Refusal::kChunkHash);
-    }
+    if (!chunk_verifies(slot, *manifest, i, workspace)) return image::refuse(image::Refusal::kChunkHash);
   }
   return manifest;
 }

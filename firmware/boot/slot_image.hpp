@@ -24,7 +24,11 @@ struct SlotWorkspace {
                                                                  const image::Hardware& hardware, image::Trust trust,
                                                                  SlotWorkspace& workspace) noexcept;
 
-/// As above, and every chunk has its digest (kChunkHash).
+/// A chunk of the payload, below manifest.chunk_count, has its digest.
+[[nodiscard]] bool chunk_verifies(const FlashRegion& slot, const image::Manifest& manifest, std::uint32_t chunk,
+                                  SlotWorkspace& workspace) noexcept;
+
+/// As read_slot_manifest(), and every chunk has its digest (kChunkHash).
 [[nodiscard]] image::Checked<image::Manifest> check_slot(const FlashRegion& slot, const image::Hardware& hardware,
                                                          const image::Trust& trust, SlotWorkspace& workspace) noexcept;
 

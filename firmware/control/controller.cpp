@@ -27,8 +27,8 @@ std::uint16_t event_code(ReplyStatus fault) { return static_cast<std::uint16_t>(
 }  // namespace
 
 ProbeController::ProbeController(AcquisitionPort& acquisition, LightSwitch& light, BurstLedger& ledger,
-                                 const ControllerConfig& config)
-    : acquisition_(acquisition), light_(light), ledger_(ledger), config_(config) {
+                                 const ControllerConfig& config, UpdateGate* gate)
+    : acquisition_(acquisition), light_(light), ledger_(ledger), config_(config), gate_(gate) {
   light_.permit(false);
 }
 
@@ -125,6 +125,7 @@ ProbeController::Verdict ProbeController::start_scan(const proto::Command& comma
     return counted || session_.id.value != static_cast<std::uint32_t>(arg) ? bad_state(Input::kCmdStart) : Verdict{};
   }
   if (!next_state(state_, Input::kCmdStart)) return bad_state(Input::kCmdStart);
+  if (gate_ != nullptr && !gate_->begin_scan()) return {Status::kBusy, "firmware is being written"};
   if (!counted) {
     const SessionId id{static_cast<std::uint32_t>(arg)};
     if (session_.epoch == 0 || session_.id != id || session_client_ != command.client_id) {
@@ -171,6 +172,8 @@ void ProbeController::enter(ProbeState next, Input why, HostTime now) {
   if (light_permitted(state_)) acquisition_.abort();  // returns at once when its job is done
   drain_.reset();
   flush_deadline_.reset();
+  const bool session = next == ProbeState::kScanning || next == ProbeState::kPaused;
+  if (gate_ != nullptr && !session) gate_->end_scan();
   const ProbeState left = std::exchange(state_, next);
   entered_ = now;
   notice(static_cast<std::uint16_t>(next), next == ProbeState::kSafe ? Severity::kSafety : Severity::kInfo,
@@ -206,6 +209,7 @@ void ProbeController::raise(Input input, ReplyStatus fault, HostTime now) {
 
 void ProbeController::tick(HostTime now, const Temperatures& temperatures) {
   check_lease(now);
+  follow_update(now);
   check_temperatures(temperatures, now);
   follow_acquisition(temperatures, now);
   if (state_ == ProbeState::kFault) retry_fault(now);
@@ -218,6 +222,14 @@ void ProbeController::check_lease(HostTime now) {
                      config_.lease.count() / 1'000'000));
   lease_.reset();
   if (state_ == ProbeState::kScanning) (void)end_scan(Input::kLeaseLost, now);
+}
+
+/// UPDATING is entered from rest only; scanning is refused in it.
+void ProbeController::follow_update(HostTime now) {
+  if (gate_ == nullptr) return;
+  const bool resting = state_ == ProbeState::kIdle || state_ == ProbeState::kReady;
+  if (resting && gate_->updating()) (void)apply(Input::kUpdate, now);
+  if (state_ == ProbeState::kUpdating && !gate_->updating()) (void)apply(Input::kUpdateOver, now);
 }
 
 void ProbeController::check_temperatures(const Temperatures& t, HostTime now) {

@@ -14,6 +14,7 @@
 #include "firmware/acquire/light_switch.hpp"
 #include "firmware/control/probe_fsm.hpp"
 #include "firmware/control/reply_cache.hpp"
+#include "firmware/control/update_gate.hpp"
 #include "firmware/hal/thermal.hpp"
 #include "protocol/base/time.hpp"
 
@@ -40,8 +41,9 @@ struct Notice {
 /// One thread.
 class ProbeController {
  public:
+  /// `gate`: null on a probe that is never updated, else outlives this.
   ProbeController(AcquisitionPort& acquisition, LightSwitch& light, BurstLedger& ledger,
-                  const ControllerConfig& config = {});
+                  const ControllerConfig& config = {}, UpdateGate* gate = nullptr);
 
   void boot(HostTime now);
   /// The reply's probe_id and t_ns are left to the caller.
@@ -86,6 +88,7 @@ class ProbeController {
   void notice(std::uint16_t code, proto::Severity severity, std::string text);
 
   void check_lease(HostTime now);
+  void follow_update(HostTime now);
   void check_temperatures(const Temperatures& t, HostTime now);
   void follow_acquisition(const Temperatures& t, HostTime now);
   void follow_scan(const AcquisitionReport& report, HostTime now);
@@ -96,6 +99,7 @@ class ProbeController {
   LightSwitch& light_;
   BurstLedger& ledger_;
   ControllerConfig config_;
+  UpdateGate* gate_;
   proto::ProbeState state_ = proto::ProbeState::kBoot;
   HostTime entered_{};
   std::optional<Lease> lease_;

@@ -28,6 +28,9 @@ constexpr std::array kTable{
     Transition{S::kFault, I::kRetry, S::kSelftest},
     Transition{S::kFault, I::kCmdSelfTest, S::kSelftest},
     Transition{S::kSafe, I::kCmdSelfTest, S::kSelftest},
+    Transition{S::kIdle, I::kUpdate, S::kUpdating},
+    Transition{S::kReady, I::kUpdate, S::kUpdating},
+    Transition{S::kUpdating, I::kUpdateOver, S::kIdle},
     // Trouble, from wherever the probe is. SAFE is latched: a fault does not leave it.
     Transition{S::kSelftest, I::kFault, S::kFault},
     Transition{S::kIdle, I::kFault, S::kFault},
@@ -43,6 +46,7 @@ constexpr std::array kTable{
     Transition{S::kScanning, I::kInterlock, S::kSafe},
     Transition{S::kPaused, I::kInterlock, S::kSafe},
     Transition{S::kFault, I::kInterlock, S::kSafe},
+    Transition{S::kUpdating, I::kInterlock, S::kSafe},
     Transition{S::kBoot, I::kSafeOff, S::kSafe},
     Transition{S::kSelftest, I::kSafeOff, S::kSafe},
     Transition{S::kIdle, I::kSafeOff, S::kSafe},
@@ -51,6 +55,7 @@ constexpr std::array kTable{
     Transition{S::kScanning, I::kSafeOff, S::kSafe},
     Transition{S::kPaused, I::kSafeOff, S::kSafe},
     Transition{S::kFault, I::kSafeOff, S::kSafe},
+    Transition{S::kUpdating, I::kSafeOff, S::kSafe},
 };
 
 }  // namespace
@@ -66,8 +71,8 @@ std::optional<proto::ProbeState> next_state(proto::ProbeState state, Input input
 
 std::string_view name_of(Input input) noexcept {
   constexpr std::array<std::string_view, kInputs> kNames{
-      "booted", "self-test passed", "WARMUP",   "warm",  "start", "pause",     "lease lost",
-      "stop",   "source ended",     "SELFTEST", "fault", "retry", "interlock", "SAFE_OFF"};
+      "booted",       "self-test passed", "WARMUP", "warm",        "start", "pause", "lease lost", "stop",
+      "source ended", "SELFTEST",         "update", "update over", "fault", "retry", "interlock",  "SAFE_OFF"};
   const auto i = static_cast<std::size_t>(input);
   return i < kNames.size() ? kNames[i] : "?";
 }

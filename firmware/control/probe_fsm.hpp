@@ -21,6 +21,8 @@ enum class Input : std::uint8_t {
   kStop,         ///< SCAN_STOP or number of bursts reached, drained
   kSourceEnded,  ///< a finite source has no further burst
   kCmdSelfTest,  ///< also the way out of SAFE
+  kUpdate,       ///< the update process has begun to take an image
+  kUpdateOver,   ///< it gave the image up, or has ended
   kFault,
   kRetry,      ///< out of FAULT, by itself
   kInterlock,  ///< LED stuck, over-temperature …

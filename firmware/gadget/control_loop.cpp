@@ -6,9 +6,10 @@
 namespace enamel::fw {
 
 Result<void> ControlLoop::step(std::chrono::milliseconds deadline) {
-  ENAMEL_TRY_ASSIGN(const std::optional<PortEvent> event, port_->next(deadline));
+  // While the slot is read back, requests are looked for between two pieces of it, not waited for.
+  const std::chrono::milliseconds wait = device_->work_pending() ? std::chrono::milliseconds(0) : deadline;
+  ENAMEL_TRY_ASSIGN(const std::optional<PortEvent> event, port_->next(wait));
   if (event) handle(*event);
-  // The answer has gone out; what takes long may begin.
   if (device_->work_pending()) device_->work();
   return {};
 }

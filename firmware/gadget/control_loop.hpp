@@ -26,7 +26,8 @@ class ControlLoop {
  public:
   ControlLoop(ControlPort& port, UpdateDevice& device) noexcept : port_(&port), device_(&device) {}
 
-  /// Waits for one event, answers it, and does what it left to do. kGadget when the function is gone.
+  /// Waits for one event, answers it, and does a piece of what it left to do (UpdateDevice::work). kGadget when the
+  /// function is gone.
   [[nodiscard]] Result<void> step(std::chrono::milliseconds deadline);
   [[nodiscard]] const PortCounts& counts() const noexcept { return counts_; }
 

@@ -33,6 +33,7 @@ ImageReceiver::ImageReceiver(const BootRegions& regions, const UpdateIdentity& i
 
 void ImageReceiver::restart(bool allow_older) noexcept {
   manifest_.reset();
+  read_back_.reset();
   refused_.reset();
   received_ = 0;
   gathered_ = 0;
@@ -116,13 +117,33 @@ Checked<void> ImageReceiver::write(std::uint64_t offset, std::span<const std::by
   return {};
 }
 
-Checked<void> ImageReceiver::finish() noexcept {
+std::optional<Checked<void>> ImageReceiver::finish_some() noexcept {
   if (refused_) return refuse(*refused_);
   if (!complete()) return refuse(Refusal::kTruncated);
-  const Checked<image::Manifest> read_back =
-      check_slot(regions_.slot[target()], identity_.hardware, identity_.trust, workspace_);
-  if (!read_back) return refuse(Refusal::kIncomplete);
-  const ControlBlock verified = mark_verified(load_or_factory(control_), target(), *read_back);
+  const FlashRegion& slot = regions_.slot[target()];
+  if (!read_back_) {
+    const Checked<image::Manifest> manifest = read_slot_manifest(slot, identity_.hardware, identity_.trust, workspace_);
+    if (!manifest) return refuse(Refusal::kIncomplete);
+    read_back_ = *manifest;
+    chunks_read_back_ = 0;
+    return std::nullopt;
+  }
+  if (chunks_read_back_ < read_back_->chunk_count) {
+    if (!chunk_verifies(slot, *read_back_, chunks_read_back_, workspace_)) return refuse(Refusal::kIncomplete);
+    ++chunks_read_back_;
+    return std::nullopt;
+  }
+  return make_pending();
+}
+
+Checked<void> ImageReceiver::finish() noexcept {
+  for (;;) {
+    if (const std::optional<Checked<void>> done = finish_some()) return *done;
+  }
+}
+
+Checked<void> ImageReceiver::make_pending() noexcept {
+  const ControlBlock verified = mark_verified(load_or_factory(control_), target(), *read_back_);
   if (!control_.store(verified)) return refuse(Refusal::kFlashWrite);
   if (!control_.store(mark_pending(verified, target()))) return refuse(Refusal::kFlashWrite);
   return {};

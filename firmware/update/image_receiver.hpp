@@ -29,8 +29,10 @@ class ImageReceiver {
   void restart(bool allow_older) noexcept;
   /// The next bytes of the image. After a refusal everything is refused until restart().
   [[nodiscard]] image::Checked<void> take(std::span<const std::byte> bytes) noexcept;
-  /// All bytes came: reads the whole slot back, then makes it VERIFIED and PENDING in two commits.
-  /// kTruncated when bytes are missing.
+  /// All bytes came: reads the slot back, the manifest or one chunk a call, then makes it VERIFIED and PENDING in two
+  /// commits. Nothing: not done, call again. kTruncated when bytes are missing.
+  [[nodiscard]] std::optional<image::Checked<void>> finish_some() noexcept;
+  /// finish_some() until it is done.
   [[nodiscard]] image::Checked<void> finish() noexcept;
 
   [[nodiscard]] bool complete() const noexcept { return manifest_ && received_ == manifest_->image_len(); }
@@ -45,6 +47,7 @@ class ImageReceiver {
   [[nodiscard]] image::Checked<void> accept_manifest() noexcept;
   [[nodiscard]] image::Checked<void> store_manifest() noexcept;
   [[nodiscard]] image::Checked<void> store_chunk() noexcept;
+  [[nodiscard]] image::Checked<void> make_pending() noexcept;
   [[nodiscard]] image::Checked<void> write(std::uint64_t offset, std::span<const std::byte> bytes) noexcept;
   [[nodiscard]] std::size_t target() const noexcept { return 1 - identity_.running_slot; }
 
@@ -55,12 +58,14 @@ class ImageReceiver {
   std::array<std::byte, image::kMaxManifest> manifest_bytes_{};
   std::array<std::byte, image::kChunkSize> chunk_{};
   std::optional<image::Manifest> manifest_;
+  std::optional<image::Manifest> read_back_;  ///< while finishing: as it lies in the slot, views into workspace_
   std::optional<image::Refusal> refused_;
   std::uint64_t received_ = 0;
   std::size_t gathered_ = 0;      ///< of the manifest, then of the chunk in hand
   std::size_t manifest_len_ = 0;  ///< 0 until the header is here
   std::uint32_t chunks_done_ = 0;
   std::uint32_t chunks_written_ = 0;
+  std::uint32_t chunks_read_back_ = 0;
   bool allow_older_ = false;
 };
 

@@ -12,7 +12,7 @@ using image::Refusal;
 namespace request_type = image::request_type;
 using image::refuse;
 
-/// Reading 16 MiB back and hashing it takes about half a second on the probe's processor.
+/// Reading 16 MiB back and hashing it takes about half a second on the probe's processor. A host may ask earlier.
 constexpr std::uint32_t kManifestMs = 500;
 
 ControlReply stalled() noexcept { return {true, {}}; }
@@ -47,7 +47,7 @@ ControlReply UpdateDevice::dfu(const SetupPacket& setup, std::span<const std::by
   const DfuState before = at_.state;
   const DfuStep step = on_request(at_, config_, setup, now);
   at_ = step.next;
-  if (at_.state == DfuState::kError) finish_pending_ = false;
+  if (at_.state == DfuState::kError) give_up(at_.status);
   if (step.action == DfuAction::kDetach) detach_timeout_ms_ = setup.value;
   switch (step.action) {
     case DfuAction::kNone:
@@ -59,6 +59,7 @@ ControlReply UpdateDevice::dfu(const SetupPacket& setup, std::span<const std::by
     case DfuAction::kTakeBlock:
       if (before == DfuState::kIdle) {
         receiver_->restart(allow_older_);
+        last_error_ = 0;
         next_block_ = setup.value;
       }
       take_block(setup, data);
@@ -73,6 +74,7 @@ ControlReply UpdateDevice::dfu(const SetupPacket& setup, std::span<const std::by
       finish_pending_ = true;
       return {};
     case DfuAction::kAbort:
+      services_->let_scan();
       finish_pending_ = false;
       uploaded_ = 0;
       return {};
@@ -88,23 +90,28 @@ ControlReply UpdateDevice::dfu(const SetupPacket& setup, std::span<const std::by
 
 void UpdateDevice::take_block(const SetupPacket& setup, std::span<const std::byte> data) noexcept {
   if (data.size() > image::kDfuTransferSize || setup.value != next_block_) {
-    at_ = on_failure(DfuStatus::kErrAddress);
-    return;
+    return give_up(DfuStatus::kErrAddress);
   }
   if (const Checked<void> allowed = may_begin(); !allowed) return fail(allowed.error());
   ++next_block_;
   if (const Checked<void> taken = receiver_->take(data); !taken) return fail(taken.error());
 }
 
-Checked<void> UpdateDevice::may_begin() const noexcept {
-  if (services_->scanning()) return refuse(Refusal::kBusyScanning);
+Checked<void> UpdateDevice::may_begin() noexcept {
+  if (!services_->hold_scans()) return refuse(Refusal::kBusyScanning);
   if (!services_->power_suffices()) return refuse(Refusal::kBattery);
   return {};
 }
 
 void UpdateDevice::fail(Refusal why) noexcept {
   last_error_ = static_cast<std::uint32_t>(why);
-  at_ = on_failure(image::dfu_status(why));
+  give_up(image::dfu_status(why));
+}
+
+void UpdateDevice::give_up(DfuStatus why) noexcept {
+  at_ = on_failure(why);
+  finish_pending_ = false;
+  services_->let_scan();
 }
 
 ControlReply UpdateDevice::send_block(std::uint16_t length) noexcept {
@@ -126,11 +133,12 @@ ControlReply UpdateDevice::reply_status() noexcept {
 }
 
 void UpdateDevice::work() noexcept {
-  if (!finish_pending_ || at_.state != DfuState::kManifest) return;
+  if (!work_pending()) return;
+  const std::optional<Checked<void>> done = receiver_->finish_some();
+  if (!done) return;
   finish_pending_ = false;
   allow_older_ = false;
-  if (const Checked<void> done = receiver_->finish(); !done) return fail(done.error());
-  last_error_ = 0;
+  if (!*done) return fail(done->error());
   at_ = on_poll_timeout(at_, config_);
 }
 
@@ -139,6 +147,7 @@ void UpdateDevice::bus_reset() noexcept {
   const bool bootable = block && std::any_of(block->slot.begin(), block->slot.end(),
                                              [](const SlotRecord& s) { return s.state == SlotState::kConfirmed; });
   at_ = on_bus_reset(at_, config_, bootable);
+  services_->let_scan();
   finish_pending_ = false;
   uploaded_ = 0;
 }

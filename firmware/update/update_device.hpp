@@ -19,10 +19,16 @@ class UpdateServices {
  public:
   virtual ~UpdateServices() = default;
   [[nodiscard]] virtual bool scanning() const noexcept = 0;
+  /// Keeps scans from beginning until let_scan(); false while one is open. Asked again at every block.
+  [[nodiscard]] virtual bool hold_scans() noexcept = 0;
+  virtual void let_scan() noexcept = 0;
   [[nodiscard]] virtual std::uint16_t battery_mv() const noexcept = 0;
   /// At least 30 % charge, or powered by USB.
   [[nodiscard]] virtual bool power_suffices() const noexcept = 0;
   [[nodiscard]] virtual bool self_test() noexcept = 0;
+  /// Bytes of the calibration from `offset` into `out`: how many, fewer at its end. Nothing: there is none to read.
+  [[nodiscard]] virtual std::optional<std::size_t> read_calibration(std::size_t offset,
+                                                                    std::span<std::byte> out) noexcept = 0;
   /// After the reply has gone out.
   virtual void reboot(bool recovery) noexcept = 0;
 };
@@ -46,8 +52,9 @@ class UpdateDevice {
   [[nodiscard]] std::uint16_t detach_timeout_ms() const noexcept { return detach_timeout_ms_; }
   void detach_timed_out() noexcept { at_ = on_detach_timeout(at_); }
 
-  /// Something is left to do that takes long; call work() after the reply has gone out.
-  [[nodiscard]] bool work_pending() const noexcept { return finish_pending_; }
+  /// The slot is being read back: call work() between transfers until this is false.
+  [[nodiscard]] bool work_pending() const noexcept { return finish_pending_ && at_.state == DfuState::kManifest; }
+  /// Reads at most one chunk (64 KiB) or the manifest, so that the host's next request need not wait.
   void work() noexcept;
 
   /// The firmware's own self-test passed. False when the block cannot be stored, in recovery, and for a firmware that
@@ -62,10 +69,11 @@ class UpdateDevice {
  private:
   [[nodiscard]] ControlReply dfu(const SetupPacket& setup, std::span<const std::byte> data) noexcept;
   [[nodiscard]] ControlReply vendor(const SetupPacket& setup, std::span<const std::byte> data) noexcept;
+  [[nodiscard]] ControlReply vendor_in(image::VendorRequest request, const SetupPacket& setup) noexcept;
   [[nodiscard]] image::Checked<void> act(image::VendorRequest request, std::uint16_t value,
                                          std::span<const std::byte> data) noexcept;
   void take_block(const SetupPacket& setup, std::span<const std::byte> data) noexcept;
-  [[nodiscard]] image::Checked<void> may_begin() const noexcept;
+  [[nodiscard]] image::Checked<void> may_begin() noexcept;
   /// Something runs, and it was not rolled back.
   [[nodiscard]] bool may_confirm() const noexcept;
   [[nodiscard]] image::Checked<void> factory_reset(std::span<const std::byte> serial) noexcept;
@@ -73,6 +81,7 @@ class UpdateDevice {
   [[nodiscard]] ControlReply send_block(std::uint16_t length) noexcept;
   [[nodiscard]] ControlReply reply_status() noexcept;
   void fail(image::Refusal why) noexcept;
+  void give_up(DfuStatus why) noexcept;
 
   BootRegions regions_;
   UpdateIdentity identity_;
@@ -82,13 +91,14 @@ class UpdateDevice {
   ControlStore control_;
   std::unique_ptr<ImageReceiver> receiver_;
   DfuPosition at_;
-  std::uint32_t last_error_ = 0;
+  std::uint32_t last_error_ = 0;  ///< of the last download or vendor request, also after CLRSTATUS
   std::uint16_t next_block_ = 0;
   std::uint16_t detach_timeout_ms_ = 0;
   std::size_t uploaded_ = 0;
   bool allow_older_ = false;
   bool finish_pending_ = false;
   image::StatusBytes upload_{};
+  std::array<std::byte, image::kDfuTransferSize> calibration_{};
   std::array<std::byte, 6> reply_{};
 };
 

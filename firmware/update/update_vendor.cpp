@@ -17,18 +17,24 @@ using image::VendorRequest;
 ControlReply UpdateDevice::vendor(const SetupPacket& setup, std::span<const std::byte> data) noexcept {
   const auto request = static_cast<VendorRequest>(setup.request);
   const bool in = setup.request_type == image::request_type::kVendorIn;
-  if (in != (request == VendorRequest::kStatus)) return {true, {}};
-  if (in) {
+  if (in) return vendor_in(request, setup);
+  // Nothing of this in the middle of a transfer.
+  if (at_.state != DfuState::kIdle && at_.state != DfuState::kAppIdle) return {true, {}};
+  const Checked<void> done = act(request, setup.value, data);
+  last_error_ = done ? 0 : static_cast<std::uint32_t>(done.error());
+  return {!done, {}};
+}
+
+ControlReply UpdateDevice::vendor_in(VendorRequest request, const SetupPacket& setup) noexcept {
+  if (request == VendorRequest::kStatus) {
     upload_ = encode(status());
     return {false, upload_};
   }
-  // Nothing of this in the middle of a transfer.
-  if (at_.state != DfuState::kIdle && at_.state != DfuState::kAppIdle) return {true, {}};
-  if (const Checked<void> done = act(request, setup.value, data); !done) {
-    last_error_ = static_cast<std::uint32_t>(done.error());
-    return {true, {}};
-  }
-  return {};
+  if (request != VendorRequest::kCalibration) return {true, {}};
+  const std::size_t offset = std::size_t{setup.value} * calibration_.size();
+  const std::optional<std::size_t> n = services_->read_calibration(offset, calibration_);
+  if (!n) last_error_ = static_cast<std::uint32_t>(Refusal::kNoCalibration);
+  return {!n, std::span(calibration_).first(n.value_or(0))};
 }
 
 Checked<void> UpdateDevice::act(VendorRequest request, std::uint16_t value, std::span<const std::byte> data) noexcept {
@@ -54,6 +60,7 @@ Checked<void> UpdateDevice::act(VendorRequest request, std::uint16_t value, std:
       allow_older_ = true;
       return {};
     case VendorRequest::kStatus:
+    case VendorRequest::kCalibration:
       break;
   }
   return refuse(Refusal::kMagic);

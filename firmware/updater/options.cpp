@@ -36,12 +36,16 @@ Result<std::optional<UpdaterOptions>> parse_updater_options(int argc, const char
   app.add_option("--serial", o.serial, "serial number, at most 16 bytes")->required();
   app.add_option("--hw-rev", o.hw_rev, "hardware revision")->required();
   app.add_flag("--development", o.development, "the development fuse is set: development keys are believed");
+  app.add_flag("--factory", o.in_factory, "the unit has not been delivered: images for the factory only are accepted");
   app.add_option("--slot", slot, "the slot that the bootloader started; without it the boot policy decides here")
       ->check(CLI::IsMember({"A", "B"}));
   app.add_flag("--recovery", o.recovery, "nothing of the slots runs: accept an image and nothing else");
   app.add_option("--self-test", o.self_test, "shell command; exit code 0: camera, projector and link are well");
   app.add_option("--battery", o.battery, "folder in /sys/class/power_supply; without it the probe lives on USB power");
-  app.add_option("--scan-lock", o.scan_lock, "file that the acquisition process locks (flock) while it scans");
+  app.add_option("--scan-lock", o.scan_lock,
+                 "file that enamel-probe locks (flock) while it scans, and this while it updates");
+  app.add_option("--calibration", o.calibration,
+                 "rig.json, for hosts that keep a copy (`enamel-flash info --save-calib`)");
   app.add_option("--counter-after", o.counter_after_s, "s of confirmed firmware before the minimum counter rises")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

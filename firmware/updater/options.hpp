@@ -17,11 +17,13 @@ struct UpdaterOptions {
   std::string serial;
   std::uint16_t hw_rev = 0;
   bool development = false;
+  bool in_factory = false;
   std::optional<std::size_t> slot;  ///< as the bootloader told; absent: the boot policy decides here
   bool recovery = false;
   std::string self_test;  ///< shell command
   std::string battery;    ///< folder of the power supply class
   std::string scan_lock;
+  std::string calibration;  ///< rig.json as the acquisition process has it; only read
   int counter_after_s = 600;
 };
 

@@ -1,7 +1,6 @@
 #include "firmware/updater/probe_services.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -33,16 +32,11 @@ std::optional<long> read_number(const std::string& path) noexcept {
 
 }  // namespace
 
-ProbeServices::ProbeServices(const UpdaterOptions& options, std::string slot_name, Clock& clock)
-    : options_(&options), clock_(&clock), slot_name_(std::move(slot_name)) {}
+ProbeServices::ProbeServices(const UpdaterOptions& options, std::string slot_name, ScanLock* lock, Clock& clock)
+    : options_(&options), lock_(lock), clock_(&clock), slot_name_(std::move(slot_name)) {}
 
-bool ProbeServices::scanning() const noexcept {
-  if (options_->scan_lock.empty()) return false;
-  const int fd = ::open(options_->scan_lock.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return false;
-  const bool held = ::flock(fd, LOCK_SH | LOCK_NB) != 0;
-  ::close(fd);
-  return held;
+void ProbeServices::let_scan() noexcept {
+  if (lock_ != nullptr) lock_->release();
 }
 
 std::uint16_t ProbeServices::battery_mv() const noexcept {
@@ -56,6 +50,15 @@ bool ProbeServices::power_suffices() const noexcept {
   if (options_->battery.empty()) return true;
   const std::optional<long> charge_percent = read_number(options_->battery + "/capacity");
   return charge_percent && *charge_percent >= kLeastChargePercent;
+}
+
+std::optional<std::size_t> ProbeServices::read_calibration(std::size_t offset, std::span<std::byte> out) noexcept {
+  if (options_->calibration.empty()) return std::nullopt;
+  const int fd = ::open(options_->calibration.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return std::nullopt;
+  const ssize_t n = ::pread(fd, out.data(), out.size(), static_cast<off_t>(offset));
+  ::close(fd);
+  return n < 0 ? std::nullopt : std::optional(static_cast<std::size_t>(n));
 }
 
 bool ProbeServices::self_test() noexcept { return self_test(kWhileHostWaits); }

@@ -24,13 +24,13 @@ constexpr std::chrono::milliseconds kSelfTestLimit{60'000};
 
 class Updater {
  public:
-  Updater(const UpdaterOptions& options, Flash& flash, const image::Trust& trust)
+  Updater(const UpdaterOptions& options, Flash& flash, ScanLock* lock, const image::Trust& trust)
       : options_(&options),
         regions_(boot_regions(flash)),
         hardware_{image::kProductId, options.hw_rev, kBootloader, kProtocol},
         running_(find_running(regions_, hardware_, trust, {options.slot, options.recovery})),
         identity_{hardware_, trust, running_.slot, running_.version},
-        services_(options, slot_name(), clock_),
+        services_(options, slot_name(), lock, clock_),
         device_(regions_, identity_, serial_bytes(options.serial), services_) {}
 
   Result<int> run(const std::atomic<bool>& stop) {
@@ -98,8 +98,12 @@ class Updater {
 
 Result<int> run_updater(const UpdaterOptions& options, const std::atomic<bool>& stop) {
   ENAMEL_TRY_ASSIGN(const std::unique_ptr<FileFlash> flash, FileFlash::open(options.flash, flash_map::kSize));
-  const image::Trust trust{trusted_keys(), 0, options.development, &image::sodium_ed25519()};
-  return std::make_unique<Updater>(options, *flash, trust)->run(stop);
+  const image::Trust trust{trusted_keys(), 0, options.development, &image::sodium_ed25519(), options.in_factory};
+  std::unique_ptr<ScanLock> lock;
+  if (!options.scan_lock.empty()) {
+    ENAMEL_TRY_ASSIGN(lock, ScanLock::open(options.scan_lock));
+  }
+  return std::make_unique<Updater>(options, *flash, lock.get(), trust)->run(stop);
 }
 
 }  // namespace enamel::fw

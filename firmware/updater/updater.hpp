@@ -17,7 +17,7 @@ inline constexpr int kTrialFailed = 12;
 }  // namespace updater_exit
 
 /// Serves until `stop` or a restart is wanted; the exit code. A slot on trial is tested first and confirmed when it
-/// passes. Errors: kFileNotFound, kFlash, kGadget.
+/// passes. Errors: kFileNotFound, kFileWrite (scan lock), kFlash, kGadget.
 [[nodiscard]] Result<int> run_updater(const UpdaterOptions& options, const std::atomic<bool>& stop);
 
 }  // namespace enamel::fw

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::array<enamel::Subcommand<Run>, 9> kCommands{{
     {"list", "probes that are connected, and what they run", add_list},
-    {"info", "what an image file is", add_info},
+    {"info", "what an image file is; a copy of a probe's calibration", add_info},
     {"flash", "write an image, restart, wait until it is confirmed", add_flash},
     {"recover", "the same as flash, whatever state the probe is in", add_flash},
     {"verify", "does the probe run this image?", add_verify},

@@ -46,16 +46,13 @@ Exit for_each(const Choice& choice, Act act) {
   return exit;
 }
 
-/// A vendor request; when the probe stalls it, its last error says why.
+/// A vendor request and the probe's word on it.
 Updated<void> ask(update::DfuClient& client, VendorRequest request, std::uint16_t value = 0,
                   std::span<const std::byte> data = {}) {
-  const auto done = client.vendor(request, value, data);
+  const auto done = client.ask(request, value, data);
   if (done) return {};
-  const auto status = done.error() == update::LinkFault::kStall
-                          ? client.read_status_block()
-                          : update::Linked<image::StatusBlock>(tl::unexpected(done.error()));
-  if (status && status->last_error != 0) return tl::unexpected(update::refused_by_probe(status->last_error));
-  return update::fail(HostError::kBrokenTransfer, "asking the probe, " + to_text(done.error()));
+  if (done.error().refusal != 0) return tl::unexpected(update::refused_by_probe(done.error().refusal));
+  return update::fail(HostError::kBrokenTransfer, "asking the probe, " + to_text(done.error().fault));
 }
 
 Updated<void> same_firmware(update::DfuClient& client, const Sha256Digest& wanted) {

@@ -11,12 +11,16 @@ using namespace image::request_type;
 using namespace std::chrono_literals;
 
 constexpr auto kTimeout = 5s;
-/// 16 MiB read back, hashed and written down: far more than any probe needs.
-constexpr int kManifestPolls = 60;
+/// Far more than any flash needs to erase and write 64 KiB, and to read back, hash and write down 16 MiB.
+constexpr auto kBlockDeadline = 10s;
+constexpr auto kManifestDeadline = 60s;
+/// Whatever the probe asks for between two looks.
+constexpr std::chrono::milliseconds kShortestPoll = 1ms, kLongestPoll = 2s;
 
 /// Shorter than an image's header, so that the probe cannot judge it yet.
 constexpr std::size_t kKnock = 64;
 constexpr std::uint16_t kAnswerSize = 6;
+constexpr std::size_t kLongestCalibration = 65536;
 
 ControlRequest dfu(std::uint8_t type, DfuRequest request, std::uint16_t value = 0) {
   return {type, static_cast<std::uint8_t>(request), value};
@@ -37,11 +41,17 @@ Linked<DfuAnswer> DfuClient::get_status() {
 }
 
 Linked<void> DfuClient::settle() {
-  const Linked<DfuAnswer> answer = get_status();
-  if (!answer) return tl::unexpected(answer.error());
-  if (answer->state == DfuState::kIdle) return {};
-  const DfuRequest way = answer->state == DfuState::kError ? DfuRequest::kClearStatus : DfuRequest::kAbort;
-  return link_->out(dfu(kClassOut, way), {}, kTimeout);
+  Linked<void> done;
+  // A state that takes no ABORT answers it with dfuERROR, which CLRSTATUS ends.
+  for (int step = 0; step < 2; ++step) {
+    const Linked<DfuAnswer> answer = get_status();
+    if (!answer) return tl::unexpected(answer.error());
+    if (answer->state == DfuState::kIdle) return {};
+    const DfuRequest way = answer->state == DfuState::kError ? DfuRequest::kClearStatus : DfuRequest::kAbort;
+    done = link_->out(dfu(kClassOut, way), {}, kTimeout);
+    if (done || done.error() != LinkFault::kStall) break;
+  }
+  return done;
 }
 
 Linked<image::StatusBlock> DfuClient::read_status_block() {
@@ -55,6 +65,33 @@ Linked<image::StatusBlock> DfuClient::read_status_block() {
 
 Linked<void> DfuClient::vendor(image::VendorRequest request, std::uint16_t value, std::span<const std::byte> data) {
   return link_->out({kVendorOut, static_cast<std::uint8_t>(request), value}, data, kTimeout);
+}
+
+tl::expected<void, Broken> DfuClient::ask(image::VendorRequest request, std::uint16_t value,
+                                          std::span<const std::byte> data) {
+  const Linked<void> taken = vendor(request, value, data);
+  if (taken && data.empty()) return {};
+  if (!taken && taken.error() != LinkFault::kStall) return tl::unexpected(Broken{taken.error()});
+  const Linked<image::StatusBlock> status = read_status_block();
+  if (!status) return tl::unexpected(Broken{status.error()});
+  if (taken && status->last_error == 0) return {};
+  return tl::unexpected(Broken{LinkFault::kStall, status->last_error});
+}
+
+tl::expected<std::vector<std::byte>, Broken> DfuClient::read_calibration() {
+  constexpr auto kRequest = static_cast<std::uint8_t>(image::VendorRequest::kCalibration);
+  std::vector<std::byte> all;
+  for (std::uint16_t block = 0; all.size() <= kLongestCalibration; ++block) {
+    const auto part = link_->in({kVendorIn, kRequest, block}, image::kDfuTransferSize, kTimeout);
+    if (!part && part.error() == LinkFault::kStall) {
+      const Linked<image::StatusBlock> status = read_status_block();
+      return tl::unexpected(Broken{LinkFault::kStall, status ? status->last_error : 0});
+    }
+    if (!part) return tl::unexpected(Broken{part.error()});
+    all.insert(all.end(), part->begin(), part->end());
+    if (part->size() < image::kDfuTransferSize) return all;
+  }
+  return tl::unexpected(Broken{LinkFault::kOther});
 }
 
 Broken DfuClient::broken(LinkFault fault) {
@@ -72,8 +109,10 @@ Broken DfuClient::broken(LinkFault fault) {
 Linked<DfuAnswer> DfuClient::send_block(std::uint16_t block, std::span<const std::byte> data) {
   Linked<DfuAnswer> answer = parse(link_->out_then_in(dfu(kClassOut, DfuRequest::kDownload, block), data,
                                                       dfu(kClassIn, DfuRequest::kGetStatus), kAnswerSize, kTimeout));
+  const HostTime deadline = clock_->now() + kBlockDeadline;
   while (answer && answer->state == DfuState::kDownloadBusy) {
-    clock_->sleep_for(answer->poll);
+    if (clock_->now() >= deadline) return tl::unexpected(LinkFault::kBusy);
+    clock_->sleep_for(std::clamp(answer->poll, kShortestPoll, kLongestPoll));
     answer = get_status();
   }
   if (answer && answer->state != DfuState::kDownloadIdle) return tl::unexpected(LinkFault::kStall);
@@ -115,14 +154,14 @@ tl::expected<bool, Broken> DfuClient::download(std::span<const std::byte> image,
 tl::expected<void, Broken> DfuClient::manifest() {
   const Linked<void> said = link_->out(dfu(kClassOut, DfuRequest::kDownload), {}, kTimeout);
   if (!said) return tl::unexpected(broken(said.error()));
-  for (int poll = 0; poll < kManifestPolls; ++poll) {
+  for (const HostTime deadline = clock_->now() + kManifestDeadline; clock_->now() < deadline;) {
     const Linked<DfuAnswer> answer = get_status();
     if (!answer) return tl::unexpected(broken(answer.error()));
     if (answer->state == DfuState::kIdle) return {};
     if (answer->state == DfuState::kError) return tl::unexpected(broken(LinkFault::kStall));
-    clock_->sleep_for(std::clamp<std::chrono::milliseconds>(answer->poll, 10ms, 2000ms));
+    clock_->sleep_for(std::clamp(answer->poll, kShortestPoll, kLongestPoll));
   }
-  return tl::unexpected(Broken{LinkFault::kTimeout});
+  return tl::unexpected(Broken{LinkFault::kBusy});
 }
 
 }  // namespace enamel::update

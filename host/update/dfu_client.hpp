@@ -18,7 +18,7 @@ struct DfuAnswer {
   std::chrono::milliseconds poll{0};
 };
 
-/// Where a download broke off; a retry is worth it unless the probe refused.
+/// Why a request failed, and of a download where it broke off; a retry is worth it unless the probe refused.
 struct Broken {
   LinkFault fault = LinkFault::kOther;
   std::uint32_t refusal = 0;
@@ -36,6 +36,12 @@ class DfuClient {
   [[nodiscard]] Linked<image::StatusBlock> read_status_block();
   [[nodiscard]] Linked<void> vendor(image::VendorRequest request, std::uint16_t value = 0,
                                     std::span<const std::byte> data = {});
+  /// vendor(), and the probe's word that it did it: what carries data is acknowledged before it is judged.
+  [[nodiscard]] tl::expected<void, Broken> ask(image::VendorRequest request, std::uint16_t value = 0,
+                                               std::span<const std::byte> data = {});
+
+  /// A copy of the probe's calibration (rig.json), at most 64 KiB; kOther when it is longer.
+  [[nodiscard]] tl::expected<std::vector<std::byte>, Broken> read_calibration();
 
   /// Would the probe take a download now (it is not scanning, its power suffices)? Asked with a block that is too short
   /// to be looked into and taken back at once: nothing on the probe changes.
@@ -45,11 +51,11 @@ class DfuClient {
   [[nodiscard]] tl::expected<bool, Broken> download(std::span<const std::byte> image,
                                                     const std::function<void(std::size_t)>& sent,
                                                     const std::atomic<bool>& stop);
-  /// Says that the image is complete and waits until the probe has verified it.
+  /// Says that the image is complete and waits until the probe has verified it, at most a minute (kBusy).
   [[nodiscard]] tl::expected<void, Broken> manifest();
 
  private:
-  /// One block of a download and its answer, when the probe has taken it.
+  /// One block of a download and its answer, when the probe has taken it. kBusy: it did not within 10 s.
   [[nodiscard]] Linked<DfuAnswer> send_block(std::uint16_t block, std::span<const std::byte> data);
   [[nodiscard]] Broken broken(LinkFault fault);
 

@@ -105,13 +105,24 @@ class Flow {
       const Broken why = sent ? done.error() : sent.error();
       if (why.refusal != 0) return tl::unexpected(refused_by_probe(why.refusal));
       log("broken", to_text(why.fault), why.block);
-      if (attempt == kRetries) return fail(HostError::kBrokenTransfer, "sending the image, " + to_text(why.fault));
-      // What is neither a stall nor a silence is a connection that broke, whatever the system calls it.
-      if (why.fault != LinkFault::kStall && why.fault != LinkFault::kTimeout) {
+      if (attempt == kRetries) return gave_up(why, sent.has_value());
+      if (broke_off(why.fault)) {
         tell(Step::kGone, share_);
         if (auto back = wait_return(); !back) return back;
       }
     }
+  }
+
+  /// What is neither a stall nor a silence is a connection that broke, whatever the system calls it.
+  static bool broke_off(LinkFault fault) {
+    return fault != LinkFault::kStall && fault != LinkFault::kTimeout && fault != LinkFault::kBusy;
+  }
+
+  static Updated<void> gave_up(const Broken& why, bool verifying) {
+    if (why.fault == LinkFault::kBusy) {
+      return fail(HostError::kStaysBusy, verifying ? "verifying" : "block " + std::to_string(why.block));
+    }
+    return fail(HostError::kBrokenTransfer, "sending the image, " + to_text(why.fault));
   }
 
   Updated<void> restart() {

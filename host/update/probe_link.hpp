@@ -12,7 +12,7 @@
 
 namespace enamel::update {
 
-enum class LinkFault : std::uint8_t { kStall, kTimeout, kGone, kDenied, kOther };
+enum class LinkFault : std::uint8_t { kStall, kTimeout, kGone, kDenied, kBusy, kOther };
 [[nodiscard]] std::string to_text(LinkFault fault);
 
 template <class T>
@@ -26,6 +26,7 @@ struct PortInfo {
   std::uint16_t bcd_device = 0;
   int speed_mbit = 0;
   bool denied = false;
+  std::string model{};  ///< as the probe calls itself; empty when it could not be opened
   [[nodiscard]] bool recovery() const noexcept;
 };
 

@@ -189,7 +189,7 @@ class UsbLink final : public ProbeLink {
   QueuedTransfer first_, second_;
 };
 
-std::string read_serial(libusb_device_handle* handle, std::uint8_t index) {
+std::string read_string(libusb_device_handle* handle, std::uint8_t index) {
   std::array<unsigned char, 64> text{};
   const int n = libusb_get_string_descriptor_ascii(handle, index, text.data(), static_cast<int>(text.size()));
   return n > 0 ? std::string(reinterpret_cast<const char*>(text.data()), static_cast<std::size_t>(n)) : std::string();
@@ -204,12 +204,13 @@ Linked<void> open_interface(libusb_device* device, libusb_device_handle*& handle
 }
 
 PortInfo describe(libusb_device* device, const libusb_device_descriptor& d, const std::string& port) {
-  PortInfo info{port, {}, d.idProduct, d.bcdDevice, speed_mbit(device), false};
+  PortInfo info{port, {}, d.idProduct, d.bcdDevice, speed_mbit(device), false, {}};
   libusb_device_handle* handle = nullptr;
   const int code = libusb_open(device, &handle);
   info.denied = code == LIBUSB_ERROR_ACCESS;
   if (code != 0) return info;
-  info.serial = read_serial(handle, d.iSerialNumber);
+  info.serial = read_string(handle, d.iSerialNumber);
+  info.model = read_string(handle, d.iProduct);
   libusb_close(handle);
   return info;
 }
@@ -274,6 +275,8 @@ std::string to_text(LinkFault fault) {
       return "the probe is gone";
     case LinkFault::kDenied:
       return "no permission";
+    case LinkFault::kBusy:
+      return "the probe does not finish";
     case LinkFault::kOther:
       break;
   }

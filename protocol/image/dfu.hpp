@@ -60,6 +60,7 @@ enum class VendorRequest : std::uint8_t {
   kSelfTest = 0x05,
   kAllowOlder = 0x06,
   kStatus = 0x10,
+  kCalibration = 0x11,
 };
 
 /// bmRequestType of the requests above: class or vendor, to the interface, towards the device or from it.

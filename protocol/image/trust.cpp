@@ -50,6 +50,12 @@ Checked<void> check_signatures(const Manifest& manifest, const Trust& trust) noe
   return {};
 }
 
+Checked<void> check_place(const Manifest& manifest, const Trust& trust) noexcept {
+  const bool factory_only = (manifest.flags & image_flags::kFactoryOnly) != 0;
+  if (factory_only && !trust.in_factory) return refuse(Refusal::kFactoryOnly);
+  return {};
+}
+
 Checked<void> check_age(const Manifest& manifest, const Installed& installed) noexcept {
   if (manifest.security_counter < installed.min_security_counter) return refuse(Refusal::kRollback);
   if (installed.running && !installed.allow_older && manifest.version < *installed.running) {
@@ -62,6 +68,7 @@ Checked<void> check_manifest(const Manifest& manifest, const Hardware& hardware,
                              const Installed& installed) noexcept {
   ENAMEL_CHECK_THAT(check_hardware(manifest, hardware));
   ENAMEL_CHECK_THAT(check_signatures(manifest, trust));
+  ENAMEL_CHECK_THAT(check_place(manifest, trust));
   return check_age(manifest, installed);
 }
 

@@ -22,6 +22,7 @@ struct Trust {
   std::uint32_t revoked = 0;  ///< bit per key
   bool development_fuse = false;
   const Ed25519* ed25519 = nullptr;  ///< never null when used
+  bool in_factory = false;           ///< the unit has not been delivered: images for the factory only are welcome
 };
 
 struct Hardware {
@@ -45,10 +46,12 @@ struct Installed {
 [[nodiscard]] Checked<void> check_hardware(const Manifest& manifest, const Hardware& hardware) noexcept;
 /// kUnknownKey, kKeyRevoked, kDevSigned, kSignature. Every signature present must be by a good key and verify.
 [[nodiscard]] Checked<void> check_signatures(const Manifest& manifest, const Trust& trust) noexcept;
+/// kFactoryOnly. Not asked at boot: what was installed in the factory must not stop to boot in the field.
+[[nodiscard]] Checked<void> check_place(const Manifest& manifest, const Trust& trust) noexcept;
 /// kRollback.
 [[nodiscard]] Checked<void> check_age(const Manifest& manifest, const Installed& installed) noexcept;
 
-/// All three. A manifest for which this gives a value may be written to a slot.
+/// All four. A manifest for which this gives a value may be written to a slot.
 [[nodiscard]] Checked<void> check_manifest(const Manifest& manifest, const Hardware& hardware, const Trust& trust,
                                            const Installed& installed) noexcept;
 

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import sys
+import time
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from bench_page import Page, machine  # noqa: E402
@@ -42,7 +43,7 @@ def image_rows(page, build, update):
              update.passed(flips) and update.figure(flips, "refused") == 10000)
     page.row("… whole way through the receiver: refused, the chunk's place untouched, resumed with the right bytes", "all",
              f"{update.figure(sample, 'flips')}, {word(update.passed(sample))}", update.passed(sample))
-    named = update.passed("Update.EachRefusalHasItsNumber") and s.passed("Image.")
+    named = update.passed("Update.EachRefusalHasItsNumber", "Update.RevokedKey") and s.passed("Image.")
     page.row("downgrade, foreign, revoked, development key, hardware, truncated, DfuSe, unsigned: own number, device usable", "each",
              word(named), named)
 
@@ -110,13 +111,19 @@ def fuzz_rows(page, full):
         page.row(f"{target}: findings in {seconds} s", "0", found[0].group(2) if clean else "**a finding, or not run**", clean)
 
 
+def time_row(page, began):
+    seconds = time.monotonic() - began
+    page.section("All of it")
+    page.row("the lanes of this page together, after the build", "≤ 12 min", f"{seconds / 60:.1f} min", seconds <= 720)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("build")
     parser.add_argument("out")
     parser.add_argument("--full", action="store_true")
     args = parser.parse_args()
-    page = Page()
+    page, began = Page(), time.monotonic()
     cut_rows(page, args.build, args.full)
     update, usb = Suite(args.build, "fw_update"), Suite(args.build, "usb_interop")
     image_rows(page, args.build, update)
@@ -125,6 +132,8 @@ def main():
     usb_rows(page, args.build, usb)
     guest_rows(page, args.build)
     fuzz_rows(page, args.full)
+    if not args.full:
+        time_row(page, began)
     page.write(args.out, "flashing", f"tools/bench-flashing{' --full' if args.full else ''}", machine(), {"full": args.full})
     for r in page.rows:
         print(f"{'ok  ' if r['met'] else 'MISS'} {r['what']}: {r['measured']} (target {r['target']})")

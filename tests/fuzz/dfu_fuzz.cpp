@@ -159,6 +159,7 @@ class Host {
     send(image.size(), false);
     static_cast<void>(control(setup_of(kOut, DfuRequest::kDownload, 0, 0), {}));
     ask_status();
+    while (probe_->device().work_pending()) ask_status();
     ask_status();
   }
 

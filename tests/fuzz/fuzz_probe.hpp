@@ -44,9 +44,16 @@ class FuzzProbe final : private fw::UpdateServices {
 
  private:
   bool scanning() const noexcept override { return is_scanning; }
+  bool hold_scans() noexcept override { return !is_scanning; }
+  void let_scan() noexcept override {}
   std::uint16_t battery_mv() const noexcept override { return 3900; }
   bool power_suffices() const noexcept override { return has_power; }
   bool self_test() noexcept override { return healthy; }
+  std::optional<std::size_t> read_calibration(std::size_t offset, std::span<std::byte> out) noexcept override {
+    constexpr std::size_t kLength = 5000;
+    if (!healthy) return std::nullopt;
+    return offset < kLength ? std::min(out.size(), kLength - offset) : 0;
+  }
   void reboot(bool) noexcept override {}
 
   void watch(const fw::FlashModel::Operation& op);

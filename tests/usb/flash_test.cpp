@@ -1,6 +1,8 @@
 // enamel-flash as a process, real libusb, emulated ports: success, every refusal, broken cables, several probes.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "protocol/image/dfu_suffix.hpp"
 #include "tests/usb/bench_run.hpp"
 
@@ -22,6 +24,7 @@ TEST_F(Flash, ListLooksAndChangesNothing) {
   EXPECT_EQ(r.exit_code, 0) << r.output;
   EXPECT_NE(r.output.find("EN2-0001"), std::string::npos) << r.output;
   EXPECT_NE(r.output.find("1.0.0+0"), std::string::npos) << r.output;
+  EXPECT_NE(r.output.find("enamel probe"), std::string::npos) << r.output;
   EXPECT_EQ(r.probe(0), before.probe(0));
 }
 
@@ -134,6 +137,23 @@ TEST_F(Flash, DryRunAndSameVersionWriteNothing) {
   EXPECT_EQ(r.exit_code, 0);
   EXPECT_EQ(r.probe(0)["slot_state"], (nlohmann::json{5, 0}));
   EXPECT_EQ(flash({"{}"}, {"flash", "--allow-same", same}).probe(0)["active"], 1);
+}
+
+TEST_F(Flash, TheCalibrationIsCopiedByteForByte) {
+  const std::string copy = path("rig.json");
+  EXPECT_EQ(flash({"{}"}, {"info", "--save-calib", copy}).exit_code, 0);
+  const std::vector<std::byte> wanted = random_payload(9000, 31);
+  EXPECT_EQ(read(copy), std::string(reinterpret_cast<const char*>(wanted.data()), wanted.size()));
+  EXPECT_EQ(flash({R"({"rig_bytes": 8192})"}, {"info", "--save-calib", copy}).exit_code, 0);
+  EXPECT_EQ(read(copy).size(), 8192U) << "an empty block ends it";
+  const BenchResult none = flash({R"({"rig_bytes": 0})"}, {"info", "--save-calib", path("none.json")});
+  EXPECT_EQ(none.exit_code, 8);
+  EXPECT_NE(none.output.find("721"), std::string::npos) << none.output;
+  EXPECT_FALSE(std::filesystem::exists(path("none.json")));
+  EXPECT_EQ(flash({R"({"rig_bytes": 70000})"}, {"info", "--save-calib", path("none.json")}).exit_code, 8);
+  EXPECT_EQ(flash({"{}", "{}"}, {"info", "--all", "--save-calib", copy}).exit_code, 2);
+  EXPECT_EQ(flash({"{}"}, {"info", "--save-calib", path("absent/rig.json")}).exit_code, 2);
+  EXPECT_EQ(flash({"{}"}, {"info"}).exit_code, 2);
 }
 
 TEST_F(Flash, OtherCommands) {

@@ -87,6 +87,14 @@ void ProbeModel::start(std::size_t slot) {
                                            serial_of(options_), static_cast<UpdateServices&>(*this));
 }
 
+std::optional<std::size_t> ProbeModel::read_calibration(std::size_t offset, std::span<std::byte> out) noexcept {
+  if (options_.rig_bytes == 0) return std::nullopt;
+  const std::vector<std::byte> rig = random_payload(options_.rig_bytes, 31);
+  const std::size_t from = std::min(offset, rig.size()), n = std::min(out.size(), rig.size() - from);
+  std::copy_n(rig.begin() + static_cast<std::ptrdiff_t>(from), n, out.begin());
+  return n;
+}
+
 std::string ProbeModel::calibration_sha() const {
   std::vector<std::byte> bytes(2 * kEraseBlock);
   static_cast<void>(flash_.read(flash_map::kCalibration, bytes));

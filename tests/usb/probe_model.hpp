@@ -18,6 +18,7 @@ struct ProbeOptions {
   bool healthy = true;  ///< the new firmware's self-test passes
   bool scanning = false;
   bool powered = true;
+  std::size_t rig_bytes = 9000;  ///< random_payload(rig_bytes, 31) is its calibration; 0: none
 };
 
 class ProbeModel final : private fw::UpdateServices {
@@ -29,6 +30,7 @@ class ProbeModel final : private fw::UpdateServices {
   [[nodiscard]] fw::ControlReply control(const fw::SetupPacket& setup, std::span<const std::byte> data) {
     return device_->control(setup, data);
   }
+  [[nodiscard]] bool work_pending() const { return device_->work_pending(); }
   void work() { device_->work(); }
   void bus_reset() { device_->bus_reset(); }
 
@@ -47,9 +49,12 @@ class ProbeModel final : private fw::UpdateServices {
 
  private:
   bool scanning() const noexcept override { return options_.scanning; }
+  bool hold_scans() noexcept override { return !options_.scanning; }
+  void let_scan() noexcept override {}
   std::uint16_t battery_mv() const noexcept override { return 3900; }
   bool power_suffices() const noexcept override { return options_.powered; }
   bool self_test() noexcept override { return options_.healthy || running_ == std::size_t{0}; }
+  std::optional<std::size_t> read_calibration(std::size_t offset, std::span<std::byte> out) noexcept override;
   void reboot(bool) noexcept override { reboot_ = true; }
 
   void install_factory();

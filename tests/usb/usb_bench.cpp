@@ -77,6 +77,7 @@ ProbeOptions probe_options(const nlohmann::json& j, std::size_t index) {
   probe.healthy = j.value("healthy", true);
   probe.scanning = j.value("scanning", false);
   probe.powered = j.value("powered", true);
+  probe.rig_bytes = j.value("rig_bytes", probe.rig_bytes);
   return probe;
 }
 
@@ -126,7 +127,7 @@ int main(int argc, char** argv) {
   std::size_t image_bytes = 16U << 20U;
   app.add_option(
          "--probe", probes,
-         R"(one each, JSON: {"serial", "hw_rev", "healthy", "scanning", "powered", "mode" (octal), "speed_mbit", )"
+         R"(one each, JSON: {"serial", "hw_rev", "healthy", "scanning", "powered", "rig_bytes", "mode" (octal), "speed_mbit", )"
          R"("stalls_at_block", "stall_count", "silent_at_block", "silent_count", "pull_at_block", "replug_ms", )"
          R"("replug_port", "power_lost", "interrupt_at_block"})")
       ->allow_extra_args(false);

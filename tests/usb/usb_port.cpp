@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 namespace enamel::test {
 namespace {
@@ -106,6 +107,13 @@ gboolean UsbPort::on_reboot(gpointer self) {
   port->probe_.boot();
   port->later(kRebootMs, &UsbPort::on_return);
   return G_SOURCE_REMOVE;
+}
+
+gboolean UsbPort::on_work(gpointer self) {
+  auto* port = static_cast<UsbPort*>(self);
+  port->probe_.work();
+  port->working_ = port->probe_.work_pending();
+  return port->working_ ? G_SOURCE_CONTINUE : G_SOURCE_REMOVE;
 }
 
 gboolean UsbPort::on_return(gpointer self) {
@@ -214,7 +222,7 @@ gboolean UsbPort::submit(UMockdevIoctlClient* client) {
   umockdev_ioctl_data_unref(buffer);
   done_[client].push_back(urb_data);
   umockdev_ioctl_client_complete(client, 0, 0);
-  probe_.work();
+  if (probe_.work_pending() && !std::exchange(working_, true)) later(0, &UsbPort::on_work);
   if (probe_.take_reboot()) later(kRebootMs, &UsbPort::on_reboot);
   return TRUE;
 }

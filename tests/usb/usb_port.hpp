@@ -58,6 +58,7 @@ class UsbPort {
   void later(std::uint32_t ms, GSourceFunc what);
   static gboolean on_reboot(gpointer self);
   static gboolean on_return(gpointer self);
+  static gboolean on_work(gpointer self);
   static gboolean on_replug(gpointer self);
 
   gboolean handle(UMockdevIoctlClient* client);
@@ -85,6 +86,7 @@ class UsbPort {
   std::set<std::string> attached_;               ///< device nodes that the handler answers for
   std::uint32_t blocks_ = 0;
   bool plugged_ = false;
+  bool working_ = false;  ///< on_work comes again
 };
 
 }  // namespace enamel::test

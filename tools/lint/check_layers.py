@@ -53,7 +53,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "tools/sign": (5, IMAGE),
     "host/session": (4, PROTOCOL + ["calib/model", "pipeline/graph", "pipeline/stages"] + ALGO + HOST),
     "host/app": (5, None),
-    "firmware/app": (5, PROTOCOL + FIRMWARE + ["calib/model", "tools/twin"]),
+    "firmware/app": (5, PROTOCOL + FIRMWARE + ["firmware/storage", "calib/model", "tools/twin"]),
     # The program, not the renderer, writes exchange folders with the recorder's code.
     "tools/twin/app": (5, PROTOCOL + FIRMWARE + ["calib/model", "tools/twin", "host/record"]),
     "tests": (6, None),

@@ -45,6 +45,8 @@ Run add_sign(CLI::App& app) {
   app.add_option("--version", o->version, "MAJOR.MINOR.REVISION[+BUILD]")->required();
   app.add_option("--counter", o->security_counter, "anti-rollback counter")->required();
   app.add_option("--hardware", o->hardware, "lowest[:highest] hardware revision")->required();
+  app.add_flag("--factory-only", o->factory_only,
+               "for units that are still in the factory; probes in the field refuse it");
   app.add_option("--min-bootloader", o->min_bootloader, "MAJOR.MINOR.REVISION[+BUILD]");
   app.add_option("--notes", o->notes, "text for people");
   app.add_option("--build-time", o->build_time_unix_s, "UTC, s since 1970; fixed for repeatable builds");

@@ -69,6 +69,7 @@ Result<image::ImageDescription> describe_image(const SignRequest& request, const
   ENAMEL_TRY(set_hardware(request.hardware, d));
   d.security_counter = request.security_counter;
   if (development) d.flags |= image::image_flags::kDevelopment;
+  if (request.factory_only) d.flags |= image::image_flags::kFactoryOnly;
   d.build_time_unix_s = request.build_time_unix_s;
   d.components = payload.parts;
   d.notes = request.notes;

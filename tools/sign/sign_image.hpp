@@ -15,6 +15,7 @@ struct SignRequest {
   std::vector<std::string> components;  ///< KIND:FILE each, laid one after the other
   std::string version, hardware, min_bootloader, notes, after, out;
   std::uint32_t security_counter = 0;
+  bool factory_only = false;  ///< refused by probes in the field
   std::uint64_t build_time_unix_s = 0;
 };
 

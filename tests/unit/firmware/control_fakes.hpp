@@ -57,12 +57,22 @@ class FakeAcquisition final : public AcquisitionPort {
   LightSwitch& light_;
 };
 
+class FakeGate final : public UpdateGate {
+ public:
+  [[nodiscard]] bool begin_scan() noexcept override { return scan_open = !update; }
+  void end_scan() noexcept override { scan_open = false; }
+  [[nodiscard]] bool updating() const noexcept override { return update; }
+  bool update = false;
+  bool scan_open = false;
+};
+
 struct ControlRig {
   FakeLamp lamp;
   LightSwitch light{lamp};
   FakeAcquisition acquisition{light};
   BurstLedger ledger;
-  ProbeController controller{acquisition, light, ledger};
+  FakeGate gate;
+  ProbeController controller{acquisition, light, ledger, {}, &gate};
   HostTime now = host_time(1'000'000'000);
   Temperatures temperatures{.tip_cc = 3650, .led_cc = 3800, .soc_cc = 4500, .optics_cc = 3200};
   std::uint64_t next_id = 1;

@@ -102,6 +102,41 @@ TEST_F(Controller, SafeOffWorksForAnyoneInEveryState) {
   EXPECT_EQ(send(Opcode::kScanStart, 1, 7).status, ReplyStatus::kBadState);
 }
 
+TEST_F(Controller, AnUpdateIsKeptOutFromTheStartOfAScanToItsEnd) {
+  ready();
+  EXPECT_FALSE(gate.scan_open);
+  EXPECT_EQ(send(Opcode::kScanStart, 1, 7).status, ReplyStatus::kOk);
+  EXPECT_TRUE(gate.scan_open);
+  send(Opcode::kScanPause);
+  tick();
+  ASSERT_EQ(state(), ProbeState::kPaused);
+  EXPECT_TRUE(gate.scan_open) << "the session is still open";
+  send(Opcode::kScanStop);
+  tick();
+  ASSERT_EQ(state(), ProbeState::kReady);
+  EXPECT_FALSE(gate.scan_open);
+  send(Opcode::kScanStart, 1, 8);
+  ASSERT_TRUE(gate.scan_open);
+  send(Opcode::kSafeOff);
+  EXPECT_FALSE(gate.scan_open);
+}
+
+TEST_F(Controller, NoScanBeginsWhileFirmwareIsWritten) {
+  ready();
+  gate.update = true;
+  EXPECT_EQ(send(Opcode::kScanStart, 1, 7).status, ReplyStatus::kBusy) << "before the next tick";
+  EXPECT_EQ(state(), ProbeState::kReady);
+  tick();
+  EXPECT_EQ(state(), ProbeState::kUpdating);
+  EXPECT_FALSE(lamp.enabled());
+  EXPECT_EQ(send(Opcode::kScanStart, 1, 7).status, ReplyStatus::kBadState);
+  EXPECT_EQ(send(Opcode::kWarmup).status, ReplyStatus::kBadState);
+  EXPECT_EQ(acquisition.scans, 0);
+  gate.update = false;
+  tick();
+  EXPECT_EQ(state(), ProbeState::kIdle);
+}
+
 TEST_F(Controller, SafeIsLatchedUntilASelfTestPasses) {
   scanning();
   send(Opcode::kSafeOff);

@@ -40,6 +40,7 @@ void random_action(ControlRig& rig, std::mt19937_64& random) {
       rig.light.want(pick(2) == 0);  // an acquisition that asks for light at the wrong time
       return;
     case 7:
+      rig.gate.update = !rig.gate.scan_open && pick(30) == 0;
       rig.acquisition.drains_at_once = pick(2) == 0;
       return;
     case 8:
@@ -108,8 +109,9 @@ TEST(LightProperty, TheCheckFindsLightWhereARuleForbidsIt) {
 }
 
 TEST(ProbeFsm, EveryStateCanBeMadeSafeAndNothingLeavesSafeByItself) {
-  for (const ProbeState s : {ProbeState::kBoot, ProbeState::kSelftest, ProbeState::kIdle, ProbeState::kWarmup,
-                             ProbeState::kReady, ProbeState::kScanning, ProbeState::kPaused, ProbeState::kFault}) {
+  for (const ProbeState s :
+       {ProbeState::kBoot, ProbeState::kSelftest, ProbeState::kIdle, ProbeState::kWarmup, ProbeState::kReady,
+        ProbeState::kScanning, ProbeState::kPaused, ProbeState::kFault, ProbeState::kUpdating}) {
     EXPECT_EQ(next_state(s, Input::kSafeOff), ProbeState::kSafe);
     EXPECT_EQ(next_state(s, Input::kInterlock), ProbeState::kSafe);
   }

@@ -6,6 +6,7 @@
 #include <random>
 #include <span>
 
+#include "firmware/storage/scan_lock.hpp"
 #include "protocol/base/crc32.hpp"
 #include "protocol/capture/capture.hpp"
 #include "tests/unit/firmware/probe_process.hpp"
@@ -222,6 +223,48 @@ TEST_F(ProbeE2e, AnswersClockExchanges) {
 int run_to_end(const std::vector<std::string>& args) {
   ProbeProcess probe(args);
   return probe.wait();
+}
+
+TEST_F(ProbeE2e, ScansAndUpdatesKeepEachOtherOut) {
+  const std::string lock_path = path + ".lock";
+  ProbeProcess probe(args({"--scan-lock", lock_path, "--loops", "1000"}));
+  TestHost host(tag);
+  ASSERT_TRUE(host.find());
+  const std::uint32_t id = host.seen_infos.front().probe_id;
+  const auto updater = ScanLock::open(lock_path);
+  ASSERT_TRUE(updater.has_value());
+  ASSERT_TRUE(host.wait_state(id, ProbeState::kIdle));
+  EXPECT_TRUE((*updater)->take());
+  EXPECT_TRUE(host.wait_state(id, ProbeState::kUpdating));
+  EXPECT_TRUE(host.command(id, Opcode::kSessionOpen).has_value());
+  EXPECT_EQ(host.command(id, Opcode::kWarmup)->status, proto::ReplyStatus::kBadState);
+  EXPECT_EQ(run_to_end({"--self-test", "--dds-tag", tag, "--seconds", "10"}), 3) << "not in an update";
+  (*updater)->release();
+  ASSERT_TRUE(host.start_scan(id, 5));
+  EXPECT_FALSE((*updater)->take()) << "the probe scans";
+  EXPECT_EQ(host.command(id, Opcode::kScanStop)->status, proto::ReplyStatus::kOk);
+  EXPECT_TRUE(host.wait_state(id, ProbeState::kReady));
+  EXPECT_TRUE((*updater)->take());
+  std::filesystem::remove(lock_path);
+}
+
+TEST_F(ProbeE2e, TheSelfTestAsksTheProbeThatRuns) {
+  const std::vector<std::string> ask{"--self-test", "--dds-tag", tag, "--serial", "E2E-2", "--seconds", "10"};
+  std::vector<std::string> short_of_time = ask;
+  short_of_time.back() = "1";
+  EXPECT_EQ(run_to_end(short_of_time), 3) << "no probe runs";
+  ProbeProcess probe(args({"--serial", "E2E-2", "--loops", "1000"}));
+  EXPECT_EQ(run_to_end(ask), 0) << "also while it is still starting";
+  TestHost host(tag);
+  ASSERT_TRUE(host.find());
+  const std::uint32_t id = host.seen_infos.front().probe_id;
+  ASSERT_TRUE(host.wait_state(id, ProbeState::kIdle));
+  host.seen_events.clear();
+  EXPECT_EQ(run_to_end(ask), 0);
+  EXPECT_TRUE(host.until([&] { return host.told(static_cast<std::uint16_t>(ProbeState::kSelftest)); }))
+      << "the probe went through SELFTEST";
+  ASSERT_TRUE(host.start_scan(id, 5));
+  EXPECT_EQ(run_to_end(ask), 3) << "a person scans with it";
 }
 
 TEST(ProbeProgram, ExitCodesTellUsageInputAndDeviceErrorsApart) {

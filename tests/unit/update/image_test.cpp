@@ -113,6 +113,16 @@ TEST_F(Image, DevelopmentKeysNeedFuseAndFlag) {
   EXPECT_TRUE(check(signed_by(2, d), fused).has_value());
 }
 
+TEST_F(Image, FactoryImagesAreForTheFactory) {
+  ImageDescription d = plain_description();
+  d.flags |= image_flags::kFactoryOnly;
+  EXPECT_EQ(check(signed_by(0, d)).error(), Refusal::kFactoryOnly);
+  Trust delivered_later = keys_.trust();
+  delivered_later.in_factory = true;
+  EXPECT_TRUE(check(signed_by(0, d), delivered_later).has_value());
+  EXPECT_TRUE(check(signed_by(0), delivered_later).has_value());
+}
+
 TEST_F(Image, BothSignaturesMustVerify) {
   const Signer both[] = {keys_.signer(0), keys_.signer(1)};
   EXPECT_TRUE(check(build(plain_description(), payload_, both)).has_value());

@@ -33,6 +33,8 @@ TEST_F(Update, EachRefusalHasItsNumberAndWritesNothing) {
   const image::Signer stranger = test::make_signer(50);
   EXPECT_EQ(download(test::build(d, payload_, {&stranger, 1})), number(Refusal::kUnknownKey));
   EXPECT_EQ(download(make({2, 0, 0, 0}, 2, 2, image::image_flags::kDevelopment)), number(Refusal::kDevSigned));
+  EXPECT_EQ(download(make({2, 0, 0, 0}, 2, 0, image::image_flags::kFull | image::image_flags::kFactoryOnly)),
+            number(Refusal::kFactoryOnly));
   d.hw_rev_max = 1;
   EXPECT_EQ(download(test::build(d, payload_, {&keys_.signer(0), 1})), number(Refusal::kHardware));
   EXPECT_EQ(download(test::random_payload(9000, 1)), number(Refusal::kMagic));
@@ -83,6 +85,45 @@ TEST_F(Update, MoreBytesThanTheImageHasAreRefused) {
   std::vector<std::byte> longer = make({2, 0, 0, 0}, 2);
   longer.push_back(std::byte{0});
   EXPECT_EQ(download(longer), number(Refusal::kTruncated));
+}
+
+TEST_F(Update, TheLastErrorOutlivesClearingAndEndsWithTheNextAttempt) {
+  EXPECT_EQ(download(make({0, 9, 0, 0}, 1)), number(Refusal::kRollback)) << "read after CLRSTATUS";
+  EXPECT_EQ(device_->status().last_error, number(Refusal::kRollback)) << "so that dfu-util -U can still read it";
+  const std::vector<std::byte> good = make({2, 0, 0, 0}, 2);
+  EXPECT_FALSE(device_->control({0x21, 1, 0, 0, 4096}, std::span(good).first(4096)).stall);
+  EXPECT_EQ(device_->status().last_error, 0U);
+  EXPECT_EQ(get_status().state, DfuState::kDownloadIdle);
+  EXPECT_FALSE(device_->control({0x21, 6, 0, 0, 0}, {}).stall);
+  services_.healthy = false;
+  EXPECT_FALSE(vendor(VendorRequest::kSelfTest));
+  EXPECT_EQ(device_->status().last_error, number(Refusal::kSelfTest));
+  services_.healthy = true;
+  EXPECT_TRUE(vendor(VendorRequest::kSelfTest));
+  EXPECT_EQ(device_->status().last_error, 0U);
+}
+
+TEST_F(Update, ScansWaitFromTheFirstBlockUntilTheImageIsTakenBackOrRefused) {
+  const std::vector<std::byte> good = make({2, 0, 0, 0}, 2);
+  const auto first_block = [&] {
+    EXPECT_FALSE(device_->control({0x21, 1, 0, 0, 4096}, std::span(good).first(4096)).stall);
+    EXPECT_TRUE(services_.holds_scans);
+    EXPECT_EQ(get_status().state, DfuState::kDownloadIdle);
+  };
+  first_block();
+  EXPECT_FALSE(device_->control({0x21, 6, 0, 0, 0}, {}).stall);
+  EXPECT_FALSE(services_.holds_scans) << "taken back";
+  first_block();
+  EXPECT_TRUE(device_->control({0xA1, 2, 0, 0, 6}, {}).stall);
+  EXPECT_FALSE(services_.holds_scans) << "an unexpected request ended it";
+  clear();
+  first_block();
+  device_->bus_reset();
+  EXPECT_FALSE(services_.holds_scans) << "the cable was pulled";
+  EXPECT_EQ(download(make({0, 9, 0, 0}, 1)), number(Refusal::kRollback));
+  EXPECT_FALSE(services_.holds_scans) << "refused";
+  EXPECT_EQ(download(good), 0U);
+  EXPECT_TRUE(services_.holds_scans) << "until the restart";
 }
 
 TEST_F(Update, AbortReturnsToIdleAndTheOldFirmwareBoots) {

@@ -22,12 +22,21 @@ using test::KeyRing;
 class Services final : public UpdateServices {
  public:
   bool scanning() const noexcept override { return is_scanning; }
+  bool hold_scans() noexcept override { return holds_scans = !is_scanning; }
+  void let_scan() noexcept override { holds_scans = false; }
   std::uint16_t battery_mv() const noexcept override { return 3900; }
   bool power_suffices() const noexcept override { return has_power; }
   bool self_test() noexcept override { return healthy; }
+  std::optional<std::size_t> read_calibration(std::size_t offset, std::span<std::byte> out) noexcept override {
+    if (rig.empty()) return std::nullopt;
+    const std::size_t from = std::min(offset, rig.size()), n = std::min(out.size(), rig.size() - from);
+    std::copy_n(rig.begin() + static_cast<std::ptrdiff_t>(from), n, out.begin());
+    return n;
+  }
   void reboot(bool recovery) noexcept override { rebooted = recovery ? 2 : 1; }
-  bool is_scanning = false, has_power = true, healthy = true;
+  bool is_scanning = false, holds_scans = false, has_power = true, healthy = true;
   int rebooted = 0;
+  std::vector<std::byte> rig = test::random_payload(9000, 31);
 };
 
 inline constexpr image::Serial kSerial = {'E', 'N', '2', '-', '0', '0', '7'};
@@ -81,7 +90,7 @@ class Update : public testing::Test {
     const ControlReply reply = device_->control({0xA1, 3, 0, 0, 6}, {});
     EXPECT_EQ(reply.data.size(), 6U);
     const DfuPosition told{static_cast<DfuState>(reply.data[4]), static_cast<DfuStatus>(reply.data[0])};
-    device_->work();
+    while (device_->work_pending()) device_->work();
     return told;
   }
 

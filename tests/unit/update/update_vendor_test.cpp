@@ -118,6 +118,20 @@ TEST(UsbIdentity, TellsRunModeFromRecovery) {
   EXPECT_EQ(dfu_functional_descriptor({}), wanted);
 }
 
+TEST_F(Update, TheCalibrationIsReadInBlocksAndNeverWritten) {
+  const auto block = [&](std::uint16_t i, std::uint16_t length = 4096) {
+    return device_->control({0xC1, 0x11, i, 0, length}, {});
+  };
+  EXPECT_TRUE(std::ranges::equal(block(1).data, std::span(services_.rig).subspan(4096, 4096)));
+  EXPECT_EQ(block(2).data.size(), services_.rig.size() - 2 * 4096);
+  EXPECT_EQ(block(3).data.size(), 0U);
+  EXPECT_EQ(block(0, 100).data.size(), 100U);
+  EXPECT_TRUE(device_->control({0x41, 0x11, 0, 0, 0}, {}).stall) << "there is no way in";
+  services_.rig.clear();
+  EXPECT_TRUE(block(0).stall);
+  EXPECT_EQ(device_->status().last_error, number(Refusal::kNoCalibration));
+}
+
 TEST_F(Update, SelfTestAndReboot) {
   EXPECT_TRUE(vendor(VendorRequest::kSelfTest));
   services_.healthy = false;

@@ -1,0 +1,50 @@
+// The lock between acquisition and update process.
+#include "firmware/storage/scan_lock.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/run.hpp"
+
+namespace enamel::fw {
+namespace {
+
+class ScanLockTest : public testing::Test {
+ protected:
+  [[nodiscard]] std::unique_ptr<ScanLock> open() const { return ScanLock::open(folder_ / "scanning").value(); }
+  test::TempFolder folder_;
+};
+
+TEST_F(ScanLockTest, OneOfTwoHoldsIt) {
+  const auto probe = open(), updater = open();
+  EXPECT_FALSE(probe->held_elsewhere());
+  EXPECT_TRUE(probe->take());
+  EXPECT_TRUE(probe->take()) << "held already";
+  EXPECT_FALSE(probe->held_elsewhere());
+  EXPECT_TRUE(updater->held_elsewhere());
+  EXPECT_FALSE(updater->take());
+  updater->release();
+  EXPECT_TRUE(updater->held_elsewhere()) << "only the holder ends it";
+  probe->release();
+  EXPECT_FALSE(updater->held_elsewhere());
+  EXPECT_TRUE(updater->take());
+}
+
+TEST_F(ScanLockTest, EndsWithItsHolder) {
+  const auto updater = open();
+  {
+    const auto probe = open();
+    ASSERT_TRUE(probe->take());
+    EXPECT_FALSE(updater->take());
+  }
+  EXPECT_TRUE(updater->take());
+}
+
+TEST_F(ScanLockTest, NamesAFileThatCannotBeMade) {
+  const auto lock = ScanLock::open(folder_ / "absent/scanning");
+  ASSERT_FALSE(lock.has_value());
+  EXPECT_EQ(lock.error().code, ErrorCode::kFileWrite);
+  EXPECT_NE(lock.error().detail.find("absent/scanning"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace enamel::fw
