@@ -13,8 +13,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Limits: a depth or tilt of 10 um bends space by 2e-4, as much as a calibration's scale may be off; bends are half of
-/// the sag that a calibration is refused at, since a sag along x alone is half mean, half difference.
+/// Limits: a depth or tilt of 10 um bends space by 2e-4, as much as a calibration's scale may be off; bends are those
+/// that a calibration is refused at.
 /// Heights that one unit of theta makes at 48 mm, um: dz = z² delta, x = X/z. `prior_um` says what cannot be: it holds
 /// only what the scan leaves free.
 struct Mode {
@@ -27,8 +27,8 @@ constexpr std::array<Mode, kDriftModes> kModes{{{"depth", 1e3 * kZ* kZ, 10, 1000
                                                 {"tilt_x", 1e3 * kZ* kHalf_mm, 10, 300},
                                                 {"tilt_y", 1e3 * kZ* kHalf_mm, 10, 300},
                                                 {"twist", 1e3 * kHalf_mm* kHalf_mm, 0.5, 100},
-                                                {"bow_difference", 1e3 * kHalf_mm* kHalf_mm, 0.25, 100},
-                                                {"bow_mean", 1e3 * kHalf_mm* kHalf_mm, 0.25, 100}}};
+                                                {"sag_x", 1e3 * kHalf_mm* kHalf_mm, 0.5, 100},
+                                                {"sag_y", 1e3 * kHalf_mm* kHalf_mm, 0.5, 100}}};
 // Damps what nothing holds, a step at a time. Any firmer and the motion that all views share would creep.
 constexpr double kPoseStep_mm = 10, kPoseStep_rad = 0.2;
 
