@@ -124,7 +124,7 @@ double rms_um(const std::vector<Pair>& pairs) {
 /// Poses (and theta) to rest; the pairs at the end.
 std::vector<Pair> adjust(std::vector<DriftView>& views, const LensValues& camera, DriftVector& theta, bool with_drift,
                          const DriftConfig& config) {
-  const int passes = with_drift ? config.iterations : 2;
+  const int passes = with_drift ? config.iterations : 1;
   for (int pass = 0; pass < passes; ++pass) {
     Adjustment sum(views.size());
     for (const Pair& pair : overlaps(views, camera, theta, config)) sum.add(pair);
@@ -174,8 +174,11 @@ Result<DriftCheck> check_drift(std::vector<DriftView> views, const LensValues& c
   }
   DriftCheck out;
   out.views = views.size();
-  out.rms_before_um = rms_um(adjust(views, camera, out.theta, false, config));
-  const std::vector<Pair> pairs = adjust(views, camera, out.theta, true, config);
+  adjust(views, camera, out.theta, false, config);
+  DriftConfig fine = config;
+  fine.overlap.max_distance_mm = config.fine_distance_mm;
+  out.rms_before_um = rms_um(adjust(views, camera, out.theta, false, fine));
+  const std::vector<Pair> pairs = adjust(views, camera, out.theta, true, fine);
   out.rms_after_um = rms_um(pairs);
   out.pairs = pairs.size();
   for (const Pair& p : pairs) out.matches += p.system.matches;

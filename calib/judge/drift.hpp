@@ -33,6 +33,9 @@ struct DriftCheck {
 
 struct DriftConfig {
   OverlapConfig overlap;
+  /// max_distance_mm once the poses have settled. What lies farther apart is no drift but an edge or a motion inside a
+  /// burst: such matches are few, but with the wide kernel the standard errors are twice as large.
+  double fine_distance_mm = 0.05;
   std::size_t min_matches = 100;  ///< a pair with fewer is none
   int stretches = 10;             ///< of the jackknife
   int iterations = 4;
