@@ -45,7 +45,7 @@ TEST(Solve, error_is_what_its_covariance_says) {
     Rng rng(seed, 1, 1);
     const auto solved = solve_views(scene, test::make_views(scene, {.centre_px = 0.005}, rng));
     ASSERT_TRUE(solved) << solved.error().message();
-    const double predicted = Prediction(solved->state, solved->result.covariance, kRange).at(0.5).p95_um;
+    const double predicted = Prediction(solved->state, solved->result.covariance, kRange, 500).at(0.5).p95_um;
     ratio.push_back(test::rig_error(solved->state, scene.truth).p95_um / predicted);
   }
   EXPECT_LT(median(ratio), 1.2);
