@@ -39,7 +39,9 @@ struct DriftConfig {
   std::size_t min_matches = 100;  ///< a pair with fewer is none
   int stretches = 10;             ///< of the jackknife
   int iterations = 4;
-  double sigmas = 4;  ///< an alarm is beyond its limit and beyond so many standard errors
+  /// An alarm is beyond its limit and beyond so many standard errors. Ten stretches leave a standard error nine degrees
+  /// of freedom: Student's t puts one true rig in 250 beyond 5 with any of the six figures, one in 50 beyond 4.
+  double sigmas = 5;
 };
 
 /// Deterministic. Error: kCalibrationPoses when fewer than two views a stretch, or too few pairs that overlap.
