@@ -13,8 +13,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Limits: a depth or tilt of 10 um bends space by 2e-4, as much as a calibration's scale may be off; bends are half of
-/// the sag that a calibration is refused at, since a sag along x alone is half mean, half difference.
+/// Limits: a depth or tilt of 10 um bends space by 2e-4, as much as a calibration's scale may be off; bends are those
+/// that a calibration is refused at.
 /// Heights that one unit of theta makes at 48 mm, um: dz = z² delta, x = X/z. `prior_um` says what cannot be: it holds
 /// only what the scan leaves free.
 struct Mode {
@@ -27,8 +27,8 @@ constexpr std::array<Mode, kDriftModes> kModes{{{"depth", 1e3 * kZ* kZ, 10, 1000
                                                 {"tilt_x", 1e3 * kZ* kHalf_mm, 10, 300},
                                                 {"tilt_y", 1e3 * kZ* kHalf_mm, 10, 300},
                                                 {"twist", 1e3 * kHalf_mm* kHalf_mm, 0.5, 100},
-                                                {"bow_difference", 1e3 * kHalf_mm* kHalf_mm, 0.25, 100},
-                                                {"bow_mean", 1e3 * kHalf_mm* kHalf_mm, 0.25, 100}}};
+                                                {"sag_x", 1e3 * kHalf_mm* kHalf_mm, 0.5, 100},
+                                                {"sag_y", 1e3 * kHalf_mm* kHalf_mm, 0.5, 100}}};
 // Damps what nothing holds, a step at a time. Any firmer and the motion that all views share would creep.
 constexpr double kPoseStep_mm = 10, kPoseStep_rad = 0.2;
 
@@ -124,7 +124,7 @@ double rms_um(const std::vector<Pair>& pairs) {
 /// Poses (and theta) to rest; the pairs at the end.
 std::vector<Pair> adjust(std::vector<DriftView>& views, const LensValues& camera, DriftVector& theta, bool with_drift,
                          const DriftConfig& config) {
-  const int passes = with_drift ? config.iterations : 2;
+  const int passes = with_drift ? config.iterations : 1;
   for (int pass = 0; pass < passes; ++pass) {
     Adjustment sum(views.size());
     for (const Pair& pair : overlaps(views, camera, theta, config)) sum.add(pair);
@@ -174,8 +174,11 @@ Result<DriftCheck> check_drift(std::vector<DriftView> views, const LensValues& c
   }
   DriftCheck out;
   out.views = views.size();
-  out.rms_before_um = rms_um(adjust(views, camera, out.theta, false, config));
-  const std::vector<Pair> pairs = adjust(views, camera, out.theta, true, config);
+  adjust(views, camera, out.theta, false, config);
+  DriftConfig fine = config;
+  fine.overlap.max_distance_mm = config.fine_distance_mm;
+  out.rms_before_um = rms_um(adjust(views, camera, out.theta, false, fine));
+  const std::vector<Pair> pairs = adjust(views, camera, out.theta, true, fine);
   out.rms_after_um = rms_um(pairs);
   out.pairs = pairs.size();
   for (const Pair& p : pairs) out.matches += p.system.matches;

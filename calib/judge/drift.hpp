@@ -33,10 +33,15 @@ struct DriftCheck {
 
 struct DriftConfig {
   OverlapConfig overlap;
+  /// max_distance_mm once the poses have settled. What lies farther apart is no drift but an edge or a motion inside a
+  /// burst: such matches are few, but with the wide kernel the standard errors are twice as large.
+  double fine_distance_mm = 0.05;
   std::size_t min_matches = 100;  ///< a pair with fewer is none
   int stretches = 10;             ///< of the jackknife
   int iterations = 4;
-  double sigmas = 4;  ///< an alarm is beyond its limit and beyond so many standard errors
+  /// An alarm is beyond its limit and beyond so many standard errors. Ten stretches leave a standard error nine degrees
+  /// of freedom: Student's t puts one true rig in 250 beyond 5 with any of the six figures, one in 50 beyond 4.
+  double sigmas = 5;
 };
 
 /// Deterministic. Error: kCalibrationPoses when fewer than two views a stretch, or too few pairs that overlap.

@@ -55,9 +55,10 @@ void fill_depths_around(DriftView& view) {
 
 DriftView drift_view(const SurfacePatch& patch, const Pose& T_model_cam) {
   DriftView view{{patch.depth_mm.width() / kDriftCell_px, patch.depth_mm.height() / kDriftCell_px}, T_model_cam};
-  for (int v = 0; v < view.cells.height(); ++v)
+  for (int v = 0; v < view.cells.height(); ++v) {
     for (int u = 0; u < view.cells.width(); ++u)
       view.cells(u, v) = cell_at(patch, u * kDriftCell_px, v * kDriftCell_px);
+  }
   fill_depths_around(view);
   return view;
 }

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "calib/judge/prediction.hpp"
+
 namespace enamel::calib {
 namespace {
 
@@ -25,8 +27,9 @@ class Reasons {
 Judgement judge(const Solution& solution, std::vector<PlaneCheck> planes, bool are_planes_held_out, DepthRange range,
                 const JudgementLimits& limits) {
   Judgement j;
-  j.predicted = predict_difference(solution.state, solution.result.covariance, range);
-  j.bound = predict_difference(solution.state, solution.result.covariance, range, 0.95);
+  const Prediction prediction(solution.state, solution.result.covariance, range);
+  j.predicted = prediction.at(0.5);
+  j.bound = prediction.at(kBoundQuantile);
   j.planes = std::move(planes);
   j.are_planes_held_out = are_planes_held_out;
   j.shapes = shapes_over_depth(j.planes, range);

@@ -24,7 +24,7 @@ struct Judgement {
   bool is_accepted = true;
   std::vector<std::string> reasons;
   VolumeDifference predicted;  ///< from the covariance: what to expect
-  VolumeDifference bound;      ///< the same, exceeded by one calibration in twenty
+  VolumeDifference bound;      ///< the same, exceeded by one calibration in a hundred (kBoundQuantile)
   std::vector<PlaneCheck> planes;
   bool are_planes_held_out = false;  ///< otherwise the planes took part in the solution and flatter it
   std::array<DepthShape, 3> shapes;

@@ -40,7 +40,7 @@ const SurfaceCell* cell_under(const DriftView& view, const LensValues& camera, c
 
 DriftVector drift_basis(const Vec3d& ray) {
   const double x = ray.x(), y = ray.y();
-  return (DriftVector() << 1, x, y, x * y, x * x - y * y, x * x + y * y).finished();
+  return (DriftVector() << 1, x, y, x * y, x * x, y * y).finished();
 }
 
 PairSystem overlap(const DriftView& from, const DriftView& onto, const LensValues& camera, const DriftVector& theta,

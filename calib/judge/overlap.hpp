@@ -12,8 +12,10 @@
 namespace enamel::calib {
 
 /// A drifted rig reads 1/z + delta for 1/z. delta = sum theta_m b_m(x, y), x and y those of the ray (x, y, 1):
-/// b = 1, x, y, xy, x² - y², x² + y². The first three are what a turn or a shift of the projector does (projective
-/// maps), the others bend a flat by the same height at every depth.
+/// b = 1, x, y, xy, x², y². The first three are projective maps, such as a shift of the projector makes, the others
+/// bend a flat by the same height at every depth. A turn of the projector does both. x² and y² stand apart, not as
+/// their sum and difference: what a scan says about them differs fourfold, and either mixture is as uncertain as the
+/// worse one.
 inline constexpr int kDriftModes = 6;
 using DriftVector = Eigen::Matrix<double, kDriftModes, 1>;
 

@@ -28,11 +28,6 @@ struct VolumeDifference {
 /// Compared after the best rigid motion: the camera frame is a matter of definition.
 [[nodiscard]] VolumeDifference compare_rigs(const RigState& solved, const RigState& reference, DepthRange range);
 
-/// What a covariance of the rig's parameters (bundle.hpp's order) makes of it: of each figure's magnitude the
-/// `quantile` over `draws` normal draws; 0.5 is what to expect, 0.95 a bound. Deterministic in its arguments.
-[[nodiscard]] VolumeDifference predict_difference(const RigState& state, const Eigen::MatrixXd& covariance,
-                                                  DepthRange range, double quantile = 0.5, int draws = 60);
-
 /// Optics of a rig file as a state without poses.
 [[nodiscard]] RigState state_of(const Rig& rig);
 

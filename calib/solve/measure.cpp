@@ -19,6 +19,7 @@ constexpr double kMaxSaturated = 0.02;    // of the discs' pixels
 constexpr double kMinUsable = 0.7;        // of the dots of the design
 constexpr double kMarginSigmas = 4;       // of the edge's blur: no light from beyond the contour inside
 constexpr double kMarginExtra_px = 1.0;   // half the pixel's diagonal, and some
+constexpr double kReach_px = 12;          // of the ground around a disc: less leaves its light's gradient uncertain
 constexpr double kMaxResidual = 0.08;     // of the step between disc and ground: what is seen is no whole disc
 
 double median(std::vector<double> values) {
@@ -72,7 +73,7 @@ double saturated_share(const Map<float>& white, const DotGrid& grid, double satu
 }
 
 std::optional<DiscFit> fit_dot(const LitImage& lit, const DotGrid& grid, const GridDot& dot, EdgeModel edges) {
-  const double reach_px = std::min(8.0, 0.5 * (grid.spacing_px - 2 * dot.blob.half_axes().x()));
+  const double reach_px = std::min(kReach_px, 0.5 * (grid.spacing_px - 2 * dot.blob.half_axes().x()));
   const auto start = disc_moments(lit.image, dot.blob, reach_px);
   if (!start) return {};
   return fit_disc(lit.image, lit.noise, *start, reach_px, edges);

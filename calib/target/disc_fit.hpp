@@ -6,25 +6,12 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "calib/target/edge_spread.hpp"
+#include "calib/target/disc_cover.hpp"
+#include "calib/target/ellipse.hpp"
 #include "calib/target/pixel_noise.hpp"
 #include "pipeline/types/map.hpp"
 
 namespace enamel::calib {
-
-/// Points q = p - centre with q' shape q = 1 lie on the contour; shape in 1/px².
-struct Ellipse {
-  Eigen::Vector2d centre{0, 0};
-  Eigen::Matrix2d shape = Eigen::Matrix2d::Identity();
-
-  /// sqrt(q' shape q): below 1 inside.
-  [[nodiscard]] double radius_at(const Eigen::Vector2d& p) const {
-    const Eigen::Vector2d q = p - centre;
-    return std::sqrt(q.dot(shape * q));
-  }
-  /// Half axes, the longer one first, px.
-  [[nodiscard]] Eigen::Vector2d half_axes() const;
-};
 
 struct DiscFit {
   Ellipse ellipse;

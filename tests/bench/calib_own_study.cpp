@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calib/judge/prediction.hpp"
 #include "tests/bench/calib_opencv.hpp"
 #include "tests/bench/calib_study.hpp"
 #include "tests/support/calib_scene.hpp"
@@ -36,6 +37,7 @@ struct Disc {
 
 Json disc_json(const Disc& disc) {
   constexpr int kDraws = 200;
+  constexpr double kReach_px = 12;
   const int side = static_cast<int>(2 * disc.radius_px + 30);
   const double shorter = disc.radius_px * std::cos(disc.tilt_deg * std::numbers::pi / 180);
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(0.4).toRotationMatrix();
@@ -48,8 +50,8 @@ Json disc_json(const Disc& disc) {
   for (int draw = 0; draw < kDraws; ++draw) {
     truth.centre = {0.5 * side + rng.uniform(), 0.5 * side + rng.uniform()};
     const Map<float> image = test::noisy(test::disc_image(truth, disc.blur_px, side), rng);
-    const auto start = calib::disc_moments(image, truth, 8);
-    const auto fit = calib::fit_disc(image, test::kDiscNoise, *start, 8, calib::EdgeModel::kPixelThenTaps);
+    const auto start = calib::disc_moments(image, truth, kReach_px);
+    const auto fit = calib::fit_disc(image, test::kDiscNoise, *start, kReach_px, calib::EdgeModel::kPixelThenTaps);
     if (!fit) continue;
     sum += (fit->ellipse.centre - truth.centre) / kDraws;
     ours += (fit->ellipse.centre - truth.centre).squaredNorm() / (2 * kDraws);
@@ -79,11 +81,11 @@ Json error_json(const calib::RigState& solved, const calib::RigState& truth) {
           {"bow_um", bow_of(d)}};
 }
 
-Json rigs_study() {
+Json rigs_study(std::uint64_t first_seed) {
   constexpr int kRigs = 30;
-  int within = 0, named = 0, refused = 0;
+  int within = 0, named = 0, refused = 0, beyond_95 = 0;
   std::vector<double> ratio;
-  for (std::uint64_t seed = 300; seed < 300 + kRigs; ++seed) {
+  for (std::uint64_t seed = first_seed; seed < first_seed + kRigs; ++seed) {
     const auto scene = test::make_calib_scene(seed, 10);
     Rng rng(seed, 1, 1);
     auto views = test::make_views(scene, {.centre_px = 0.005}, rng);
@@ -94,13 +96,16 @@ Json rigs_study() {
       continue;
     }
     named += solved->rejected.size() == 1 && solved->rejected[0].pose == std::to_string(seed % 10) ? 1 : 0;
-    const auto& covariance = solved->result.covariance;
     const double error = calib::compare_rigs(solved->state, scene.truth, kRange).p95_um;
-    within += error < 1.2 * calib::predict_difference(solved->state, covariance, kRange, 0.95).p95_um ? 1 : 0;
-    ratio.push_back(error / calib::predict_difference(solved->state, covariance, kRange).p95_um);
+    const calib::Prediction prediction(solved->state, solved->result.covariance, kRange);
+    within += error < 1.2 * prediction.at(calib::kBoundQuantile).p95_um ? 1 : 0;
+    beyond_95 += error > prediction.at(0.95).p95_um ? 1 : 0;
+    ratio.push_back(error / prediction.at(0.5).p95_um);
   }
-  return {{"rigs", kRigs},
+  return {{"first_seed", first_seed},
+          {"rigs", kRigs},
           {"within", within},
+          {"beyond_95", beyond_95},
           {"named", named},
           {"refused", refused},
           {"median_over_expected", ratio.empty() ? 0 : median(ratio)}};

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "calib/judge/plane_check.hpp"
+#include "calib/judge/prediction.hpp"
 #include "calib/model/lens.hpp"
 #include "calib/solve/measure_folder.hpp"
 #include "protocol/base/file.hpp"
@@ -36,7 +37,7 @@ Json both(const Set& set, const std::vector<PoseView>& views) {
   const auto solution = calib::solve(views, set.folder.target, set.folder.nominal, options_of(set));
   if (!solution) return {{"refused", solution.error().detail}};
   const OpenCvRig peer = stereo_calibrate(solution->poses, set.folder.target, set.folder.nominal);
-  const auto expected = calib::predict_difference(solution->state, solution->result.covariance, kRange);
+  const auto expected = calib::Prediction(solution->state, solution->result.covariance, kRange).at(0.5);
   return {{"poses", solution->poses.size()},
           {"ours", error_json(solution->state, set.truth)},
           {"opencv", error_json(peer.state, set.truth)},

@@ -100,8 +100,8 @@ int main(int argc, char** argv) {
   json["captured"] = bench::captured_study(shared + "/data/calib");
   say("centres of discs");
   json["centres"] = bench::centres_study();
-  say("thirty rigs");
-  json["rigs"] = bench::rigs_study();
+  say("sixty rigs");
+  json["rigs"] = bench::Json::array({bench::rigs_study(300), bench::rigs_study(1000)});
   say("twenty real boards");
   json["boards"] = bench::boards_study();
   say("rendered set");

@@ -18,8 +18,8 @@ inline constexpr calib::DepthRange kRange{40, 56};
 
 /// `folder`: data/oracle/calib-01; empty object where it is absent.
 [[nodiscard]] Json rendered_study(const std::string& folder);
-/// Rigs of our own generator: 30 with a slipped pose; 20 real boards.
-[[nodiscard]] Json rigs_study();
+/// Rigs of our own generator: 30 from `first_seed` on, each with a slipped pose; 20 real boards.
+[[nodiscard]] Json rigs_study(std::uint64_t first_seed);
 [[nodiscard]] Json boards_study();
 /// Centres of discs against the bound of their pixels.
 [[nodiscard]] Json centres_study();

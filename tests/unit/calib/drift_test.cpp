@@ -110,8 +110,8 @@ TEST(Drift, true_rig_raises_no_alarm) {
 }
 
 TEST(Drift, planted_drift_raises_the_alarm_and_is_found_in_its_size) {
-  const std::array<Scan, 3> scans{Scan{.truth_um = {40, 0, 0, 0, 0, 0}}, Scan{.truth_um = {0, 30, -30, 0, 0, 0}},
-                                  Scan{.truth_um = {0, 0, 0, 4, -4, 4}}};
+  const std::array<Scan, 4> scans{Scan{.truth_um = {40, 0, 0, 0, 0, 0}}, Scan{.truth_um = {0, 30, -30, 0, 0, 0}},
+                                  Scan{.truth_um = {0, 0, 0, 4, -4, 4}}, Scan{.truth_um = {0, 0, 0, 0, 2, 0}}};
   for (const Scan& scan : scans) {
     const DriftCheck c = check(scan, 10);
     EXPECT_LT(c.rms_after_um, c.rms_before_um);
@@ -124,11 +124,11 @@ TEST(Drift, planted_drift_raises_the_alarm_and_is_found_in_its_size) {
   }
 }
 
-// A pass straight over a flat-lying relief bends with the probe: no overlap tells. The check must not say "ok".
-TEST(Drift, scan_that_cannot_tell_a_bow_is_called_blind) {
-  Scan scan{.has_sides = false, .truth_um = {0, 0, 0, 0, 0, 5}};
+// Passes straight over a flat-lying relief: registration takes most of a drift up. The check must not say "ok".
+TEST(Drift, scan_from_one_side_is_called_blind) {
+  Scan scan{.has_sides = false, .truth_um = {0, 0, 0, 0, 5, 5}};
   const DriftCheck c = check(scan, 20);
-  EXPECT_THAT(c.blind(), testing::Contains("bow_mean")) << told(c);
+  EXPECT_THAT(c.blind(), testing::IsSupersetOf({"depth", "twist"})) << told(c);
 }
 
 TEST(Drift, too_short_a_scan_is_refused) {

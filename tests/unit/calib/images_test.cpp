@@ -12,6 +12,7 @@
 
 #include "calib/io/rig_writer.hpp"
 #include "calib/judge/judgement.hpp"
+#include "calib/judge/prediction.hpp"
 #include "calib/model/lens.hpp"
 #include "calib/solve/measure_folder.hpp"
 #include "protocol/base/file.hpp"
@@ -39,7 +40,7 @@ TEST(Images, six_rendered_poses_give_the_rig) {
   options.fringe_period_px = {854.0 / 64, 480.0 / 64};
   const auto solved = solve(views, scene.target, scene.nominal, options);
   ASSERT_TRUE(solved) << solved.error().message();
-  const double predicted = predict_difference(solved->state, solved->result.covariance, kRange).p95_um;
+  const double predicted = Prediction(solved->state, solved->result.covariance, kRange).at(0.5).p95_um;
   EXPECT_LT(test::rig_error(solved->state, scene.truth).p95_um, 3 * predicted);
   EXPECT_LT(predicted, 0.5);
   EXPECT_LT(solved->result.rms_camera_px, 0.01);

@@ -4,9 +4,10 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
-#include "calib/judge/volume.hpp"
+#include "calib/judge/prediction.hpp"
 #include "tests/support/calib_scene.hpp"
 
 namespace enamel::calib {
@@ -44,7 +45,7 @@ TEST(Solve, error_is_what_its_covariance_says) {
     Rng rng(seed, 1, 1);
     const auto solved = solve_views(scene, test::make_views(scene, {.centre_px = 0.005}, rng));
     ASSERT_TRUE(solved) << solved.error().message();
-    const double predicted = predict_difference(solved->state, solved->result.covariance, kRange).p95_um;
+    const double predicted = Prediction(solved->state, solved->result.covariance, kRange, 500).at(0.5).p95_um;
     ratio.push_back(test::rig_error(solved->state, scene.truth).p95_um / predicted);
   }
   EXPECT_LT(median(ratio), 1.2);
@@ -61,7 +62,7 @@ void slip(PoseView& view, double by_px) {
 
 TEST(Solve, thirty_rigs_stay_within_their_own_bound_and_name_the_slipped_pose) {
   constexpr int kRigs = 30;
-  int within = 0, named = 0;
+  int within = 0, named = 0, above_expected = 0;
   for (std::uint64_t seed = 100; seed < 100 + kRigs; ++seed) {
     const auto scene = test::make_calib_scene(seed, 10);
     Rng rng(seed, 1, 1);
@@ -70,11 +71,15 @@ TEST(Solve, thirty_rigs_stay_within_their_own_bound_and_name_the_slipped_pose) {
     const auto solved = solve_views(scene, views);
     ASSERT_TRUE(solved) << solved.error().message();
     named += solved->rejected.size() == 1 && solved->rejected[0].pose == std::to_string(seed % 10) ? 1 : 0;
-    const double bound = predict_difference(solved->state, solved->result.covariance, kRange, 0.95, 40).p95_um;
-    within += test::rig_error(solved->state, scene.truth).p95_um < 1.2 * bound ? 1 : 0;
+    const Prediction prediction(solved->state, solved->result.covariance, kRange, 1000);
+    const double error = test::rig_error(solved->state, scene.truth).p95_um;
+    within += error < 1.2 * prediction.at(kBoundQuantile).p95_um ? 1 : 0;
+    above_expected += error > prediction.at(0.5).p95_um ? 1 : 0;
   }
   EXPECT_EQ(named, kRigs);
-  EXPECT_GE(within, 27);
+  EXPECT_EQ(within, kRigs);
+  // A bound that is kept by being wide would leave few errors above the median that the same covariance expects.
+  EXPECT_NEAR(above_expected, 0.5 * kRigs, 3 * 0.5 * std::sqrt(1.0 * kRigs));
 }
 
 TEST(Solve, no_pose_is_named_when_none_slipped) {

@@ -10,6 +10,7 @@
 
 #include "calib/target/disc_fit.hpp"
 #include "calib/target/dot_grid.hpp"
+#include "calib/target/edge_spread.hpp"
 #include "protocol/base/rng.hpp"
 #include "tests/support/disc_image.hpp"
 
@@ -22,6 +23,8 @@ using test::disc_image;
 using test::noisy;
 
 const PixelNoise kNoise = test::kDiscNoise;
+
+constexpr double kReach_px = 12;
 
 struct DiscCase {
   double radius_px, tilt_deg, blur_px;
@@ -49,9 +52,9 @@ TEST_P(DiscCentre, is_unbiased_and_near_its_bound) {
       Ellipse seed = truth;
       seed.centre += Vector2d(0.4, -0.3);
       seed.shape *= 1.1;
-      const auto start = disc_moments(image, seed, 8);
+      const auto start = disc_moments(image, seed, kReach_px);
       ASSERT_TRUE(start);
-      const auto fit = fit_disc(image, kNoise, *start, 8, EdgeModel::kPixelThenTaps);
+      const auto fit = fit_disc(image, kNoise, *start, kReach_px, EdgeModel::kPixelThenTaps);
       ASSERT_TRUE(fit);
       const Vector2d error = fit->ellipse.centre - truth.centre;
       sum += error;
@@ -85,22 +88,82 @@ TEST(DiscFit, gives_nothing_for_what_is_no_disc) {
 }
 
 TEST(EdgeSpread, derivatives_and_limits_are_those_of_the_edge) {
-  for (const EdgeModel model : {EdgeModel::kLensThenPixel, EdgeModel::kPixelThenTaps}) {
-    for (const double way : {0.0, 0.3, std::numbers::pi / 4, 1.2, std::numbers::pi / 2}) {
-      const Vector2d n(std::cos(way), std::sin(way));
-      for (const double d : {-1.3, -0.4, 0.01, 0.6, 1.1}) {
-        const EdgeSpread e = edge_spread(model, d, n, 0.6);
-        const auto at = [&](double dd, double ds) { return edge_spread(model, d + dd, n, 0.6 + ds).cover; };
-        EXPECT_NEAR(e.by_distance, (at(1e-5, 0) - at(-1e-5, 0)) / 2e-5, 1e-6);
-        EXPECT_NEAR(e.by_blur, (at(0, 1e-5) - at(0, -1e-5)) / 2e-5, 1e-6);
-        EXPECT_NEAR(e.cover + edge_spread(model, -d, n, 0.6).cover, 1, 1e-12);
-      }
-      EXPECT_EQ(edge_spread(model, 9, n, 0.6).cover, 1);
-      EXPECT_EQ(edge_spread(model, -9, n, 0.6).cover, 0);
+  for (const double way : {0.0, 0.3, std::numbers::pi / 4, 1.2, std::numbers::pi / 2}) {
+    const Vector2d n(std::cos(way), std::sin(way));
+    for (const double d : {-1.3, -0.4, 0.01, 0.6, 1.1}) {
+      const EdgeSpread e = edge_spread(d, n, 0.6);
+      const auto at = [&](double dd, double ds) { return edge_spread(d + dd, n, 0.6 + ds).cover; };
+      EXPECT_NEAR(e.by_distance, (at(1e-5, 0) - at(-1e-5, 0)) / 2e-5, 1e-6);
+      EXPECT_NEAR(e.by_blur, (at(0, 1e-5) - at(0, -1e-5)) / 2e-5, 1e-6);
+      EXPECT_NEAR(e.cover + edge_spread(-d, n, 0.6).cover, 1, 1e-12);
     }
+    EXPECT_EQ(edge_spread(9, n, 0.6).cover, 1);
+    EXPECT_EQ(edge_spread(-9, n, 0.6).cover, 0);
   }
   // A sharp edge along a pixel row: the pixel's share on the inner side.
-  EXPECT_NEAR(edge_spread(EdgeModel::kLensThenPixel, 0.2, {0, 1}, 1e-4).cover, 0.7, 1e-3);
+  EXPECT_NEAR(edge_spread(0.2, {0, 1}, 0).cover, 0.7, 1e-9);
+  EXPECT_NEAR(edge_spread(0.1, {0, 1}, 0, 0, 0.5).cover, 0.7, 1e-9) << "of a square half as wide";
+}
+
+/// Half axes 9 and 6.4 px: radius of curvature 4.5 px.
+Ellipse tilted_disc() {
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(0.4).toRotationMatrix();
+  Ellipse e{{24.3, 23.8}, {}};
+  e.shape = turn * Vector2d(1 / 81.0, 2 / 81.0).asDiagonal() * turn.transpose();
+  return e;
+}
+
+TEST(DiscCover, is_the_integral_over_each_pixel) {
+  constexpr int kSide = 48;
+  const Ellipse e = tilted_disc();
+  const Map<float> image = disc_image(e, 0.6, kSide);
+  DiscCover cover(EdgeModel::kPixelThenTaps, {0, 0, kSide - 1, kSide - 1}, e);
+  cover.render(e, 0.6);
+  double squares = 0;
+  for (int v = 0; v < kSide; ++v)
+    for (int u = 0; u < kSide; ++u) {
+      const double expected = (static_cast<double>(image(u, v)) - 25) / 115;  // levels of disc_image
+      squares += std::pow(cover.at({u, v}).cover - expected, 2);
+    }
+  // Along the contour alone: about one pixel in ten. A pixel taken as one square leaves eight times as much.
+  EXPECT_LT(std::sqrt(squares / (0.1 * kSide * kSide)), 2e-4);
+}
+
+TEST(DiscCover, slopes_are_those_of_the_cover) {
+  constexpr int kSide = 48;
+  constexpr double kBlur_px = 0.7, kStep = 1e-5;
+  for (const EdgeModel model : {EdgeModel::kLensThenPixel, EdgeModel::kPixelThenTaps}) {
+    const Ellipse e = tilted_disc();
+    DiscCover at(model, {0, 0, kSide - 1, kSide - 1}, e), plus = at, minus = at;
+    at.render(e, kBlur_px);
+    const auto expect_slope = [&](Eigen::Index which, double step, const auto& change) {
+      Ellipse a = e, b = e;
+      double blur_a = kBlur_px, blur_b = kBlur_px;
+      change(a, blur_a, step);
+      change(b, blur_b, -step);
+      plus.render(a, blur_a);
+      minus.render(b, blur_b);
+      double off = 0, size = 0;
+      for (int v = 0; v < kSide; ++v)
+        for (int u = 0; u < kSide; ++u) {
+          const Vector2d p(u, v);
+          const double slope = (plus.at(p).cover - minus.at(p).cover) / (2 * step);
+          off += std::pow(at.at(p).slope[which] - slope, 2);
+          size += slope * slope;
+        }
+      // Taken at the contour, to first order in the distance from it.
+      EXPECT_LT(std::sqrt(off / size), 0.1) << which;
+    };
+    expect_slope(0, kStep, [](Ellipse& a, double& /*blur*/, double h) { a.centre.x() += h; });
+    expect_slope(1, kStep, [](Ellipse& a, double& /*blur*/, double h) { a.centre.y() += h; });
+    expect_slope(2, 1e-3 * kStep, [](Ellipse& a, double& /*blur*/, double h) { a.shape(0, 0) += h; });
+    expect_slope(3, 1e-3 * kStep, [](Ellipse& a, double& /*blur*/, double h) {
+      a.shape(0, 1) += h;
+      a.shape(1, 0) += h;
+    });
+    expect_slope(4, 1e-3 * kStep, [](Ellipse& a, double& /*blur*/, double h) { a.shape(1, 1) += h; });
+    expect_slope(5, kStep, [](Ellipse& /*a*/, double& blur, double h) { blur += h; });
+  }
 }
 
 // Grids -------------------------------------------------------------------------------------------------------------
