@@ -183,9 +183,9 @@ gboolean UsbPort::handle(UMockdevIoctlClient* client) {
 gboolean UsbPort::submit(UMockdevIoctlClient* client) {
   UMockdevIoctlData* urb_data =
       umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, sizeof(usbdevfs_urb), nullptr);
-  usbdevfs_urb urb{};  // NOLINT(clang-diagnostic-zero-length-array): the kernel's own structure
-  std::memcpy(&urb, urb_data->data, sizeof urb);
-  const auto size = static_cast<std::size_t>(urb.buffer_length);
+  int buffer_length = 0;
+  std::memcpy(&buffer_length, urb_data->data + offsetof(usbdevfs_urb, buffer_length), sizeof buffer_length);
+  const auto size = static_cast<std::size_t>(buffer_length);
   UMockdevIoctlData* buffer = umockdev_ioctl_data_resolve(urb_data, offsetof(usbdevfs_urb, buffer), size, nullptr);
 
   constexpr std::size_t kSetup = 8;
