@@ -28,7 +28,9 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
       if (diag.rigid.moved) diag.harmonic = b.field.shared;
     }
     const BurstErrors errors = diag.rigid.moved ? errors_of(b.field) : b.closure.errors();
-    const OddFrame odd = find_odd_frame(b.phase, b.polarity, errors, b.closure.block_px);
+    // Each block's own harmonic takes up what its light leaves, which an odd frame would be taken for.
+    const BurstErrors of_blocks{errors.motion_rad, b.closure.errors().harmonic, errors.light};
+    const OddFrame odd = find_odd_frame(b.phase, b.polarity, of_blocks, b.closure.block_px);
     diag.odd_shift_rad = odd.shift_rad;
     diag.unrest = odd.unrest;
     correct_saturated(b.saturated, errors, b.phase, b.scratch);
