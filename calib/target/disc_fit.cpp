@@ -1,6 +1,7 @@
 #include "calib/target/disc_fit.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -21,17 +22,22 @@ constexpr double kMinBlur_px = 0.15;  // a sharper edge cannot be told from this
 using Params = Eigen::Matrix<double, kParameters, 1>;
 using Normal = Eigen::Matrix<double, kParameters, kParameters>;
 
-/// Pixels that may lie within `reach_px` of the ellipse; empty when that leaves the image.
+constexpr double kLeastReach_px = 8;  ///< ground between disc and border of the image; less leaves its light uncertain
+
+/// Pixels of the image that may lie within `reach_px` of the ellipse; empty when the border comes nearer than that and
+/// than kLeastReach_px.
 std::optional<PixelWindow> window_around(const Map<float>& image, const Ellipse& e, double reach_px) {
   const Eigen::Matrix2d spread = e.shape.inverse();
   if (!(spread(0, 0) > 0 && spread(1, 1) > 0) || !spread.allFinite() || !e.centre.allFinite()) return {};
-  const double du = std::sqrt(spread(0, 0)) + reach_px;
-  const double dv = std::sqrt(spread(1, 1)) + reach_px;
-  if (!(du < image.width() && dv < image.height())) return {};
-  const PixelWindow w{static_cast<int>(std::floor(e.centre.x() - du)), static_cast<int>(std::floor(e.centre.y() - dv)),
-                      static_cast<int>(std::ceil(e.centre.x() + du)), static_cast<int>(std::ceil(e.centre.y() + dv))};
-  if (!image.contains(w.u0, w.v0) || !image.contains(w.u1, w.v1)) return {};
-  return w;
+  const auto within = [&](double reach) {
+    const double du = std::sqrt(spread(0, 0)) + reach, dv = std::sqrt(spread(1, 1)) + reach;
+    return Eigen::AlignedBox2d(e.centre - Eigen::Vector2d(du, dv), e.centre + Eigen::Vector2d(du, dv));
+  };
+  const Eigen::AlignedBox2d pixels(Eigen::Vector2d(0, 0), Eigen::Vector2d(image.width() - 1, image.height() - 1));
+  if (!pixels.contains(within(std::min(reach_px, kLeastReach_px)))) return {};
+  const Eigen::AlignedBox2d box = within(reach_px).intersection(pixels);
+  return PixelWindow{static_cast<int>(std::floor(box.min().x())), static_cast<int>(std::floor(box.min().y())),
+                     static_cast<int>(std::ceil(box.max().x())), static_cast<int>(std::ceil(box.max().y()))};
 }
 
 struct Sample {

@@ -23,8 +23,8 @@ struct DiscFit {
 };
 
 /// Starting from `start` (e.g. grey moments); `reach_px` = how far outside the contour pixels may be used, below half
-/// the gap to a neighbour. `image` is above black, DN. Empty: the disc leaves the image, has no contrast, or the fit
-/// does not converge.
+/// the gap to a neighbour; pixels beyond the image are done without as long as 8 px of ground are left all around.
+/// `image` is above black, DN. Empty: the disc leaves the image, has no contrast, or the fit does not converge.
 [[nodiscard]] std::optional<DiscFit> fit_disc(const Map<float>& image, const PixelNoise& noise, const Ellipse& start,
                                               double reach_px, EdgeModel edges);
 

@@ -129,6 +129,8 @@ bool ModelGuide::lies_on_another_order(const ModelSight& sight, std::size_t pixe
 ModelGuide::Stand ModelGuide::stand_of(const ModelSight& sight, std::size_t pixel, float depth_mm) const {
   const float d = sight.distance_mm(point_at(*rays_, pixel, depth_mm));
   if (d < static_cast<float>(config_.tolerance_mm)) return Stand::kAgrees;
+  // The view is from nearly the same place: where it shows nothing here, it shows nothing at other depths of the ray.
+  if (!std::isfinite(d)) return Stand::kNew;
   return lies_on_another_order(sight, pixel, depth_mm) ? Stand::kContradicts : Stand::kNew;
 }
 
@@ -149,36 +151,16 @@ OrderCheck ModelGuide::check(const SurfacePatch& patch, const ModelView& view, c
   return out;
 }
 
-Map<std::uint8_t> ModelGuide::doubtful_cells(const ModelSight& sight, const SurfacePatch& patch) const {
-  const int step = config_.check_step_px;
-  Map<std::uint8_t> cells((rays_->width + step - 1) / step, (rays_->height + step - 1) / step, 0);
-  for (int j = 0; j < cells.height(); ++j) {
-    for (int i = 0; i < cells.width(); ++i) {
-      const std::size_t pixel = patch.depth_mm.index(i * step, j * step);
-      const float z = patch.depth_mm[pixel];
-      if (std::isnan(z) || stand_of(sight, pixel, z) != Stand::kContradicts) continue;
-      for (int y = std::max(j - 1, 0); y <= std::min(j + 1, cells.height() - 1); ++y)
-        for (int x = std::max(i - 1, 0); x <= std::min(i + 1, cells.width() - 1); ++x) cells(x, y) = 1;
-    }
-  }
-  return cells;
-}
-
 std::size_t ModelGuide::withdraw(const ModelView& view, const Pose& T_model_cam, SurfacePatch& patch) const {
   if (view.empty) return 0;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const ModelSight sight(view, camera_, T_model_cam);
-  const Map<std::uint8_t> doubtful = doubtful_cells(sight, patch);
   std::size_t withdrawn = 0;
-  for (int v = 0; v < rays_->height; ++v) {
-    for (int u = 0; u < rays_->width; ++u) {
-      if (doubtful(u / config_.check_step_px, v / config_.check_step_px) == 0) continue;
-      const std::size_t i = patch.depth_mm.index(u, v);
-      if (std::isnan(patch.depth_mm[i]) || stand_of(sight, i, patch.depth_mm[i]) != Stand::kContradicts) continue;
-      patch.depth_mm[i] = patch.sigma_mm[i] = kNan;
-      patch.points[i] = patch.normals[i] = Vec3f::Constant(kNan);
-      ++withdrawn;
-    }
+  for (std::size_t i = 0; i < patch.depth_mm.size(); ++i) {
+    if (std::isnan(patch.depth_mm[i]) || stand_of(sight, i, patch.depth_mm[i]) != Stand::kContradicts) continue;
+    patch.depth_mm[i] = patch.sigma_mm[i] = kNan;
+    patch.points[i] = patch.normals[i] = Vec3f::Constant(kNan);
+    ++withdrawn;
   }
   patch.valid_px -= withdrawn;
   return withdrawn;

@@ -42,8 +42,7 @@ class ModelGuide {
   /// another order contradict; all others (new surface, moving tissue) are not counted.
   [[nodiscard]] OrderCheck check(const SurfacePatch& patch, const ModelView& view, const Pose& T_model_cam) const;
 
-  /// Takes contradicting pixels out of the patch: neither side is believed. Looks around the pixels that `check` found,
-  /// for whole cells of the code are misread, not single pixels. Returns their number.
+  /// Takes the contradicting pixels out of the patch: neither side is believed. Returns their number.
   std::size_t withdraw(const ModelView& view, const Pose& T_model_cam, SurfacePatch& patch) const;
 
   [[nodiscard]] const RayDepth& rays() const noexcept { return *rays_; }
@@ -51,8 +50,6 @@ class ModelGuide {
  private:
   enum class Stand : std::uint8_t { kAgrees, kContradicts, kNew };
   [[nodiscard]] Stand stand_of(const ModelSight& sight, std::size_t pixel, float depth_mm) const;
-  /// Cells of check_step_px whose own first pixel, or that of a neighbour, contradicts.
-  [[nodiscard]] Map<std::uint8_t> doubtful_cells(const ModelSight& sight, const SurfacePatch& patch) const;
   [[nodiscard]] bool lies_on_another_order(const ModelSight& sight, std::size_t pixel, float depth_mm) const;
 
   std::shared_ptr<const RayDepth> rays_;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -85,6 +86,17 @@ TEST(DiscFit, gives_nothing_for_what_is_no_disc) {
   EXPECT_FALSE(fit_disc(flat, kNoise, seed, 6, EdgeModel::kLensThenPixel));
   seed.centre = {2, 30};
   EXPECT_FALSE(fit_disc(flat, kNoise, seed, 6, EdgeModel::kLensThenPixel)) << "leaves the image";
+}
+
+TEST(DiscFit, does_without_the_ground_that_lies_beyond_the_image) {
+  constexpr int kSide = 80;
+  const auto error_px = [](double ground_px) {
+    const Ellipse truth{{kSide - 1 - 15 - ground_px, 40}, Eigen::Matrix2d::Identity() / (15.0 * 15.0)};
+    const auto fit = fit_disc(disc_image(truth, 0.6, kSide), kNoise, truth, kReach_px, EdgeModel::kPixelThenTaps);
+    return fit ? (fit->ellipse.centre - truth.centre).norm() : std::numeric_limits<double>::infinity();
+  };
+  EXPECT_LT(error_px(8.5), 0.005);
+  EXPECT_EQ(error_px(7), std::numeric_limits<double>::infinity()) << "too little ground on that side";
 }
 
 TEST(EdgeSpread, derivatives_and_limits_are_those_of_the_edge) {
