@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/algo/decode/gate_rows.hpp"
+#include "pipeline/algo/decode/median.hpp"
 #include "pipeline/algo/phase/frame_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 
@@ -17,12 +18,6 @@ constexpr float kTolerance = 0.25F;  ///< of B: motion of 0.1 rad a frame with a
 constexpr float kNoiseSigmas = 6;    ///< 3 sigma of the residual, whose std is 2 sigma
 constexpr std::size_t kRowStep = 4;  ///< gates on the whole burst need not ask every pixel
 constexpr float kSameSigmas = 5.7F;  ///< 4 sigma of a difference
-float median(std::vector<float>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "pipeline/algo/decode/median.hpp"
 #include "pipeline/algo/phase/micro_spans.hpp"
 
 namespace enamel::algo {
@@ -18,13 +19,6 @@ constexpr int kRowStep = 8, kBlock_px = 64;
 constexpr double kInformed_rad = 0.05;  ///< sigma of a block's phase of the code frame that is asked
 /// Spread of the unknowns, in the order of kOddColumns: phases anywhere, what blocks leave of motion, light and gain.
 const Vector kSpread = (Vector() << 1, 1, 0.3, 0.3, 0.1).finished();
-
-float median(std::vector<float>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Equations {
   Matrix left = Matrix::Zero();
