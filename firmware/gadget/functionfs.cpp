@@ -8,6 +8,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <thread>
 
 #include "firmware/gadget/descriptors.hpp"
 
@@ -16,6 +17,8 @@ namespace {
 
 /// A data stage lasts milliseconds; hosts give up after five seconds.
 constexpr std::chrono::milliseconds kDataStage{4000};
+/// From the first transfer that fails to the event that says why.
+constexpr std::chrono::milliseconds kDisconnect{10};
 
 bool write_whole(int fd, const std::vector<std::byte>& bytes) noexcept {
   return ::write(fd, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
@@ -73,6 +76,7 @@ Result<void> FunctionFs::describe(const DfuConfig& config) {
 }
 
 Result<std::optional<PortEvent>> FunctionFs::next(std::chrono::milliseconds deadline) {
+  if (unsettled_) settle();
   pollfd waiting{ep0_, POLLIN, 0};
   if (::poll(&waiting, 1, static_cast<int>(deadline.count())) <= 0) return std::nullopt;
   // One event a read: a setup packet must be answered before the next event is taken.
@@ -89,30 +93,41 @@ Result<std::optional<PortEvent>> FunctionFs::next(std::chrono::milliseconds dead
   if (*kind == PortEventKind::kSetup) {
     const usb_ctrlrequest& s = event.u.setup;
     out.setup = {s.bRequestType, s.bRequest, le16toh(s.wValue), le16toh(s.wIndex), le16toh(s.wLength)};
+    setup_ = out.setup;
   }
   return std::optional(out);
 }
 
 std::size_t FunctionFs::receive(std::span<std::byte> data) {
   timer_.arm(kDataStage);
-  const ssize_t n = ::read(ep0_, data.data(), data.size());
-  timer_.disarm();
+  const ssize_t n = answered(::read(ep0_, data.data(), data.size()), data.size());
   return n > 0 ? static_cast<std::size_t>(n) : 0;
 }
 
 bool FunctionFs::send(std::span<const std::byte> data) {
   timer_.arm(kDataStage);
-  const ssize_t n = ::write(ep0_, data.data(), data.size());
-  timer_.disarm();
-  return n == static_cast<ssize_t>(data.size());
+  return answered(::write(ep0_, data.data(), data.size()), data.size()) == static_cast<ssize_t>(data.size());
 }
 
 bool FunctionFs::acknowledge() {
   std::byte nothing{};
   timer_.arm(kDataStage);
-  const ssize_t n = ::read(ep0_, &nothing, 0);
+  return answered(::read(ep0_, &nothing, 0), 0) == 0;
+}
+
+ssize_t FunctionFs::answered(ssize_t n, std::size_t wanted) noexcept {
   timer_.disarm();
-  return n == 0;
+  unsettled_ = n != static_cast<ssize_t>(wanted);
+  return n;
+}
+
+void FunctionFs::settle() noexcept {
+  // A data stage that the kernel could not begin (ESHUTDOWN while the cable goes) or that a signal broke off leaves its
+  // setup packet pending, and the next read would be that data stage again: bytes of the host taken for an event. A
+  // stall ends it; where the function was disabled meanwhile, the kernel has ended it and refuses the stall.
+  std::this_thread::sleep_for(kDisconnect);
+  stall(setup_);
+  unsettled_ = false;
 }
 
 void FunctionFs::stall(const SetupPacket& setup) {

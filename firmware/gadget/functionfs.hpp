@@ -1,6 +1,8 @@
 // Endpoint 0 through Linux' FunctionFS (linux/usb/functionfs.h): descriptors in, events out, data stages both ways.
 #pragma once
 
+#include <sys/types.h>
+
 #include <memory>
 #include <string>
 
@@ -31,9 +33,13 @@ class FunctionFs final : public ControlPort {
  private:
   explicit FunctionFs(int ep0) noexcept : ep0_(ep0) {}
   [[nodiscard]] Result<void> describe(const DfuConfig& config);
+  [[nodiscard]] ssize_t answered(ssize_t n, std::size_t wanted) noexcept;
+  void settle() noexcept;
 
   int ep0_;
   bool functional_ = true;
+  SetupPacket setup_;       ///< the last one taken
+  bool unsettled_ = false;  ///< its answer failed: the kernel may still wait for one
   InterruptTimer timer_;
 };
 

@@ -7,23 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <string>
-#include <string_view>
 
 #include "protocol/image/dfu.hpp"
 #include "protocol/image/status_block.hpp"
-
-namespace {
+#include "tests/guest/endpoint0.hpp"
 
 using namespace enamel::image;
-
-bool is_endpoint0(int fd) {
-  std::array<char, 256> path{};
-  const ssize_t n = readlink(("/proc/self/fd/" + std::to_string(fd)).c_str(), path.data(), path.size());
-  return n > 0 && std::string_view(path.data(), static_cast<std::size_t>(n)).ends_with("/ep0");
-}
-
-}  // namespace
 
 extern "C" ssize_t write(int fd, const void* bytes, std::size_t size) {
   using Write = ssize_t (*)(int, const void*, std::size_t);
