@@ -212,7 +212,10 @@ void Acquisition::settle(BurstAssembler& assembler, ScanTag session) {
 }
 
 AcquisitionReport Acquisition::run_self_test() {
-  if (!hw_.projector.status().ready) return failed(ReplyStatus::kProjNotReady);
+  const ProjectorStatus projector = hw_.projector.status();
+  if (!projector.ready) return failed(ReplyStatus::kProjNotReady);
+  if (projector.sequence_abort) return failed(ReplyStatus::kProjSeqAbort);
+  if (projector.watchdog) return failed(ReplyStatus::kProjWatchdog);
   light_.want(true);
   const bool lights_up = hw_.light.sensed_ma() > 0;
   light_.want(false);

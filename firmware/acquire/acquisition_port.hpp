@@ -29,7 +29,7 @@ class AcquisitionPort {
   virtual ~AcquisitionPort() = default;
   /// Bursts until drain(), abort(), the limit or the end of the source.
   virtual void scan(ScanTag session, std::optional<std::uint64_t> limit) = 0;
-  /// Camera delivers, LED answers, dark is dark.
+  /// Projector ready and without a fault of its own, camera delivers, LED answers, dark is dark, thermistor sane.
   virtual void self_test() = 0;
   /// Measures the delay of the sensor's stamps.
   virtual void calibrate() = 0;

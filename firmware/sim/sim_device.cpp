@@ -242,7 +242,10 @@ Result<void> SimDevice::restart() {
   return {};
 }
 
-ProjectorStatus SimDevice::status() const { return {.ready = true, .sequence_abort = false, .watchdog = false}; }
+ProjectorStatus SimDevice::status() const {
+  const std::lock_guard lock(mutex_);
+  return faults_.projector;
+}
 
 int SimDevice::pattern_set() const {
   const std::lock_guard lock(mutex_);

@@ -48,6 +48,7 @@ struct SimFaults {
   bool led_stuck_on = false;  ///< light in dark frames too
   bool thermistor_open = false;
   bool camera_unplugged = false;
+  ProjectorStatus projector{.ready = true, .sequence_abort = false, .watchdog = false};
 };
 
 class SimDevice final : public Camera, public Projector, public EdgeStream, public Light, public Thermal {

@@ -1,28 +1,38 @@
 #include "protocol/image/refusal.hpp"
 
 namespace enamel::image {
+namespace {
 
-RefusalText describe_refusal(std::uint32_t number) noexcept {
-  switch (number) {
-#define ENAMEL_REFUSAL(name, code, status, exit, what, cause, remedy) \
-  case code:                                                          \
-    return {#name, what, cause, remedy};
+struct Entry {
+  std::uint32_t number;
+  int exit;
+  RefusalText text;
+};
+
+constexpr Entry kEntries[] = {
+#define ENAMEL_REFUSAL(name, number, status, exit, what, cause, remedy) {number, exit, {#name, what, cause, remedy}},
 #include "protocol/image/refusals.def"
 #undef ENAMEL_REFUSAL
-    default:
-      return {};
+};
+
+const Entry* find(std::uint32_t number) noexcept {
+  for (const Entry& e : kEntries) {
+    if (e.number == number) return &e;
   }
+  return nullptr;
+}
+
+}  // namespace
+
+RefusalText describe_refusal(std::uint32_t number) noexcept {
+  const Entry* entry = find(number);
+  return entry != nullptr ? entry->text : RefusalText{};
 }
 
 int exit_code(Refusal why) noexcept {
-  switch (why) {
-#define ENAMEL_REFUSAL(name, code, status, exit, what, cause, remedy) \
-  case Refusal::name:                                                 \
-    return exit;
-#include "protocol/image/refusals.def"
-#undef ENAMEL_REFUSAL
-  }
-  return 8;
+  constexpr int kTransfer = 8;
+  const Entry* entry = find(static_cast<std::uint32_t>(why));
+  return entry != nullptr ? entry->exit : kTransfer;
 }
 
 }  // namespace enamel::image

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <atomic>
 #include <thread>
 
@@ -149,6 +150,21 @@ TEST_F(AcquisitionTest, SelfTestFindsAnOpenThermistor) {
   device->set_faults(faults);
   acquisition->self_test();
   EXPECT_EQ(wait().fault, ReplyStatus::kThermistor);
+}
+
+TEST_F(AcquisitionTest, SelfTestTellsWhatTheProjectorReports) {
+  make(1);
+  const std::array<std::pair<ProjectorStatus, ReplyStatus>, 3> reports{
+      {{{.ready = false, .sequence_abort = true, .watchdog = true}, ReplyStatus::kProjNotReady},
+       {{.ready = true, .sequence_abort = true, .watchdog = false}, ReplyStatus::kProjSeqAbort},
+       {{.ready = true, .sequence_abort = false, .watchdog = true}, ReplyStatus::kProjWatchdog}}};
+  for (const auto& [status, fault] : reports) {
+    SimFaults faults;
+    faults.projector = status;
+    device->set_faults(faults);
+    acquisition->self_test();
+    EXPECT_EQ(wait().fault, fault);
+  }
 }
 
 TEST_F(AcquisitionTest, LedThatFailsDuringAScanIsAFault) {
