@@ -8,7 +8,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <thread>
 
 #include "firmware/gadget/descriptors.hpp"
 
@@ -52,12 +51,12 @@ std::optional<PortEventKind> kind_of(std::uint8_t type) noexcept {
 
 }  // namespace
 
-Result<std::unique_ptr<FunctionFs>> FunctionFs::open(const std::string& mount, const DfuConfig& config) {
+Result<std::unique_ptr<FunctionFs>> FunctionFs::open(const std::string& mount, Clock& clock, const DfuConfig& config) {
   const std::string path = mount + "/ep0";
   const int fd = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0 && errno == ENOENT) return fail(ErrorCode::kFileNotFound, path + ": no FunctionFS is mounted there");
   if (fd < 0) return fail(ErrorCode::kGadget, path + ": " + std::strerror(errno));
-  std::unique_ptr<FunctionFs> port(new FunctionFs(fd));
+  std::unique_ptr<FunctionFs> port(new FunctionFs(fd, clock));
   ENAMEL_TRY(port->describe(config));
   return port;
 }
@@ -125,7 +124,7 @@ void FunctionFs::settle() noexcept {
   // A data stage that the kernel could not begin (ESHUTDOWN while the cable goes) or that a signal broke off leaves its
   // setup packet pending, and the next read would be that data stage again: bytes of the host taken for an event. A
   // stall ends it; where the function was disabled meanwhile, the kernel has ended it and refuses the stall.
-  std::this_thread::sleep_for(kDisconnect);
+  clock_.sleep_for(kDisconnect);
   stall(setup_);
   unsettled_ = false;
 }

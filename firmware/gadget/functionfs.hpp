@@ -8,6 +8,7 @@
 
 #include "firmware/gadget/control_port.hpp"
 #include "firmware/gadget/interrupt_timer.hpp"
+#include "protocol/base/clock.hpp"
 
 namespace enamel::fw {
 
@@ -15,8 +16,10 @@ namespace enamel::fw {
 class FunctionFs final : public ControlPort {
  public:
   /// Opens `mount`/ep0 and writes descriptors and strings: with the DFU functional descriptor, and where the kernel
-  /// refuses that, without. Mounts nothing. kFileNotFound; kGadget when the kernel takes neither.
-  [[nodiscard]] static Result<std::unique_ptr<FunctionFs>> open(const std::string& mount, const DfuConfig& config = {});
+  /// refuses that, without. Mounts nothing; the clock must outlive it. kFileNotFound; kGadget when the kernel takes
+  /// neither.
+  [[nodiscard]] static Result<std::unique_ptr<FunctionFs>> open(const std::string& mount, Clock& clock,
+                                                                const DfuConfig& config = {});
   ~FunctionFs() override;
   FunctionFs(const FunctionFs&) = delete;
   FunctionFs& operator=(const FunctionFs&) = delete;
@@ -31,12 +34,13 @@ class FunctionFs final : public ControlPort {
   void stall(const SetupPacket& setup) override;
 
  private:
-  explicit FunctionFs(int ep0) noexcept : ep0_(ep0) {}
+  FunctionFs(int ep0, Clock& clock) noexcept : ep0_(ep0), clock_(clock) {}
   [[nodiscard]] Result<void> describe(const DfuConfig& config);
   [[nodiscard]] ssize_t answered(ssize_t n, std::size_t wanted) noexcept;
   void settle() noexcept;
 
   int ep0_;
+  Clock& clock_;
   bool functional_ = true;
   SetupPacket setup_;       ///< the last one taken
   bool unsettled_ = false;  ///< its answer failed: the kernel may still wait for one

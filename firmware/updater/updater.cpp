@@ -59,7 +59,7 @@ class Updater {
   }
 
   Result<int> serve(const std::atomic<bool>& stop) {
-    ENAMEL_TRY_ASSIGN(const std::unique_ptr<FunctionFs> port, FunctionFs::open(options_->functionfs));
+    ENAMEL_TRY_ASSIGN(const std::unique_ptr<FunctionFs> port, FunctionFs::open(options_->functionfs, clock_));
     log::info(kModule, "{} DFU functional descriptor",
               port->functional_descriptor() ? "with" : "this kernel refuses the descriptor: without");
     if (!options_->gadget.empty()) {

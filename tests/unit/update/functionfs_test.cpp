@@ -36,7 +36,8 @@ TEST(Descriptors, AreWhatTheKernelReads) {
 
 TEST(FunctionFs, SaysThatNothingIsMounted) {
   const TempFolder folder;
-  const auto port = FunctionFs::open(folder / "nothing");
+  SteadyClock clock;
+  const auto port = FunctionFs::open(folder / "nothing", clock);
   ASSERT_FALSE(port.has_value());
   EXPECT_EQ(port.error().code, ErrorCode::kFileNotFound);
 }
@@ -44,7 +45,8 @@ TEST(FunctionFs, SaysThatNothingIsMounted) {
 TEST(FunctionFs, WritesDescriptorsThenStrings) {
   const TempFolder folder;
   ASSERT_TRUE(write_file(folder / "ep0", "").has_value());
-  const auto port = FunctionFs::open(folder.path().string());
+  SteadyClock clock;
+  const auto port = FunctionFs::open(folder.path().string(), clock);
   ASSERT_TRUE(port.has_value());
   EXPECT_TRUE((*port)->functional_descriptor());
   const auto written = function_descriptors({}, Functional::kWith), names = function_strings();
@@ -58,7 +60,8 @@ TEST(FunctionFs, WritesDescriptorsThenStrings) {
 TEST(FunctionFs, AKernelThatTakesNoDescriptorsIsNamed) {
   const TempFolder folder;
   std::filesystem::create_symlink("/dev/full", folder / "ep0");
-  const auto port = FunctionFs::open(folder.path().string());
+  SteadyClock clock;
+  const auto port = FunctionFs::open(folder.path().string(), clock);
   ASSERT_FALSE(port.has_value());
   EXPECT_EQ(port.error().code, ErrorCode::kGadget);
 }
