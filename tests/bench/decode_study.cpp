@@ -176,7 +176,7 @@ int main(int argc, char** argv) {
     if (std::string(argv[next]) == "--bursts") bursts = std::atoi(argv[next + 1]);
     if (std::string(argv[next]) == "--only") only.insert(argv[next + 1]);
   }
-  if (next + 1 != argc || bursts < 1) {
+  if (next + 1 != argc || argv[next][0] == '-' || bursts < 1) {
     std::fprintf(stderr, "usage: %s [--bursts N] [--only PART]... OUT_FOLDER\n", argv[0]);
     return 1;
   }
