@@ -69,9 +69,10 @@ std::size_t count_of(const Map<PixelReject>& reject, PixelReject reason) noexcep
   while (i + kLanes <= reject.size()) {
     const std::size_t end = std::min(reject.size() - kLanes, i + (kMostSteps - 1) * kLanes);
     std::array<std::uint8_t, kLanes> counts{};
-    for (; i <= end; i += kLanes)
+    for (; i <= end; i += kLanes) {
       for (std::size_t j = 0; j < kLanes; ++j)
         counts[j] = static_cast<std::uint8_t>(counts[j] + (pixels[i + j] == reason ? 1 : 0));
+    }
     total = std::accumulate(counts.begin(), counts.end(), total);
   }
   for (; i < reject.size(); ++i) total += pixels[i] == reason ? 1U : 0U;
