@@ -158,8 +158,8 @@ def time_rows(page, decode):
     if not decode:
         page.row("plane, spheres, steps, sweep", "–", "skipped: no rendered bursts here", None)
         return
-    budget = {"phase": 0.3, "unwrap": 4, "order": 2.5, "triangulate": 1, "normals": 1}
-    steps = ["phase", "links", "unwrap", "order", "polarity", "closure", "motion", "triangulate", "normals", "rest"]
+    budget = {"phase": 0.3, "unwrap": 4, "order": 2.5, "surface": 2}
+    steps = ["phase", "links", "unwrap", "order", "polarity", "closure", "motion", "surface", "rest"]
     for name, b in decode.items():
         parts = ", ".join(f"{s} {b[s]:.1f}" + (f" (budget {budget[s]:g})" if s in budget and b[s] > budget[s] else "")
                           for s in steps if s in b)

@@ -91,10 +91,8 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   const bool unexplained = micro_ && config_.correct_closure && diag.closure_share < config_.min_closure_share;
   if (odd || unexplained) return BurstVerdict::kPatternMismatch;
   take_phase(b.phase, diag.ripple, out.relative);
-  make_surface(b.phase, turn, *rays_, diag.ripple, b.inverse_depth, out);
-  step("triangulate");
-  compute_normals(*rays_, b.inverse_depth, out.patch.sigma_mm, config_.normals, b.scratch, out.patch.normals);
-  step("normals");
+  make_surface(b.phase, turn, *rays_, diag.ripple, config_.normals, b.scratch, out);
+  step("surface");
   count_rejects(out);
   return out.patch.valid_px < config_.min_points ? BurstVerdict::kTooFewPoints : BurstVerdict::kAccepted;
 }
@@ -103,7 +101,6 @@ void BurstDecoder::decode(const BurstView& view, DecodeWorkspace& workspace, Dec
   const int w = rays_->width, h = rays_->height;
   auto& b = *workspace.buffers_;
   resize_output(w, h, out);
-  if (b.inverse_depth.width() != w || b.inverse_depth.height() != h) b.inverse_depth = Map<float>(w, h);
   const bool fits = view.is_consistent() && view.width == w && view.height == h;
   out.verdict = fits ? run(view, workspace, out) : BurstVerdict::kFrameMismatch;
   if (out.accepted()) return;

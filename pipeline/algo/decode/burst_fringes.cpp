@@ -8,9 +8,7 @@
 
 namespace enamel::algo {
 
-std::size_t count_of(const PhaseMaps& maps, PixelReject reason) noexcept {
-  return static_cast<std::size_t>(std::count(maps.reject.pixels().begin(), maps.reject.pixels().end(), reason));
-}
+std::size_t count_of(const PhaseMaps& maps, PixelReject reason) noexcept { return count_of(maps.reject, reason); }
 
 void BurstDecoder::solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const {
   PhaseMaps& maps = workspace.buffers_->phase;

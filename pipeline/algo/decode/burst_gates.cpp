@@ -24,7 +24,7 @@ constexpr float kSameSigmas = 5.7F;  ///< 4 sigma of a difference
 double closure_share(const PhaseMaps& maps, const NoiseModel& noise) {
   std::size_t seen = 0, fits = 0;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  for (std::size_t at = 0; at < maps.phase_rad.size(); at += width) {
+  for (std::size_t at = 0; at < maps.phase_rad.size(); at += kRowStep * width) {
     const ClosureCount row = count_closure_row(maps, noise, kTolerance, kNoiseSigmas, at, width);
     seen += row.seen;
     fits += row.fits;

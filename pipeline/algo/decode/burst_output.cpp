@@ -1,7 +1,9 @@
 #include "pipeline/algo/decode/burst_output.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <numeric>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
 
@@ -60,13 +62,25 @@ void withdraw_surface(DecodedBurst& out) {
   for (PixelReject& r : out.reject.pixels()) r = r == PixelReject::kNone ? PixelReject::kRelative : r;
 }
 
+std::size_t count_of(const Map<PixelReject>& reject, PixelReject reason) noexcept {
+  constexpr std::size_t kLanes = 32, kMostSteps = 255;  // what a byte counts up to: sums of bytes fill whole registers
+  const PixelReject* __restrict pixels = reject.pixels().data();
+  std::size_t total = 0, i = 0;
+  while (i + kLanes <= reject.size()) {
+    const std::size_t end = std::min(reject.size() - kLanes, i + (kMostSteps - 1) * kLanes);
+    std::array<std::uint8_t, kLanes> counts{};
+    for (; i <= end; i += kLanes) {
+      for (std::size_t j = 0; j < kLanes; ++j)
+        counts[j] = static_cast<std::uint8_t>(counts[j] + (pixels[i + j] == reason ? 1 : 0));
+    }
+    total = std::accumulate(counts.begin(), counts.end(), total);
+  }
+  for (; i < reject.size(); ++i) total += pixels[i] == reason ? 1U : 0U;
+  return total;
+}
+
 void count_rejects(DecodedBurst& out) {
-  constexpr std::size_t kApart = 4;  // neighbours, mostly equal, count in different places and need not wait
-  std::array<std::array<std::size_t, kPixelRejects>, kApart> counts{};
-  const auto pixels = out.reject.pixels();
-  for (std::size_t i = 0; i < pixels.size(); ++i) ++counts[i % kApart][static_cast<std::size_t>(pixels[i])];
-  for (std::size_t r = 0; r < kPixelRejects; ++r)
-    out.counts[r] = counts[0][r] + counts[1][r] + counts[2][r] + counts[3][r];
+  for (std::size_t r = 0; r < kPixelRejects; ++r) out.counts[r] = count_of(out.reject, static_cast<PixelReject>(r));
   out.patch.valid_px = out.counts[static_cast<std::size_t>(PixelReject::kNone)];
 }
 

@@ -21,6 +21,8 @@ void show_nothing(DecodedBurst& out);
 /// No depth, points, normals, order; kRelative where there was nothing else against a pixel.
 void withdraw_surface(DecodedBurst& out);
 
+[[nodiscard]] std::size_t count_of(const Map<PixelReject>& reject, PixelReject reason) noexcept;
+
 /// Fills counts and patch.valid_px.
 void count_rejects(DecodedBurst& out);
 

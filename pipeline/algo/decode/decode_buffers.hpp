@@ -33,7 +33,6 @@ struct DecodeWorkspace::Buffers {
   MicroCode turned_code;  ///< as that motion shows it
   std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame
   std::vector<std::size_t> filled;        ///< the same of mode M
-  Map<float> inverse_depth;
   std::vector<float> scratch;
 };
 

@@ -25,6 +25,30 @@ void light_loop(const PhaseMaps& m, const RowErrors& e, float black_dn, std::siz
   }
 }
 
+void sample_loop(const PhaseMaps& m, const float* weight, float black_dn, float max_residual, std::size_t at,
+                 std::size_t count, const SampleRow& out) {
+  static_assert(kPixelStep == 2);
+  const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
+  const float* __restrict modulation = &m.modulation_dn[at], * __restrict mean = &m.mean_dn[at];
+  const float* __restrict closure = &m.code_dn[at], * __restrict weights = weight;
+  const PixelReject* __restrict reject = &m.reject[at];
+  float* __restrict rate = out.rate, * __restrict per_rate = out.rate_per_rate, * __restrict light = out.light;
+  float* __restrict shared = out.shared, * __restrict residual = out.residual, * __restrict used = out.used;
+  for (std::size_t k = 0; k < count; ++k) used[k] = select(reject[2 * k] == PixelReject::kNone, 1, 0);
+  ENAMEL_INDEPENDENT
+  for (std::size_t k = 0; k < count; ++k) {
+    const float c = cosine[2 * k], s = sine[2 * k], b = modulation[2 * k], r = closure[2 * k], w = weights[2 * k];
+    const bool asked = (used[k] > 0) & (std::abs(w) > 0.999F) & (std::abs(r) < max_residual * b), plus = w > 0;
+    const float share = b / larger(mean[2 * k] - black_dn, 1);
+    rate[k] = select(asked, select(plus, 2 * (s - c), -2 * c), 0);
+    per_rate[k] = select(asked, select(plus, 2 * (s - c), 2 * s), 0);
+    light[k] = select(asked, select(plus, -2 * b - 2 * share * (c + s), 2 * b - 2 * share * s), 0);
+    shared[k] = select(asked & plus, 4 * (c - s) * (c + s) / (b + 1e-6F), 0);
+    residual[k] = select(asked, r, 0);
+    used[k] = select(asked, 1, 0);
+  }
+}
+
 constexpr std::size_t kSlopeSums = 7;  ///< uu uv vv of the pairs' distances, u v of 1/z, u v of A
 using Lanes = std::array<float, kNodeLanes>;
 using SlopeSums = std::array<Lanes, kSlopeSums>;
@@ -119,7 +143,7 @@ struct NodeSums {
   const auto ry = static_cast<double>(s.ry[j]), ly = static_cast<double>(s.ly[j]);
   for (std::size_t k = 0; k < 6; ++k) {
     const double a = rr * rate[k] + rl * light[k], b = rl * rate[k] + ll * light[k];
-    for (std::size_t i = 0; i < 8; ++i) out.left[k][i] += a * rate[i] + b * light[i];
+    for (std::size_t i = k / 4 * 4; i < 8; ++i) out.left[k][i] += a * rate[i] + b * light[i];  // by whole vectors
     out.left[k][6] += rh * rate[k] + lh * light[k];
   }
   for (std::size_t i = 0; i < 8; ++i) out.right[i] += ry * rate[i] + ly * light[i];
@@ -164,12 +188,18 @@ HWY_AFTER_NAMESPACE();
 namespace enamel::algo {
 
 HWY_EXPORT(light_loop);
+HWY_EXPORT(sample_loop);
 HWY_EXPORT(slope_loop);
 HWY_EXPORT(samples_loop);
 
 void light_row(const PhaseMaps& maps, const RowErrors& errors, float black_dn, std::size_t at, std::size_t width,
                float* light) {
   HWY_DYNAMIC_DISPATCH(light_loop)(maps, errors, black_dn, at, width, light);
+}
+
+void sample_row(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual, std::size_t at,
+                std::size_t count, const SampleRow& out) {
+  HWY_DYNAMIC_DISPATCH(sample_loop)(maps, weight, black_dn, max_residual, at, count, out);
 }
 
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out) {

@@ -23,6 +23,14 @@ struct SlopeRow {
 };
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out);
 
+/// What every second pixel of a row says (motion_samples.hpp); 0 where it says nothing.
+struct SampleRow {
+  float *rate, *rate_per_rate, *light, *shared, *residual, *used;
+};
+/// Pixels at, at + 2, …, count of them; weight: of pixel `at` and those behind it.
+void sample_row(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual, std::size_t at,
+                std::size_t count, const SampleRow& out);
+
 /// Weighted sums over the samples: normal equations of (V, W, rho), residuals beyond `limit` left out.
 void add_samples(const MotionSamples& samples, const MotionColumns& columns, const std::array<double, 7>& theta,
                  double limit, MotionEquations& out);

@@ -1,30 +1,9 @@
 #include "pipeline/algo/decode/motion_samples.hpp"
 
-#include <cmath>
-
 #include "pipeline/algo/decode/motion_images.hpp"
-#include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/algo/decode/motion_rows.hpp"
 
 namespace enamel::algo {
-namespace {
-
-void take_pixel(const PhaseMaps& m, float weight, float black_dn, float max_residual, std::size_t i, std::size_t to,
-                MotionSamples& out) {
-  const float c = m.cosine_dn[i], s = m.sine_dn[i], b = m.modulation_dn[i], r = m.code_dn[i];
-  const bool used = m.reject[i] == PixelReject::kNone && std::abs(weight) > 0.999F && std::abs(r) < max_residual * b;
-  if (!used) return;
-  const float share = b / larger(m.mean_dn[i] - black_dn, 1);
-  const bool plus = weight > 0;
-  out.rate[to] = plus ? 2 * (s - c) : -2 * c;
-  out.rate_per_rate[to] = plus ? 2 * (s - c) : 2 * s;
-  out.light[to] = plus ? -2 * b - 2 * share * (c + s) : 2 * b - 2 * share * s;
-  out.shared[to] = plus ? 4 * (c - s) * (c + s) / (b + 1e-6F) : 0;
-  out.residual[to] = r;
-  out.used[to] = 1;
-}
-
-}  // namespace
-
 void place_samples(int width, int height, MotionSamples& out) {
   const int columns = width / kNode_px, rows = height / kNode_px;
   out.node.clear();
@@ -37,15 +16,28 @@ void place_samples(int width, int height, MotionSamples& out) {
 
 void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float black_dn, float max_residual,
                   MotionSamples& out) {
-  const int columns = maps.phase_rad.width() / kNode_px;
+  constexpr std::size_t kPerRow = kNode_px / kPixelStep;  // pixels of a node in one row
   place_samples(maps.phase_rad.width(), maps.phase_rad.height(), out);
-  for (std::size_t n = 0; n < out.node.size(); ++n) {
-    const int top = out.node[n] / columns * kNode_px, left = out.node[n] % columns * kNode_px;
-    std::size_t p = 0;
-    for (int v = top; v < top + kNode_px; v += kPixelStep) {
-      for (int u = left + v / kPixelStep % kPixelStep; u < left + kNode_px; u += kPixelStep, ++p) {
-        const std::size_t i = maps.phase_rad.index(u, v);
-        take_pixel(maps, polarity.weight[i], black_dn, max_residual, i, p * out.nodes + n, out);
+  const auto columns = static_cast<std::size_t>(maps.phase_rad.width() / kNode_px);
+  std::vector<float> rows(6 * columns * kPerRow);
+  float* r = rows.data();
+  const std::size_t count = columns * kPerRow;
+  const SampleRow row{r, r + count, r + 2 * count, r + 3 * count, r + 4 * count, r + 5 * count};
+  for (std::size_t first = 0, end = 0; first < out.node.size(); first = end) {
+    const std::size_t node_row = static_cast<std::size_t>(out.node[first]) / columns;
+    while (end < out.node.size() && static_cast<std::size_t>(out.node[end]) / columns == node_row) ++end;
+    for (std::size_t line = 0; line < kPerRow; ++line) {
+      const int v = static_cast<int>(node_row) * kNode_px + static_cast<int>(line) * kPixelStep;
+      const std::size_t at = maps.phase_rad.index(v / kPixelStep % kPixelStep, v);
+      sample_row(maps, &polarity.weight[at], black_dn, max_residual, at, count, row);
+      for (std::size_t n = first; n < end; ++n) {
+        const std::size_t from = static_cast<std::size_t>(out.node[n]) % columns * kPerRow;
+        for (std::size_t k = 0; k < kPerRow; ++k) {
+          const std::size_t to = (line * kPerRow + k) * out.nodes + n;
+          out.rate[to] = row.rate[from + k], out.rate_per_rate[to] = row.rate_per_rate[from + k];
+          out.light[to] = row.light[from + k], out.shared[to] = row.shared[from + k];
+          out.residual[to] = row.residual[from + k], out.used[to] = row.used[from + k];
+        }
       }
     }
   }

@@ -38,7 +38,7 @@ struct MotionColumns {
 };
 
 struct MotionEquations {
-  std::array<std::array<double, 8>, 7> left{};  ///< upper triangle and more; column 7 unused
+  std::array<std::array<double, 8>, 7> left{};  ///< upper triangle and some more; column 7 unused
   std::array<double, 8> right{};
   double squares = 0, pixels = 0;
 };

@@ -30,17 +30,20 @@ SurfaceRow row_of(const PhaseMaps& m, const Map<std::int16_t>& turn, const RayDe
 }  // namespace
 
 void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, const PhaseRipple& ripple,
-                  Map<float>& inverse_depth, DecodedBurst& out) {
+                  const NormalConfig& config, std::vector<float>& scratch, DecodedBurst& out) {
   const RippleTerms terms = terms_of(ripple);
   const SurfaceRange range = range_of(rays);
   const auto width = static_cast<std::size_t>(rays.width);
   std::vector<float> x(width), y(width);
   SurfacePatch& patch = out.patch;
-  for (std::size_t at = 0; at < inverse_depth.size(); at += width) {
+  NormalRows normals(rays, config, scratch);
+  for (int v = 0; v < rays.height; ++v) {
+    const std::size_t at = static_cast<std::size_t>(v) * width;
     solve_surface_row(row_of(maps, turn, rays, at), range, terms, width,
-                      {&inverse_depth[at], &patch.depth_mm[at], &patch.sigma_mm[at], &out.phase_rad[at], &out.order[at],
+                      {normals.row(v), &patch.depth_mm[at], &patch.sigma_mm[at], &out.phase_rad[at], &out.order[at],
                        &out.reject[at], x.data(), y.data()});
     interleave(x.data(), y.data(), &patch.depth_mm[at], width, patch.points[at].data());
+    normals.added(v, patch.sigma_mm, patch.normals);
   }
 }
 

@@ -1,16 +1,17 @@
-// Absolute phase to the output maps: depth, its sigma, points, order.
+// Absolute phase to the output maps: depth, its sigma, points, normals, order.
 #pragma once
 
 #include "pipeline/algo/decode/decoded_burst.hpp"
 #include "pipeline/algo/phase/phase.hpp"
+#include "pipeline/algo/triangulate/normals.hpp"
 #include "pipeline/algo/triangulate/ray_depth.hpp"
 
 namespace enamel::algo {
 
 /// turn: Phi = phase_rad + 2 pi turn. Pixels that are still kNone get depth or kOutOfRange; all others NaN.
-/// inverse_depth as 1/z, NaN = none.
+/// scratch keeps its memory between calls.
 void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, const PhaseRipple& ripple,
-                  Map<float>& inverse_depth, DecodedBurst& out);
+                  const NormalConfig& config, std::vector<float>& scratch, DecodedBurst& out);
 
 /// 1/z of the image row that begins at pixel `at`, for whoever needs slopes before the phase is final; NaN where a
 /// pixel is rejected or out of range. phase: the row's, in place of that of `maps`.

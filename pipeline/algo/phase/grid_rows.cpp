@@ -4,7 +4,29 @@
 #include <cmath>
 #include <utility>
 
+#include "pipeline/types/simd.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pipeline/algo/phase/grid_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace enamel::algo::HWY_NAMESPACE {
+
+void mix_loop(const float* low, const float* high, float share, std::size_t width, float* row) {
+  const float* __restrict a = low, * __restrict b = high;
+  float* __restrict out = row;
+  for (std::size_t u = 0; u < width; ++u) out[u] = a[u] + share * (b[u] - a[u]);
+}
+
+}  // namespace enamel::algo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace enamel::algo {
+
+HWY_EXPORT(mix_loop);
 
 GridRows::GridRows(const Grid& grid, int width) : grid_(grid), out_(static_cast<std::size_t>(width), 0.0F) {
   if (grid_.nodes == nullptr) return;
@@ -23,10 +45,9 @@ const float* GridRows::row(int v) {
     expand(high, high_);
     low_row_ = low, high_row_ = high;
   }
-  const float share = std::clamp(y - static_cast<float>(low), 0.0F, 1.0F);
-  const float* __restrict a = low_.data(), * __restrict b = high_.data();
-  float* __restrict out = out_.data();
-  for (std::size_t u = 0; u < out_.size(); ++u) out[u] = a[u] + share * (b[u] - a[u]);
+  if (low == high) return high_.data();
+  HWY_DYNAMIC_DISPATCH(mix_loop)
+  (low_.data(), high_.data(), std::clamp(y - static_cast<float>(low), 0.0F, 1.0F), out_.size(), out_.data());
   return out_.data();
 }
 
@@ -54,3 +75,4 @@ void interpolate_grid(const Grid& grid, Map<float>& out) {
 }
 
 }  // namespace enamel::algo
+#endif

@@ -41,8 +41,8 @@ class Linker {
         Piece &above = pieces_[o], &below = pieces_[k];
         if (above.component != below.component || above.cell != below.cell) continue;
         const BorderColumn sum = sum_over(std::max(above.begin, below.begin), std::min(above.end, below.end));
-        const bool step =
-            sum.seen > 0 && std::abs(sum.height) > sum.seen * step_threshold(sum.sigma / sum.seen, sum.seen);
+        const bool step = sum.seen > 0 && std::abs(sum.height) > sum.seen * kLeastStep &&
+                          std::abs(sum.height) > sum.seen * step_threshold(sum.sigma / sum.seen, sum.seen);
         offer(most_[o - upper], sum.linked, step ? -1 : static_cast<std::int32_t>(k), above.down);
         offer(most_[k - upper], sum.linked, step ? -1 : static_cast<std::int32_t>(o), below.up);
       }

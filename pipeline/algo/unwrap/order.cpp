@@ -28,11 +28,14 @@ class Solver {
   /// unwrapping. Where two shifts meet in it nobody knows the place, and where its own code speaks against, it stays
   /// undecided.
   void inherit() {
+    const auto decided = [](const PieceOrder& o) { return o.decided; };
+    if (std::all_of(out_.pieces.begin(), out_.pieces.end(), decided)) return;
     PieceSets sets(pieces_.size(), work_.parent);
     const auto undecided = [&](std::size_t i) { return !out_.pieces[i].decided; };
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      if (!undecided(i)) continue;
       each_neighbour(pieces_[i], i, [&](std::size_t o) {
-        if (undecided(i) && undecided(o)) sets.unite(i, o);
+        if (undecided(o)) sets.unite(i, o);
       });
     }
     constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max(), kSeveral = kUnknown - 1;

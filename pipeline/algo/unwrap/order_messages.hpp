@@ -74,15 +74,24 @@ struct CostPair {
 /// Across a gap: own[j] + min over i of in[i] - min(in) + gap(j - i). `out` may be `in`.
 void pass_gap(const OrderCosts& in, const OrderCosts& own, const GapCosts& gap, OrderCosts& out) noexcept;
 
-/// Running mean of `own` and of what came before, each less its minimum: own + memory (min(before, most) - own), to a
-/// step. memory in [0, 0.99]. own up to 200 nats, most up to 200.
+/// costs less their least.
+[[gnu::always_inline]] inline void level(const CostPair& costs, OrderCosts& out) noexcept {
+  const CostHalf low = least_everywhere(costs);
+  CostPair rest(costs);
+  rest.low -= low;
+  rest.high -= low;
+  rest.store(out);
+}
+
+/// Running mean of `own`, whose least is 0, and of what came before less its least: own + memory (min(before, most) -
+/// own), to a step. memory in [0, 0.99]. own up to 200 nats, most up to 200.
 [[gnu::always_inline]] inline void blend(const OrderCosts& before, const OrderCosts& own, float memory, Cost most,
                                          OrderCosts& out) noexcept {
   const auto share = static_cast<std::int32_t>(memory * 32768);  // in 2^-15, the result rounded down
-  const Cost low = least(before), own_low = least(own);
+  const Cost low = least(before);
   OrderCosts sum;
   for (std::size_t k = 0; k < kOrderStates; ++k) {
-    const Cost was = std::min(static_cast<Cost>(before.of[k] - low), most), is = static_cast<Cost>(own.of[k] - own_low);
+    const Cost was = std::min(static_cast<Cost>(before.of[k] - low), most), is = own.of[k];
     sum.of[k] = static_cast<Cost>(is + ((2 * (was - is) * share) >> 16));
   }
   out = sum;

@@ -92,7 +92,8 @@ class Rows {
     }
   }
 
-  /// Forward messages of each row, in `row`, and backward ones; then row = their sum, the piece's own evidence once.
+  /// Forward messages of each row, in `row`, and backward ones; then row = their sum, the piece's own evidence once,
+  /// less its least.
   /// The two directions take turns: each waits for its own message before.
   void along_rows() {
     const std::size_t n = pieces_.size();
@@ -107,7 +108,7 @@ class Rows {
       CostPair row(work_.row[i]);
       row.low += right.low - unary.low;
       row.high += right.high - unary.high;
-      row.store(work_.row[i]);
+      level(row, work_.row[i]);
     }
   }
 
@@ -121,9 +122,12 @@ class Rows {
 
   void mean_of_rows(std::vector<OrderCosts>& mean, std::int32_t neighbour, std::size_t i) {
     const OrderCosts& own = work_.row[i];
-    const bool linked = neighbour >= 0;
-    blend(linked ? mean[static_cast<std::size_t>(neighbour)] : own, own, linked ? config_.row_memory : 0,
-          to_cost(4 * config_.unseen_jump_cost), mean[i]);
+    if (neighbour < 0) {
+      mean[i] = own;
+      return;
+    }
+    blend(mean[static_cast<std::size_t>(neighbour)], own, config_.row_memory, to_cost(4 * config_.unseen_jump_cost),
+          mean[i]);
   }
 
   void choose() {

@@ -47,9 +47,11 @@ struct BorderColumn {
 void border_row(const float* phi, const float* sigma, const std::uint8_t* south, bool room, std::size_t width,
                 BorderColumn* out);
 
+inline constexpr float kLeastStep = 0.1F;  ///< rad; ripple of the three-frame phase
+
 /// Smallest step that is neither noise (4 sigma of six samples' combination) nor ripple of the three-frame phase.
 [[nodiscard]] inline float step_threshold(float sigma, float samples) noexcept {
-  return 4 * root(6.0F / samples) * sigma + 0.1F;
+  return 4 * root(6.0F / samples) * sigma + kLeastStep;
 }
 
 }  // namespace enamel::algo

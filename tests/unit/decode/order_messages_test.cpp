@@ -80,12 +80,14 @@ TEST(OrderMessages, seen_from_the_other_side_a_gap_has_the_prices_exchanged) {
 TEST(OrderMessages, blend_is_a_mean_to_a_step) {
   std::mt19937 rng(3);
   for (const float memory : {0.0F, 0.3F, 0.85F, 0.99F}) {
-    const OrderCosts before = random_costs(rng, 60), own = random_costs(rng, 60);
+    const OrderCosts before = random_costs(rng, 60), unlevelled = random_costs(rng, 60);
     const Cost most = to_cost(27);
-    OrderCosts out;
+    OrderCosts own, out;
+    level(CostPair(unlevelled), own);
+    ASSERT_EQ(least(own), 0);
     blend(before, own, memory, most, out);
     for (std::size_t k = 0; k < kOrderStates; ++k) {
-      const double was = std::min<int>(before.of[k] - least(before), most), is = own.of[k] - least(own);
+      const double was = std::min<int>(before.of[k] - least(before), most), is = unlevelled.of[k] - least(unlevelled);
       EXPECT_NEAR(out.of[k], static_cast<double>(memory) * was + (1 - static_cast<double>(memory)) * is, 1.2);
     }
   }
