@@ -38,6 +38,14 @@ class SouthRows {
   std::size_t width_;
 };
 
+/// A pixel of too much noise for depth still has a phase and a sigma: for a cut it is no hole to slip through.
+void bridge_noise(const Map<PixelReject>& reject, Map<PixelReject>& out) {
+  if (out.width() != reject.width() || out.height() != reject.height())
+    out = Map<PixelReject>(reject.width(), reject.height());
+  std::transform(reject.pixels().begin(), reject.pixels().end(), out.pixels().begin(),
+                 [](PixelReject r) { return r == PixelReject::kNoisy ? PixelReject::kNone : r; });
+}
+
 }  // namespace
 
 void measure_cut_costs(const PhaseMaps& phase, const Carrier& carrier, const CutConfig& config, CutCosts& out) {
@@ -47,9 +55,10 @@ void measure_cut_costs(const PhaseMaps& phase, const Carrier& carrier, const Cut
   out.scratch.assign(width + 2 + 3 * width, kInvalidDifference);
   float* east = out.scratch.data() + 1;  // one invalid link before the first pixel and one behind the last
   SouthRows south(east + width + 1, width);
+  bridge_noise(phase.reject, out.reject);
   const auto row_of = [&](int v) {
     const std::size_t at = static_cast<std::size_t>(v) * width;
-    return PixelRow{&phase.phase_rad[at], &phase.sigma_rad[at], carrier.phase_mid_rad + at, &phase.reject[at]};
+    return PixelRow{&phase.phase_rad[at], &phase.sigma_rad[at], carrier.phase_mid_rad + at, &out.reject[at]};
   };
   for (int v = 0; v < h; ++v) {
     const std::size_t to = static_cast<std::size_t>(v + 1) * out.stride + 1;

@@ -1,7 +1,8 @@
 // The cuts of least cost that leave the phase without a residue. Going round a quad of pixels, the turns must add up to
-// none; where they do not, a jump of more than half a fringe ends. Turns are moved over the quads as a flow from surplus
-// to want; moving one over a link cuts it, at the link's cost. The least sum of |turns| x cost is a flow of minimum cost
-// (Costantini, IEEE Trans. Geosci. Remote Sens. 36 (1998) 813), found exactly by successive shortest paths.
+// none; where they do not, a jump of more than half a fringe ends. Turns are moved over the quads as a flow from
+// surplus to want; moving one over a link cuts it, at the link's cost. The least sum of |turns| x cost is a flow of
+// minimum cost (Costantini, IEEE Trans. Geosci. Remote Sens. 36 (1998) 813), found exactly by successive shortest
+// paths.
 #pragma once
 
 #include <array>
@@ -29,9 +30,9 @@ class CutFlow {
  private:
   struct Node {
     std::int32_t potential = 0, distance = 0;
-    std::int32_t from = -1;    ///< quad that it was reached from
-    std::uint32_t search = 0;  ///< that reached it last
-    std::int8_t charge = 0;    ///< turns too many, of a quad; holes' are kept apart
+    std::int32_t from = -1;      ///< quad that it was reached from
+    std::uint32_t search = 0;    ///< that reached it last
+    std::int8_t charge = 0;      ///< turns too many, of a quad; holes' are kept apart
     std::uint8_t direction = 0;  ///< of the step from there
     bool settled = false;
   };

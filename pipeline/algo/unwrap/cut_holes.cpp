@@ -16,8 +16,8 @@ std::int32_t CutHoles::root(std::int32_t r) noexcept {
   return r;
 }
 
-/// Runs of invalid pixels, those that touch in one set; the first run of a set is its root. A run may go on from a row's
-/// end to the next row's beginning: both are margin, and outside.
+/// Runs of invalid pixels, those that touch in one set; the first run of a set is its root. A run may go on from a
+/// row's end to the next row's beginning: both are margin, and outside.
 void CutHoles::split_runs(const CutCosts& costs) {
   runs_.clear();
   const std::size_t n = costs.stride * costs.rows;

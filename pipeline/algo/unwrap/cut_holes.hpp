@@ -1,5 +1,5 @@
-// Holes of a mask, for unwrapping: invalid pixels that touch, corners included. A cut may end in a hole or pass through it
-// for nothing.
+// Holes of a mask, for unwrapping: invalid pixels that touch, corners included. A cut may end in a hole or pass through
+// it for nothing.
 #pragma once
 
 #include <cstdint>

@@ -31,7 +31,8 @@ void cost_loop(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const 
     const float share = select(left & right, 0.5F, 1);
     const float expected = share * (select(left, before[u], 0) + select(right, after[u], 0));
     const float noise = 0.5F * (s[u] * s[u] + t[u] * t[u]);
-    const float variance = select(left | right, select(left & right, 5, 6) * noise + bend, 2 * noise + any_slope + bend);
+    const float variance =
+        select(left | right, select(left & right, 5, 6) * noise + bend, 2 * noise + any_slope + bend);
     const float x = here[u] - expected;
     const float nats = odds - 0.5F * rough_log(variance) - 0.5F * x * x / variance;
     const float scaled = smaller(larger(static_cast<float>(kCostPerNat) * nats, kLeastCost), 255);
@@ -53,7 +54,8 @@ void residue_loop(const std::int8_t* east, const std::int8_t* east_below, const 
                   std::uint8_t* residues) {
   const std::int8_t* __restrict top = east, * __restrict bottom = east_below, * __restrict side = south;
   std::uint8_t* __restrict out = residues;
-  for (std::size_t u = 0; u < count; ++u) out[u] = static_cast<std::uint8_t>(top[u] + side[u + 1] - bottom[u] - side[u]);
+  for (std::size_t u = 0; u < count; ++u)
+    out[u] = static_cast<std::uint8_t>(top[u] + side[u + 1] - bottom[u] - side[u]);
 }
 
 void torn_loop(const std::uint8_t* valid, const std::uint8_t* valid_below, std::size_t count, std::uint8_t* torn) {
