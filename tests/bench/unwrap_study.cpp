@@ -11,6 +11,7 @@
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 #include "pipeline/algo/unwrap/flood.hpp"
+#include "pipeline/algo/unwrap/least_cuts.hpp"
 #include "tests/bench/study.hpp"
 #include "tests/support/crown_scene.hpp"
 #include "tests/support/marker_baseline.hpp"
@@ -23,19 +24,20 @@ namespace enamel::bench {
 namespace {
 
 constexpr int kRepeats = 7;
+constexpr std::uint64_t kScenes = 20;  ///< drawn by number, beside the fixed one
 /// Phase change of one pixel on a slope of 75 degrees in the reference rig; the crowns' gentle flanks are that steep.
 constexpr float kSlope_rad = 0.23F;
 
 template <class Run>
-double median_ms(Run run) {
+double median_ms(Run run, int repeats = kRepeats) {
   std::vector<double> times_ms;
-  for (int k = 0; k < kRepeats; ++k) {
+  for (int k = 0; k < repeats; ++k) {
     const double start_ms = thread_ms();
     run();
     times_ms.push_back(thread_ms() - start_ms);
   }
-  std::nth_element(times_ms.begin(), times_ms.begin() + kRepeats / 2, times_ms.end());
-  return times_ms[kRepeats / 2];
+  std::nth_element(times_ms.begin(), times_ms.begin() + repeats / 2, times_ms.end());
+  return times_ms[static_cast<std::size_t>(repeats / 2)];
 }
 
 struct Problem {
@@ -43,8 +45,8 @@ struct Problem {
   algo::PhaseMaps maps;
 };
 
-Problem make(double noise_dn) {
-  Problem p{test::render_crowns({.noise_dn = noise_dn}), {}};
+Problem make(double noise_dn, std::uint64_t layout = 0) {
+  Problem p{test::render_crowns({.noise_dn = noise_dn, .seed = layout + 1, .layout = layout}), {}};
   algo::NoiseModel noise;
   noise.floor_dn2 = static_cast<float>(noise_dn * noise_dn + 1.0 / 12);
   algo::compute_phase(p.burst.frames.view(), noise, {}, p.maps);
@@ -93,18 +95,41 @@ Json score(const Problem& p, const Map<float>& unwrapped, const Map<std::uint8_t
           {"mask_px", mask}};
 }
 
-Json ours(const Problem& p) {
+Json ours(const Problem& p, int repeats = kRepeats) {
+  algo::LeastCutsWork work;
+  algo::FloodMaps found;
+  const double ms = median_ms(
+      [&] {
+        algo::unwrap_by_least_cuts(p.maps, {p.burst.carrier_rad.pixels().data(), kSlope_rad, kSlope_rad}, {}, work,
+                                   found);
+      },
+      repeats);
+  Map<float> unwrapped(p.maps.phase_rad.width(), p.maps.phase_rad.height());
+  Map<std::uint8_t> answered(p.maps.phase_rad.width(), p.maps.phase_rad.height());
+  for (std::size_t i = 0; i < unwrapped.size(); ++i) {
+    unwrapped[i] = p.maps.phase_rad[i] + 2 * std::numbers::pi_v<float> * found.turn[i];
+    answered[i] = p.maps.reject[i] == algo::PixelReject::kNone ? 1 : 0;
+  }
+  Json out = score(p, unwrapped, answered);
+  out["ms"] = ms;
+  return out;
+}
+
+/// The links and the flood that the decoder's code works on.
+Json links_and_flood(const Problem& p, int repeats = kRepeats) {
   algo::LinkMaps links;
   algo::FloodMaps flooded;
   Map<algo::PixelReject> reject = p.maps.reject;
   algo::PhaseMaps maps = p.maps;
-  const double ms = median_ms([&] {
-    maps.reject = p.maps.reject;
-    algo::reject_half_lit(maps.modulation_dn, maps.reject);
-    algo::compute_links(maps, {p.burst.carrier_rad.pixels().data(), kSlope_rad, kSlope_rad}, {}, links);
-    algo::reject_edges(links, maps);
-    algo::flood(maps.phase_rad, links, flooded);
-  });
+  const double ms = median_ms(
+      [&] {
+        maps.reject = p.maps.reject;
+        algo::reject_half_lit(maps.modulation_dn, maps.reject);
+        algo::compute_links(maps, {p.burst.carrier_rad.pixels().data(), kSlope_rad, kSlope_rad}, {}, links);
+        algo::reject_edges(links, maps);
+        algo::flood(maps.phase_rad, links, flooded);
+      },
+      repeats);
   // In every region of the mask the largest component is the answer; the rest is left out.
   const Map<std::int32_t> region = regions_of(p);
   std::map<std::int32_t, std::size_t> sizes;
@@ -129,7 +154,7 @@ Json ours(const Problem& p) {
 }
 
 #ifdef ENAMEL_PHASE_UNWRAPPING
-Json opencv_histogram(const Problem& p) {
+Json opencv_histogram(const Problem& p, int repeats = kRepeats) {
   cv::setNumThreads(1);
   const int w = p.maps.phase_rad.width(), h = p.maps.phase_rad.height();
   cv::Mat wrapped(h, w, CV_32FC1), mask(h, w, CV_8UC1), result;
@@ -141,10 +166,12 @@ Json opencv_histogram(const Problem& p) {
   }
   cv::phase_unwrapping::HistogramPhaseUnwrapping::Params params;
   params.width = w, params.height = h;
-  const double ms = median_ms([&] {  // a fresh object each time: a reused one grows slower call by call
-    const auto unwrapper = cv::phase_unwrapping::HistogramPhaseUnwrapping::create(params);
-    unwrapper->unwrapPhaseMap(wrapped, result, mask);
-  });
+  const double ms = median_ms(
+      [&] {  // a fresh object each time: a reused one grows slower call by call
+        const auto unwrapper = cv::phase_unwrapping::HistogramPhaseUnwrapping::create(params);
+        unwrapper->unwrapPhaseMap(wrapped, result, mask);
+      },
+      repeats);
   Map<float> unwrapped(w, h);
   Map<std::uint8_t> answered(w, h);
   for (int v = 0; v < h; ++v) {
@@ -236,26 +263,51 @@ Json with_marker(double noise_dn) {
 
 }  // namespace
 
+namespace {
+
+/// For peers in other languages: the same phase (NaN where masked) and the truth.
+void save_problem(const Problem& p, const std::string& stem) {
+  Map<float> masked = p.maps.phase_rad, truth(masked.width(), masked.height());
+  for (std::size_t i = 0; i < masked.size(); ++i) {
+    if (p.maps.reject[i] != algo::PixelReject::kNone) masked[i] = std::nanf("");
+    truth[i] = static_cast<float>(p.burst.phase_rad[i]);
+  }
+  save(stem + "_wrapped.pfm", masked);
+  save(stem + "_truth.pfm", truth);
+}
+
+/// One run each on scenes drawn by number.
+Json many_scenes(const std::string& folder, int noise_dn) {
+  Json rows = Json::array();
+  for (std::uint64_t k = 1; k <= kScenes; ++k) {
+    const Problem p = make(noise_dn, k);
+    Json row = {{"ours", ours(p, 3)}, {"links_and_flood", links_and_flood(p, 1)}};
+#ifdef ENAMEL_PHASE_UNWRAPPING
+    row["opencv_histogram"] = opencv_histogram(p, 1);
+#endif
+    save_problem(p, fmt::format("{}/unwrap_s{}_{}", folder, noise_dn, k));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace
+
 Json unwrap_study(const std::string& folder) {
   Json out;
   for (const int noise_dn : {2, 6}) {
     const Problem p = make(noise_dn);
     const std::string name = "s" + std::to_string(noise_dn);
     out[name]["ours"] = ours(p);
+    out[name]["links_and_flood"] = links_and_flood(p);
     out[name]["ours_with_code"] = with_code(noise_dn);
     out[name]["marker_only"] = with_marker(noise_dn);
 #ifdef ENAMEL_PHASE_UNWRAPPING
     out[name]["opencv_histogram"] = opencv_histogram(p);
 #endif
-    // For peers in other languages: the same phase (NaN where masked) and the truth.
-    Map<float> masked = p.maps.phase_rad, truth(masked.width(), masked.height());
-    for (std::size_t i = 0; i < masked.size(); ++i) {
-      if (p.maps.reject[i] != algo::PixelReject::kNone) masked[i] = std::nanf("");
-      truth[i] = static_cast<float>(p.burst.phase_rad[i]);
-    }
+    out[name]["scenes"] = many_scenes(folder, noise_dn);
     const std::string stem = fmt::format("{}/unwrap_{}", folder, name);
-    save(stem + "_wrapped.pfm", masked);
-    save(stem + "_truth.pfm", truth);
+    save_problem(p, stem);
     save(stem + "_modulation.pfm", p.maps.modulation_dn);
   }
   return out;

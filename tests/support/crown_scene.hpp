@@ -14,6 +14,9 @@ struct CrownScene {
   double period_px = 27;
   double noise_dn = 2;
   std::uint64_t seed = 1;
+  /// 0: two crowns side by side. Else one of many scenes drawn by this number: crowns' place, height, roundness and
+  /// share of height that the flank keeps, where cliffs, shadows and the wet spot lie, how dark gum is.
+  std::uint64_t layout = 0;
 };
 
 struct CrownBurst {

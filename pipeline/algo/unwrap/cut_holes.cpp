@@ -1,0 +1,88 @@
+#include "pipeline/algo/unwrap/cut_holes.hpp"
+
+#include <algorithm>
+
+#include "pipeline/algo/unwrap/byte_runs.hpp"
+#include "pipeline/algo/unwrap/cut_rows.hpp"
+
+namespace enamel::algo {
+
+std::int32_t CutHoles::root(std::int32_t r) noexcept {
+  while (runs_[static_cast<std::size_t>(r)].parent != r) {
+    auto& parent = runs_[static_cast<std::size_t>(r)].parent;
+    parent = runs_[static_cast<std::size_t>(parent)].parent;
+    r = parent;
+  }
+  return r;
+}
+
+/// Runs of invalid pixels, those that touch in one set; the first run of a set is its root. A run may go on from a
+/// row's end to the next row's beginning: both are margin, and outside.
+void CutHoles::split_runs(const CutCosts& costs) {
+  runs_.clear();
+  const std::size_t n = costs.stride * costs.rows;
+  std::size_t o = 0;
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end_of_run(costs.valid.data(), end, 1)) {
+    end = end_of_run(costs.valid.data(), begin, 0);
+    const auto k = static_cast<std::int32_t>(runs_.size());
+    runs_.push_back({begin, end, k});
+    while (runs_[o].end + costs.stride < begin) ++o;
+    for (std::size_t p = o; p + 1 < runs_.size() && runs_[p].begin + costs.stride <= end; ++p) {
+      const std::int32_t a = root(static_cast<std::int32_t>(p)), b = root(k);
+      runs_[static_cast<std::size_t>(std::max(a, b))].parent = std::min(a, b);
+    }
+  }
+}
+
+/// Torn quads by hole: counted, then placed.
+void CutHoles::list_quads(const CutCosts& costs) {
+  const std::size_t n = (costs.rows - 1) * costs.stride - 1;
+  first_.assign(static_cast<std::size_t>(count_) + 2, 0);
+  const auto each = [&](auto visit) {
+    for (std::size_t q = end_of_run(torn_.data(), 0, 0); q < n; q = end_of_run(torn_.data(), q + 1, 0))
+      if (const std::int32_t hole = of(q); hole != kOutside) visit(q, static_cast<std::size_t>(hole));
+  };
+  each([&](std::size_t, std::size_t hole) { ++first_[hole + 2]; });
+  for (std::size_t h = 2; h < first_.size(); ++h) first_[h] += first_[h - 1];
+  quads_.resize(static_cast<std::size_t>(first_.back()));
+  each([&](std::size_t q, std::size_t hole) {
+    quads_[static_cast<std::size_t>(first_[hole + 1]++)] = static_cast<std::int32_t>(q);
+  });
+}
+
+void CutHoles::find(const CutCosts& costs) {
+  constexpr std::uint8_t kSentinel = 255;
+  const std::size_t n = costs.stride * costs.rows;
+  stride_ = costs.stride;
+  valid_ = costs.valid.data();
+  split_runs(costs);
+  label_.resize(n);
+  numbers_.assign(runs_.size(), 0);
+  count_ = 0;
+  for (std::size_t k = 0; k < runs_.size(); ++k) {
+    const auto top = static_cast<std::size_t>(root(static_cast<std::int32_t>(k)));
+    if (top == k) numbers_[k] = count_++;
+    std::fill(label_.data() + runs_[k].begin, label_.data() + runs_[k].end, numbers_[top]);
+  }
+  torn_.assign(n + kRunPadding, kSentinel);
+  for (std::size_t at = 0; at + costs.stride < n; at += costs.stride) {
+    torn_row(&costs.valid[at], &costs.valid[at + costs.stride], costs.stride - 1, &torn_[at]);
+    torn_[at + costs.stride - 1] = 0;  // no quad
+  }
+  list_quads(costs);
+}
+
+std::int32_t CutHoles::of(std::size_t quad) const noexcept {
+  std::size_t p = quad;
+  if (valid_[quad + 1] == 0) p = quad + 1;
+  if (valid_[quad + stride_] == 0) p = quad + stride_;
+  if (valid_[quad + stride_ + 1] == 0) p = quad + stride_ + 1;
+  return label_[p];
+}
+
+std::span<const std::int32_t> CutHoles::quads(std::int32_t hole) const noexcept {
+  const auto h = static_cast<std::size_t>(hole);
+  return {quads_.data() + first_[h], static_cast<std::size_t>(first_[h + 1] - first_[h])};
+}
+
+}  // namespace enamel::algo
