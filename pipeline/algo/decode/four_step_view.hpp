@@ -25,8 +25,11 @@ class FourStepView final : public MotionView {
         black_dn_(black_dn),
         max_residual_(max_residual) {}
 
-  void take_samples(MotionSamples& out) override {
-    algo::take_samples(maps_, polarity_, black_dn_, max_residual_, out);
+  void take_samples(const MotionField* known, MotionSamples& out) override {
+    if (known == nullptr)
+      algo::take_samples(maps_, polarity_, black_dn_, max_residual_, out);
+    else
+      algo::take_samples(maps_, polarity_, errors_of(*known), black_dn_, max_residual_, out);
   }
   void make_images(const MotionField* known, MotionImages& out) override {
     make_motion_images(maps_, polarity_, rays_, known != nullptr ? errors_of(*known) : coarse_.errors(), black_dn_,

@@ -14,17 +14,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
-void light_loop(const PhaseMaps& m, const RowErrors& e, float black_dn, std::size_t at, std::size_t width, float* out) {
-  const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict b = &m.modulation_dn[at];
-  const float* __restrict mean = &m.mean_dn[at], * __restrict rate = e.rate, * __restrict harmonic = e.harmonic;
-  float* __restrict light = out;
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const float ripple = rate[u] * s[u] + harmonic[u] * (c[u] - s[u]) * (c[u] + s[u]) / (b[u] + 1e-6F);
-    light[u] = mean[u] - black_dn - ripple;
-  }
-}
-
 constexpr std::size_t kSlopeSums = 7;  ///< uu uv vv of the pairs' distances, u v of 1/z, u v of A
 using Lanes = std::array<float, kNodeLanes>;
 using SlopeSums = std::array<Lanes, kSlopeSums>;
@@ -81,7 +70,7 @@ void slope_loop(const MotionImages& images, int node_row, int begin, int end, co
     slopes_of<kNodeLanes>(images, node_row, std::min(n, end - kLanes), out);
 }
 
-/// Sums over the pixels of kNodeLanes nodes: products of the columns of eps (r), dA/B (l), rho (h) and the residual.
+/// Sums over the pixels of kNodeLanes nodes: products of the columns of eps (r), dA/A (l), rho (h) and the residual.
 struct NodeSums {
   Lanes rr{}, rl{}, ll{}, rh{}, lh{}, hh{}, ry{}, ly{}, hy{}, squares{}, pixels{};
 };
@@ -111,7 +100,7 @@ struct NodeSums {
   }
 }
 
-/// One node's part in the normal equations: its pixels' columns are r (row of eps) + l (row of dA/B), and h.
+/// One node's part in the normal equations: its pixels' columns are r (row of eps) + l (row of dA/A), and h.
 [[gnu::always_inline]] inline void add_node(const NodeSums& s, std::size_t j, const std::array<double, 8>& rate,
                                             const std::array<double, 8>& light, MotionEquations& out) {
   const auto rr = static_cast<double>(s.rr[j]), rl = static_cast<double>(s.rl[j]), ll = static_cast<double>(s.ll[j]);
@@ -163,14 +152,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace enamel::algo {
 
-HWY_EXPORT(light_loop);
 HWY_EXPORT(slope_loop);
 HWY_EXPORT(samples_loop);
-
-void light_row(const PhaseMaps& maps, const RowErrors& errors, float black_dn, std::size_t at, std::size_t width,
-               float* light) {
-  HWY_DYNAMIC_DISPATCH(light_loop)(maps, errors, black_dn, at, width, light);
-}
 
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out) {
   HWY_DYNAMIC_DISPATCH(slope_loop)(images, node_row, begin, end, out);

@@ -1,4 +1,4 @@
-// The loops of rigid_motion.hpp: over pixels of a row, nodes of a row, and all that judge the motion. Private to
+// The loops of rigid_motion.hpp: over nodes of a row and all that judge the motion. Private to
 // algo/decode.
 #pragma once
 
@@ -7,13 +7,8 @@
 
 #include "pipeline/algo/decode/motion_images.hpp"
 #include "pipeline/algo/decode/motion_samples.hpp"
-#include "pipeline/algo/phase/closure_rows.hpp"
 
 namespace enamel::algo {
-
-/// A - black less the ripple of the errors.
-void light_row(const PhaseMaps& maps, const RowErrors& errors, float black_dn, std::size_t at, std::size_t width,
-               float* light);
 
 /// Slopes of 1/z and of A about the nodes of a row, per pixel, from pairs of pixels opposite to each other: holes and
 /// edges drop out. All arrays hold one value a node.

@@ -1,8 +1,10 @@
 #include "pipeline/algo/decode/motion_samples.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/algo/decode/motion_images.hpp"
+#include "pipeline/algo/phase/closure_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 
 namespace enamel::algo {
@@ -13,11 +15,11 @@ void take_pixel(const PhaseMaps& m, float weight, float black_dn, float max_resi
   const float c = m.cosine_dn[i], s = m.sine_dn[i], b = m.modulation_dn[i], r = m.code_dn[i];
   const bool used = m.reject[i] == PixelReject::kNone && std::abs(weight) > 0.999F && std::abs(r) < max_residual * b;
   if (!used) return;
-  const float share = b / larger(m.mean_dn[i] - black_dn, 1);
+  const float light = m.mean_dn[i] - black_dn;
   const bool plus = weight > 0;
   out.rate[to] = plus ? 2 * (s - c) : -2 * c;
   out.rate_per_rate[to] = plus ? 2 * (s - c) : 2 * s;
-  out.light[to] = plus ? -2 * b - 2 * share * (c + s) : 2 * b - 2 * share * s;
+  out.light[to] = plus ? -2 * (light + c + s) : 2 * (light - s);
   out.shared[to] = plus ? 4 * (c - s) * (c + s) / (b + 1e-6F) : 0;
   out.residual[to] = r;
   out.used[to] = 1;
@@ -48,6 +50,41 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float bla
         take_pixel(maps, polarity.weight[i], black_dn, max_residual, i, p * out.nodes + n, out);
       }
     }
+  }
+}
+
+void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float max_residual, MotionSamples& out) {
+  const int columns = maps.phase_rad.width() / kNode_px, node_row = v / kNode_px, line = v % kNode_px / kPixelStep;
+  auto node = std::lower_bound(out.node.begin(), out.node.end(), node_row * columns);
+  for (; node != out.node.end() && *node / columns == node_row; ++node) {
+    const int left = *node % columns * kNode_px + v / kPixelStep % kPixelStep;
+    for (int k = 0; k < kNode_px / kPixelStep; ++k) {
+      const auto u = static_cast<std::size_t>(left + k * kPixelStep);
+      const std::size_t i = maps.phase_rad.index(static_cast<int>(u), v);
+      const float limit = max_residual * maps.modulation_dn[i];
+      if (maps.reject[i] != PixelReject::kNone || !(std::abs(row.residual[u]) < limit)) continue;
+      const std::size_t to = static_cast<std::size_t>(line * kNode_px / kPixelStep + k) * out.nodes +
+                             static_cast<std::size_t>(node - out.node.begin());
+      out.rate[to] = row.rate[u];
+      out.light[to] = row.light[u];
+      out.shared[to] = row.shared[u];
+      out.residual[to] = row.residual[u] + row.rate[u] * row.known_rate[u] + row.light[u] * row.known_light[u];
+      out.used[to] = 1;
+    }
+  }
+}
+
+void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& known, float black_dn,
+                  float max_residual, MotionSamples& out) {
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  place_samples(maps.phase_rad.width(), maps.phase_rad.height(), out);
+  ErrorRows rows(known, black_dn, maps.phase_rad.width());
+  std::vector<float> row(4 * width);
+  float* r = row.data();
+  for (int v = 0; v < maps.phase_rad.height(); v += kPixelStep) {
+    const RowErrors e = rows.at(polarity, v);
+    left_row(maps, e, maps.phase_rad.index(0, v), width, {r, r + width, r + 2 * width, r + 3 * width});
+    take_sample_row(maps, v, {r, r + width, r + 2 * width, r + 3 * width, e.rate, e.light}, max_residual, out);
   }
 }
 

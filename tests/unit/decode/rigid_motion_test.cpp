@@ -39,10 +39,19 @@ struct MovingBall {
     const double rc = r.dot(c), rr = r.squaredNorm();
     return (rc - std::sqrt(rc * rc - rr * (c.squaredNorm() - kRadius_mm * kRadius_mm))) / rr;
   }
+  [[nodiscard]] Vector3d projector_mm() const {
+    Eigen::Matrix4d T_proj_cam;
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column)
+        T_proj_cam(row, column) = rig.T_proj_cam[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+    return T_proj_cam.inverse().topRightCorner<3, 1>();
+  }
   [[nodiscard]] double light(int u, int v, double tau) const {
     const Vector3d p = ray(u, v) * depth(u, v, tau) - kCentre_mm - tau * shift_mm;
     const Vector3d on_ball = turn(tau).inverse() * p;
-    return 0.8 + 0.12 * std::sin(3 * on_ball.x()) * std::cos(2.3 * on_ball.y() + 0.4);
+    const double texture = 0.8 + 0.12 * std::sin(3 * on_ball.x()) * std::cos(2.3 * on_ball.y() + 0.4);
+    const Vector3d to_light = projector_mm() - (ray(u, v) * depth(u, v, tau));  // Lambert, and falls off
+    return texture * std::pow(45.0, 2) * p.normalized().dot(to_light) / std::pow(to_light.norm(), 3);
   }
   /// Frame k as it is at its own time.
   [[nodiscard]] test::SyntheticBurst render(bool noise) const {
