@@ -29,7 +29,7 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     }
     const BurstErrors errors = diag.rigid.moved ? errors_of(b.field) : b.closure.errors();
     // Each block's own harmonic takes up what its light leaves, which an odd frame would be taken for.
-    const BurstErrors of_blocks{errors.motion_rad, b.closure.errors().harmonic, errors.light};
+    const BurstErrors of_blocks{errors.motion_rad, b.closure.errors().harmonic, errors.light, {}, {}};
     const OddFrame odd = find_odd_frame(b.phase, b.polarity, of_blocks, black, b.closure.block_px);
     diag.odd_shift_rad = odd.shift_rad;
     diag.unrest = odd.unrest;

@@ -10,7 +10,8 @@ namespace enamel::algo {
 /// Valid while `field` lives. The harmonic is the one solved together with the motion: that of the blocks takes up what
 /// light sliding by leaves in the closure, wherever the b = +1 cells of a block are no whole fringe.
 [[nodiscard]] inline BurstErrors errors_of(const MotionField& field) noexcept {
-  return {field.rate_grid(), field.shared_grid(), field.light_grid()};
+  return {field.rate_grid(), field.shared_grid(), field.light_grid(), field.rate_change_grid(),
+          field.light_change_grid()};
 }
 
 /// maps, polarity: after apply_polarity; all borrowed.

@@ -79,11 +79,50 @@ class Pass {
       field.rate_rad[n] = work_.quality[n] != kNoSlope ? rate : view_.block_rate(column * kNode_px, row * kNode_px);
       field.light[n] = std::clamp(light, -kMostGrowth, kMostGrowth);
     }
+    spread_changes(theta, field);
   }
 
  private:
   [[nodiscard]] std::size_t pixel_of(int column, int row) const {
     return maps_.phase_rad.index(column * kNode_px + kNode_px / 2, row * kNode_px + kNode_px / 2);
+  }
+
+  /// Rate and light are properties of the surface, and pass by with it: d/dt = -(image motion).grad.
+  void spread_changes(const Theta& theta, MotionField& field) const {
+    field.rate_change_rad.assign(count_, 0.0F);
+    field.light_change.assign(count_, 0.0F);
+    const Eigen::Vector3f shift(static_cast<float>(theta[0]), static_cast<float>(theta[1]),
+                                static_cast<float>(theta[2]));
+    const Eigen::Vector3f turn(static_cast<float>(theta[3]), static_cast<float>(theta[4]),
+                               static_cast<float>(theta[5]));
+    const auto pitch = static_cast<std::size_t>(columns_);
+    for (int row = 1; row < rows_ - 1; ++row) {
+      const float* inverse_depth = work_.images.inverse_depth.around(row, 0, 0);
+      for (int column = 1; column < columns_ - 1; ++column) {
+        const std::size_t n = static_cast<std::size_t>(row) * pitch + static_cast<std::size_t>(column);
+        if (!surrounded(n)) continue;
+        const std::size_t i = pixel_of(column, row);
+        const float q = inverse_depth[column], x = rays_.rays.x[i], y = rays_.rays.y[i];
+        const Eigen::Vector3f u = q * shift + turn.cross(Eigen::Vector3f(x, y, 1) - q * pivot_mm_);
+        const std::size_t width = static_cast<std::size_t>(maps_.phase_rad.width());
+        const float nodes = 0.5F / static_cast<float>(kNode_px);  // central differences, per pixel
+        const float right = nodes * (u.x() - x * u.z()) / (rays_.rays.x[i + 1] - x);
+        const float down = nodes * (u.y() - y * u.z()) / (rays_.rays.y[i + width] - y);
+        const auto passing = [&](const std::vector<float>& f) {
+          return -right * (f[n + 1] - f[n - 1]) - down * (f[n + pitch] - f[n - pitch]);
+        };
+        field.rate_change_rad[n] = passing(field.rate_rad);
+        field.light_change[n] = passing(field.light) + field.light[n] * field.light[n];
+      }
+    }
+  }
+
+  /// A node with a slope among such nodes.
+  [[nodiscard]] bool surrounded(std::size_t n) const {
+    const auto pitch = static_cast<std::size_t>(columns_);
+    bool all = true;
+    for (const std::size_t k : {n, n - 1, n + 1, n - pitch, n + pitch}) all = all && work_.quality[k] != kNoSlope;
+    return all;
   }
 
   void make_nodes() {

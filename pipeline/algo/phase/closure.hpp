@@ -36,7 +36,8 @@ struct ClosureConfig {
 struct BurstErrors {
   Grid motion_rad;  ///< eps
   Grid harmonic;    ///< rho
-  Grid light;       ///< a = dA/B
+  Grid light;       ///< g = dA/A
+  Grid motion_change, light_change;  ///< of eps; d2A/A
 };
 
 /// Estimates for the burst and for each block of block_px (row major).
@@ -47,7 +48,7 @@ struct ClosureFit {
 
   /// Valid while this lives.
   [[nodiscard]] BurstErrors errors() const noexcept {
-    return {{block_motion_rad.data(), columns, rows, block_px}, {block_harmonic.data(), columns, rows, block_px}, {}};
+    return {{block_motion_rad.data(), columns, rows, block_px}, {block_harmonic.data(), columns, rows, block_px}, {}, {}, {}};
   }
   /// Index of the block that holds pixel (u, v).
   [[nodiscard]] std::size_t block_at(int u, int v) const noexcept {

@@ -42,24 +42,65 @@ struct Pixel {
   float mean, cosine, sine;
 };
 
-/// A, C and S at mid-burst: the equations of the frames used, each at its own time and under its own light, solved
-/// exactly. x: I / light above black, q = w/2, h = eps/2, c3 s3 of 3h:
-///   x0 = A + C c3 + S s3     x1 = A - S c + C s     x2 = A - C c + S s     x3 = A + b (S c3 + C s3)
-/// Frames 1 and 3 enter as one equation, (1 - q)(A - x1) + q b (x3 - A), so that noise counts as in polarity.hpp.
-[[gnu::always_inline]] inline Pixel at_mid_burst(const Pixel& p, float residual, float weight, float rate,
-                                                 float growth) {
-  const float q = 0.5F * std::abs(weight), b = select(weight < 0, -1, 1);
-  const float r = select(residual == residual, residual, 0), three = p.sine + q * r;
-  const float x0 = (p.mean + p.cosine) / (1 - 1.5F * growth), x1 = (p.mean - three) / (1 - 0.5F * growth);
-  const float x2 = (p.mean - p.cosine) / (1 + 0.5F * growth), x3 = (p.mean + b * (three - r)) / (1 + 1.5F * growth);
-  const float c = cos_poly(0.5F * rate), s = sin_poly(0.5F * rate), c3 = c * (4 * c * c - 3), s3 = s * (3 - 4 * s * s);
-  const float of_mean = 0.5F * (1 - q - q * b);
-  const float c_even = c3 + c, s_even = s3 - s, even = x0 - x2;
-  const float c_odd = q * s3 - (1 - q) * s + of_mean * (c3 - c), s_odd = q * c3 + (1 - q) * c + of_mean * (s3 + s);
-  const float odd = of_mean * (x0 + x2) - (1 - q) * x1 + q * b * x3;
-  const float inverse = 1 / (c_even * s_odd - s_even * c_odd);  // 1/2 at rest, positive for any motion below half a radian
-  const float cosine = (even * s_odd - s_even * odd) * inverse, sine = (c_even * odd - even * c_odd) * inverse;
-  return {0.5F * (x0 + x2 - cosine * (c3 - c) - sine * (s3 + s)), cosine, sine};
+/// Of one pixel, per frame interval: eps and its change, dA/A and d2A/A.
+struct Change {
+  float rate, rate_change, growth, growth_change;
+
+  [[nodiscard, gnu::always_inline]] float light(float t) const {
+    return 1 + t * growth + 0.5F * t * t * growth_change;
+  }
+};
+
+/// Values of the four frames, those of a pixel above black under the light of mid-burst.
+struct Frames {
+  float x0, x1, x2, x3;
+};
+
+[[gnu::always_inline]] inline Frames frames_of(const Pixel& p, float residual, float weight, const Change& d) {
+  const float b = select(weight < 0, -1, 1), r = select(residual == residual, residual, 0);
+  const float three = p.sine + 0.5F * std::abs(weight) * r;  // S of three frames; less the residual that of frame 3
+  return {(p.mean + p.cosine) / d.light(-1.5F), (p.mean - three) / d.light(-0.5F),
+          (p.mean - p.cosine) / d.light(0.5F), (p.mean + b * (three - r)) / d.light(1.5F)};
+}
+
+struct Turn {
+  float cos, sin;
+};
+
+/// What each frame's phase differs by from mid-burst.
+struct Turns {
+  Turn a0, a1, a2, a3;
+};
+
+[[gnu::always_inline]] inline Turns turns_of(const Change& d) {
+  const auto turn = [&](float t) {
+    const float a = t * d.rate + 0.5F * t * t * d.rate_change;
+    return Turn{cos_poly(a), sin_poly(a)};
+  };
+  return {turn(-1.5F), turn(-0.5F), turn(0.5F), turn(1.5F)};
+}
+
+/// A, C and S at mid-burst, exactly, by the equations of the frames used, each at its own time:
+///   x0 = A + C cos a0 - S sin a0      x1 = A - S cos a1 - C sin a1
+///   x2 = A - C cos a2 + S sin a2      x3 = A + b (S cos a3 + C sin a3)
+/// Frames 1 and 3 enter as one, (1 - q)(A - x1) + q b (x3 - A) with q = w/2, so that noise counts as in polarity.hpp.
+[[gnu::always_inline]] inline Pixel solve(const Frames& x, float weight, const Turns& t) {
+  const float q = 0.5F * std::abs(weight), b = select(weight < 0, -1, 1), of_mean = 0.5F * (1 - q - q * b);
+  const float even_c = t.a0.cos + t.a2.cos, even_s = -t.a0.sin - t.a2.sin, even = x.x0 - x.x2;
+  const float odd_c = (1 - q) * t.a1.sin + q * t.a3.sin + of_mean * (t.a0.cos - t.a2.cos);
+  const float odd_s = (1 - q) * t.a1.cos + q * t.a3.cos - of_mean * (t.a0.sin - t.a2.sin);
+  const float odd = of_mean * (x.x0 + x.x2) - (1 - q) * x.x1 + q * b * x.x3;
+  const float inverse = 1 / (even_c * odd_s - even_s * odd_c);  // 1/2 at rest, positive for any motion below 0.5 rad
+  const float c = (even * odd_s - even_s * odd) * inverse, s = (even_c * odd - even * odd_c) * inverse;
+  return {0.5F * (x.x0 + x.x2 - c * (t.a0.cos - t.a2.cos) + s * (t.a0.sin - t.a2.sin)), c, s};
+}
+
+/// What the frames of `p` show of a second harmonic, per B2/B.
+[[gnu::always_inline]] inline Frames harmonic_of(const Pixel& p, const Turns& t) {
+  const float inv = 1 / root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F);
+  const float cos2 = (p.cosine - p.sine) * (p.cosine + p.sine) * inv, sin2 = 2 * p.cosine * p.sine * inv;
+  const auto at = [&](const Turn& a) { return cos2 * (1 - 2 * a.sin * a.sin) - sin2 * 2 * a.sin * a.cos; };
+  return {at(t.a0), -at(t.a1), at(t.a2), -at(t.a3)};
 }
 
 void mid_burst_loop(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t width, float* phase,
@@ -67,19 +108,20 @@ void mid_burst_loop(const PhaseMaps& m, const RowErrors& e, std::size_t at, std:
   const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict r = &m.code_dn[at];
   const float* __restrict mean = &m.mean_dn[at], * __restrict w = e.weight, * __restrict rate = e.rate;
   const float* __restrict rho = e.harmonic, * __restrict growth = e.light;
+  const float* __restrict rate_change = e.rate_change, * __restrict growth_change = e.light_change;
   const float* measured = &m.phase_rad[at];  // which `phase` may be
   const float black_dn = e.black_dn;
   float* out = phase;
   float* __restrict lit = light;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const Pixel p = at_mid_burst({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], rate[u], growth[u]);
-    const float inv = 1 / root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F);
-    const float cos2 = (p.cosine - p.sine) * (p.cosine + p.sine) * inv;  // B cos 2phi
-    const float ripple = 2 * rho[u] * cos2 * p.cosine * inv * inv * (1 - larger(w[u], 0));
-    const float turned = atan2_poly(p.sine * c[u] - p.cosine * s[u], p.cosine * c[u] + p.sine * s[u]);
-    out[u] = measured[u] + turned - ripple;
-    lit[u] = p.mean - rho[u] * cos2;
+    const Change d{rate[u], rate_change[u], growth[u], growth_change[u]};
+    const Turns turns = turns_of(d);
+    const Pixel p = solve(frames_of({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d), w[u], turns);
+    const Pixel h = solve(harmonic_of(p, turns), w[u], turns);
+    const float cosine = p.cosine - rho[u] * h.cosine, sine = p.sine - rho[u] * h.sine;
+    out[u] = measured[u] + atan2_poly(sine * c[u] - cosine * s[u], cosine * c[u] + sine * s[u]);
+    lit[u] = p.mean - rho[u] * h.mean;
   }
 }
 
@@ -87,23 +129,26 @@ void left_loop(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size
   const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict r = &m.code_dn[at];
   const float* __restrict mean = &m.mean_dn[at], * __restrict w = e.weight, * __restrict rate = e.rate;
   const float* __restrict growth = e.light;
+  const float* __restrict rate_change = e.rate_change, * __restrict growth_change = e.light_change;
   const float black_dn = e.black_dn;
   float* __restrict left = row.residual, * __restrict by_rate = row.by_rate;
   float* __restrict by_light = row.by_light, * __restrict by_harmonic = row.by_harmonic;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const Pixel raw{mean[u] - black_dn, c[u], s[u]};
-    const Pixel three = at_mid_burst({raw.mean, raw.cosine, raw.sine + 0.5F * r[u]}, r[u], 0, rate[u], growth[u]);
-    const Pixel p = at_mid_burst(raw, r[u], w[u], rate[u], growth[u]);
-    const float b = select(w[u] < 0, -1, 1), a = 1.5F * rate[u];
-    const float wave = three.sine * cos_poly(a) + three.cosine * sin_poly(a);
-    const float seen = b * raw.mean + raw.sine - 0.5F * r[u];  // b (I3 - black)
+    const Change d{rate[u], rate_change[u], growth[u], growth_change[u]};
+    const Turns turns = turns_of(d);
+    const Frames x = frames_of({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d);
+    const Pixel p = solve(x, w[u], turns);
+    const float b = select(w[u] < 0, -1, 1);
+    const auto unexplained = [&](const Frames& f) {
+      const Pixel three = solve(f, 0, turns);
+      return d.light(1.5F) * (b * (three.mean - f.x3) + three.sine * turns.a3.cos + three.cosine * turns.a3.sin);
+    };
     const bool plus = w[u] > 0;
-    left[u] = select(std::abs(w[u]) > 0.999F, (1 + 1.5F * growth[u]) * (b * three.mean + wave) - seen, kNone);
+    left[u] = select(std::abs(w[u]) > 0.999F, unexplained(x), kNone);
     by_rate[u] = 2 * (select(plus, p.sine, 0) - p.cosine);
     by_light[u] = select(plus, -2 * (p.mean + p.cosine + p.sine), 2 * (p.mean - p.sine));
-    by_harmonic[u] = select(plus, 4, 0) * (p.cosine - p.sine) * (p.cosine + p.sine) /
-                     root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F);
+    by_harmonic[u] = unexplained(harmonic_of(p, turns));
   }
 }
 

@@ -14,7 +14,7 @@ void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, 
 
 /// What shifts the phase of one row's pixels.
 struct RowErrors {
-  const float *weight, *rate, *harmonic, *light;
+  const float *weight, *rate, *harmonic, *light, *rate_change, *light_change;
   float black_dn = 0;
 };
 
@@ -25,15 +25,18 @@ class ErrorRows {
       : rate_(errors.motion_rad, width),
         harmonic_(errors.harmonic, width),
         light_(errors.light, width),
+        rate_change_(errors.motion_change, width),
+        light_change_(errors.light_change, width),
         black_dn_(black_dn) {}
 
   /// Valid until the next call.
   [[nodiscard]] RowErrors at(const PolarityMaps& polarity, int v) {
-    return {&polarity.weight(0, v), rate_.row(v), harmonic_.row(v), light_.row(v), black_dn_};
+    return {&polarity.weight(0, v), rate_.row(v), harmonic_.row(v), light_.row(v),
+            rate_change_.row(v), light_change_.row(v), black_dn_};
   }
 
  private:
-  GridRows rate_, harmonic_, light_;
+  GridRows rate_, harmonic_, light_, rate_change_, light_change_;
   float black_dn_;
 };
 
