@@ -29,8 +29,8 @@ struct OddFrame {
   float unrest = 0;     ///< of B, on the same scale as shift_rad
 };
 /// errors: motion, light and harmonic as far as they are known; block_px: of the blocks.
-[[nodiscard]] OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors, float black_dn,
-                                      int block_px);
+[[nodiscard]] OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors,
+                                      float black_dn, int block_px);
 
 /// Share of valid horizontal neighbours whose phase changes in the direction of the rig's carrier. An odd permutation
 /// of mode M's three phase frames turns the sign of the phase, and its code is as good as before (cos is even): only

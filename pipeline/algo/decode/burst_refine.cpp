@@ -33,7 +33,7 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     const OddFrame odd = find_odd_frame(b.phase, b.polarity, of_blocks, black, b.closure.block_px);
     diag.odd_shift_rad = odd.shift_rad;
     diag.unrest = odd.unrest;
-    correct_saturated(b.saturated, errors, b.phase, b.scratch);
+    correct_saturated(b.saturated, errors, black, b.phase, b.scratch);
     correct_phase(b.polarity, errors, black, b.phase);
     for (std::size_t k = 0; k < b.saturated.size(); ++k) b.phase.phase_rad[b.saturated[k].index] = b.scratch[k];
     step("motion");

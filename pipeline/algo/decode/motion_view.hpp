@@ -18,7 +18,7 @@ struct MotionField {
   int columns = 0, rows = 0;
   std::vector<float> rate_rad, light;                ///< eps; dA/A
   std::vector<float> rate_change_rad, light_change;  ///< of eps; d2A/A
-  float shared = 0;                    ///< x
+  float shared = 0;                                  ///< x
 
   /// Valid while this lives.
   [[nodiscard]] Grid rate_grid() const noexcept { return {rate_rad.data(), columns, rows, kNode_px}; }

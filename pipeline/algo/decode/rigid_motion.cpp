@@ -15,11 +15,11 @@ namespace {
 constexpr float kMinDet = 4000;    ///< of the 2x2 normal equations: about a quarter of a full window's
 constexpr float kMaxSlope = 3.7F;  ///< dz/dx of 75 degrees, the steepest that counts as one surface
 constexpr float kMinCosine =
-    0.6F;                   ///< of the incidence; slopes of steeper surface are known too badly to judge the motion by
+    0.6F;  ///< of the incidence; slopes of steeper surface are known too badly to judge the motion by
 constexpr float kMinLitCosine = 0.2F;  ///< of the light's incidence; beyond, slopes are known too badly to tell it
-constexpr float kMostGrowth = 0.3F;  ///< of light, per frame interval; more is no surface sliding by
-constexpr int kRounds = 3;  ///< each leaves out what the round before could not explain
-constexpr int kUnknowns = 7;  ///< V, W, and what all pixels share
+constexpr float kMostGrowth = 0.3F;    ///< of light, per frame interval; more is no surface sliding by
+constexpr int kRounds = 3;             ///< each leaves out what the round before could not explain
+constexpr int kUnknowns = 7;           ///< V, W, and what all pixels share
 using Vector7 = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix7 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Theta = std::array<double, kUnknowns>;
@@ -160,8 +160,7 @@ class Pass {
     // Rate and light are linear in the point's motion U q, so two vectors say it for all shifts and turns.
     const Eigen::Vector3f of_rate = -m / slope;
     const Shading shading = shading_of(m, q * rays_.projector_mm - r);
-    const Eigen::Vector3f of_light =
-        Eigen::Vector3f(-a_u, -a_v, a_u * x + a_v * y) / light + shading.of_shift;
+    const Eigen::Vector3f of_light = Eigen::Vector3f(-a_u, -a_v, a_u * x + a_v * y) / light + shading.of_shift;
     const Eigen::Vector3f arm = r - q * pivot_mm_;  // (W x arm).f = W.(arm x f)
     const Eigen::Vector3f turn_rate = arm.cross(of_rate), turn_light = arm.cross(of_light) + shading.of_turn;
     const std::size_t n =
@@ -204,7 +203,8 @@ class Pass {
     }
     spread << Eigen::Vector3d::Constant(config_.shift_prior_mm), Eigen::Vector3d::Constant(config_.turn_prior_rad),
         config_.shared_prior;
-    left.diagonal() += static_cast<double>(kNodePixels) * e.squares / std::max(e.pixels, 1.0) * spread.cwiseInverse().cwiseAbs2();
+    left.diagonal() +=
+        static_cast<double>(kNodePixels) * e.squares / std::max(e.pixels, 1.0) * spread.cwiseInverse().cwiseAbs2();
     const Vector7 theta = left.ldlt().solve(right);
     Theta out{};
     std::copy_n(theta.data(), kUnknowns, out.begin());

@@ -46,9 +46,7 @@ struct Pixel {
 struct Change {
   float rate, rate_change, growth, growth_change;
 
-  [[nodiscard, gnu::always_inline]] float light(float t) const {
-    return 1 + t * growth + 0.5F * t * t * growth_change;
-  }
+  [[nodiscard, gnu::always_inline]] float light(float t) const { return 1 + t * growth + 0.5F * t * t * growth_change; }
 };
 
 /// Values of the four frames, those of a pixel above black under the light of mid-burst.
@@ -59,8 +57,8 @@ struct Frames {
 [[gnu::always_inline]] inline Frames frames_of(const Pixel& p, float residual, float weight, const Change& d) {
   const float b = select(weight < 0, -1, 1), r = select(residual == residual, residual, 0);
   const float three = p.sine + 0.5F * std::abs(weight) * r;  // S of three frames; less the residual that of frame 3
-  return {(p.mean + p.cosine) / d.light(-1.5F), (p.mean - three) / d.light(-0.5F),
-          (p.mean - p.cosine) / d.light(0.5F), (p.mean + b * (three - r)) / d.light(1.5F)};
+  return {(p.mean + p.cosine) / d.light(-1.5F), (p.mean - three) / d.light(-0.5F), (p.mean - p.cosine) / d.light(0.5F),
+          (p.mean + b * (three - r)) / d.light(1.5F)};
 }
 
 struct Turn {
@@ -145,7 +143,7 @@ void left_loop(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size
       return d.light(1.5F) * (b * (three.mean - f.x3) + three.sine * turns.a3.cos + three.cosine * turns.a3.sin);
     };
     const bool plus = w[u] > 0;
-    left[u] = select(std::abs(w[u]) > 0.999F, unexplained(x), kNone);
+    left[u] = select((std::abs(w[u]) > 0.999F) & (r[u] == r[u]), unexplained(x), kNone);
     by_rate[u] = 2 * (select(plus, p.sine, 0) - p.cosine);
     by_light[u] = select(plus, -2 * (p.mean + p.cosine + p.sine), 2 * (p.mean - p.sine));
     by_harmonic[u] = unexplained(harmonic_of(p, turns));

@@ -31,8 +31,8 @@ class ErrorRows {
 
   /// Valid until the next call.
   [[nodiscard]] RowErrors at(const PolarityMaps& polarity, int v) {
-    return {&polarity.weight(0, v), rate_.row(v), harmonic_.row(v), light_.row(v),
-            rate_change_.row(v), light_change_.row(v), black_dn_};
+    return {&polarity.weight(0, v), rate_.row(v),         harmonic_.row(v), light_.row(v),
+            rate_change_.row(v),    light_change_.row(v), black_dn_};
   }
 
  private:

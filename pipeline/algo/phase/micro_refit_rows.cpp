@@ -97,9 +97,8 @@ struct Residual {
   const float s2 = -0.5F * s + kHalfRoot3 * c, s3 = -0.5F * s - kHalfRoot3 * c;
   const float part = p.mean / b;  // A/B
   const float by_motion = slope(-kFirstTime * s, -kSecondTime * s2, -kThirdTime * s3, kCodeTime);
-  const float by_light =
-      slope(kFirstTime * (part + c), kSecondTime * (part + c2), kThirdTime * (part + c3), 0) -
-      kCodeTime * (p.mean + gb * k.angle.cos);
+  const float by_light = slope(kFirstTime * (part + c), kSecondTime * (part + c2), kThirdTime * (part + c3), 0) -
+                         kCodeTime * (p.mean + gb * k.angle.cos);
   const float code_frame = (raw.mean + code) / (1 + kCodeTime * growth);
   return {code_frame - p.mean - gb * k.light,
           by_motion,
@@ -166,8 +165,8 @@ void odd_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, f
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Pixel raw{mean[u] - black, cosine[u], sine[u]};
-    const Residual k = code_residual(raw, code[u], phase[u], {oc[u], os[u]}, rate[u], light[u],
-                                     gain[u], inverse_ratio, harmonic);
+    const Residual k =
+        code_residual(raw, code[u], phase[u], {oc[u], os[u]}, rate[u], light[u], gain[u], inverse_ratio, harmonic);
     const bool asked = (k.rest == k.rest) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);
     const bool used = (std::abs(k.rest) < limit * k.modulation) & asked;
     const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), y = select(used, -k.rest, 0);
