@@ -49,9 +49,10 @@ double repeated_share(const BurstView& view, const PhaseMaps& maps, const NoiseM
   return seen > 0 ? static_cast<double>(most) / static_cast<double>(seen) : 0;
 }
 
-OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors, int block_px) {
+OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors, float black_dn,
+                        int block_px) {
   const auto width = static_cast<std::size_t>(maps.phase_rad.width()), block = static_cast<std::size_t>(block_px);
-  ErrorRows rows(errors, maps.phase_rad.width());
+  ErrorRows rows(errors, black_dn, maps.phase_rad.width());
   std::vector<float> shifts, levels, columns(kOddSums * width);
   for (int top = 0; top < maps.phase_rad.height(); top += block_px) {
     std::fill(columns.begin(), columns.end(), 0.0F);

@@ -30,7 +30,7 @@ struct OddFrame {
 };
 /// errors: motion, light and harmonic as far as they are known; block_px: of the blocks.
 [[nodiscard]] OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors,
-                                      int block_px);
+                                      float black_dn, int block_px);
 
 /// Share of valid horizontal neighbours whose phase changes in the direction of the rig's carrier. An odd permutation
 /// of mode M's three phase frames turns the sign of the phase, and its code is as good as before (cos is even): only

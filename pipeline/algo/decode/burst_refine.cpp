@@ -29,11 +29,11 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     }
     const BurstErrors errors = diag.rigid.moved ? errors_of(b.field) : b.closure.errors();
     // Each block's own harmonic takes up what its light leaves, which an odd frame would be taken for.
-    const BurstErrors of_blocks{errors.motion_rad, b.closure.errors().harmonic, errors.light};
-    const OddFrame odd = find_odd_frame(b.phase, b.polarity, of_blocks, b.closure.block_px);
+    const BurstErrors of_blocks{errors.motion_rad, b.closure.errors().harmonic, errors.light, {}, {}};
+    const OddFrame odd = find_odd_frame(b.phase, b.polarity, of_blocks, black, b.closure.block_px);
     diag.odd_shift_rad = odd.shift_rad;
     diag.unrest = odd.unrest;
-    correct_saturated(b.saturated, errors, b.phase, b.scratch);
+    correct_saturated(b.saturated, errors, black, b.phase, b.scratch);
     correct_phase(b.polarity, errors, black, b.phase);
     for (std::size_t k = 0; k < b.saturated.size(); ++k) b.phase.phase_rad[b.saturated[k].index] = b.scratch[k];
     step("motion");
@@ -68,7 +68,11 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
           {b.spans, turn, *micro_, diag.third_rad, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual});
       diag.rigid =
           fit_rigid_motion(view, b.phase, turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field);
-      if (diag.rigid.moved) spread_motion(b.field, b.micro_motion);
+      if (diag.rigid.moved) {
+        spread_motion(b.field, b.micro_motion);
+        refit_micro_gain(b.spans, turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase,
+                         b.micro_motion);
+      }
     }
     const MicroOdd odd = find_micro_odd(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise,
                                         config_.micro_refit.max_residual, b.phase);

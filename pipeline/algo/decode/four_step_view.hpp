@@ -10,7 +10,8 @@ namespace enamel::algo {
 /// Valid while `field` lives. The harmonic is the one solved together with the motion: that of the blocks takes up what
 /// light sliding by leaves in the closure, wherever the b = +1 cells of a block are no whole fringe.
 [[nodiscard]] inline BurstErrors errors_of(const MotionField& field) noexcept {
-  return {field.rate_grid(), field.shared_grid(), field.light_grid()};
+  return {field.rate_grid(), field.shared_grid(), field.light_grid(), field.rate_change_grid(),
+          field.light_change_grid()};
 }
 
 /// maps, polarity: after apply_polarity; all borrowed.
@@ -25,8 +26,11 @@ class FourStepView final : public MotionView {
         black_dn_(black_dn),
         max_residual_(max_residual) {}
 
-  void take_samples(MotionSamples& out) override {
-    algo::take_samples(maps_, polarity_, black_dn_, max_residual_, out);
+  void take_samples(const MotionField* known, MotionSamples& out) override {
+    if (known == nullptr)
+      algo::take_samples(maps_, polarity_, black_dn_, max_residual_, out);
+    else
+      algo::take_samples(maps_, polarity_, errors_of(*known), black_dn_, max_residual_, out);
   }
   void make_images(const MotionField* known, MotionImages& out) override {
     make_motion_images(maps_, polarity_, rays_, known != nullptr ? errors_of(*known) : coarse_.errors(), black_dn_,

@@ -59,7 +59,8 @@ RepeatCount repeats_loop(const std::array<const float*, 4>& frames, const PhaseM
 void odd_loop(const PhaseMaps& m, const RowErrors& errors, std::size_t at, std::size_t width, float* sums) {
   const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict b = &m.modulation_dn[at];
   const float* __restrict r = &m.code_dn[at], * __restrict w = errors.weight, * __restrict e = errors.rate;
-  const float* __restrict rho = errors.harmonic, * __restrict light = errors.light;
+  const float* __restrict rho = errors.harmonic, * __restrict light = errors.light, * __restrict mean = &m.mean_dn[at];
+  const float black_dn = errors.black_dn;
   const PixelReject* __restrict reject = &m.reject[at];
   float* __restrict both = sums, * __restrict both_energy = both + width;
   float* __restrict level = both_energy + width, * __restrict level_energy = level + width;
@@ -67,7 +68,7 @@ void odd_loop(const PhaseMaps& m, const RowErrors& errors, std::size_t at, std::
   for (std::size_t u = 0; u < width; ++u) {
     const bool used = (std::abs(w[u]) > 0.999F) & (r[u] == r[u]) & (reject[u] == PixelReject::kNone);
     const bool plus = used & (w[u] > 0), minus = used & (w[u] < 0);
-    const float passing = 2 * b[u] * light[u], sum = s[u] + c[u];
+    const float passing = 2 * (mean[u] - black_dn) * light[u], sum = s[u] + c[u];
     const float of_plus = 2 * e[u] * (1 + e[u]) * (s[u] - c[u]) + 4 * rho[u] * (c[u] - s[u]) * sum / b[u] - passing;
     const float of_minus = -2 * e[u] * (c[u] - e[u] * s[u]) + passing;
     both[u] += select(plus, (r[u] - of_plus) * sum, 0);

@@ -15,46 +15,27 @@ constexpr float kSignificantSigmas = 2.0F;  ///< of a block's eps
 
 }  // namespace
 
-/// Row v lies in a sampled node row, whose first node is out.node[first].
-void MicroView::take_row(int v, const float* rows, std::size_t first, MotionSamples& out) const {
-  const auto width = static_cast<std::size_t>(in_.maps.phase_rad.width());
-  const int columns = in_.maps.phase_rad.width() / kNode_px, node_row = v / kNode_px;
-  const int line = v % kNode_px / kPixelStep;
-  const float *residual = rows, *rate = rows + width, *light = rate + width, *gain = light + width;
-  for (std::size_t n = first; n < out.node.size() && out.node[n] / columns == node_row; ++n) {
-    const int left = out.node[n] % columns * kNode_px + v / kPixelStep % kPixelStep;
-    for (int k = 0; k < kNode_px / kPixelStep; ++k) {
-      const auto u = static_cast<std::size_t>(left + k * kPixelStep);
-      const std::size_t i = in_.maps.phase_rad.index(static_cast<int>(u), v);
-      const float b = in_.maps.modulation_dn[i], limit = in_.max_residual * b;
-      if (in_.maps.reject[i] != PixelReject::kNone || !(std::abs(residual[u]) < limit)) continue;
-      const std::size_t to = static_cast<std::size_t>(line * kNode_px / kPixelStep + k) * out.nodes + n;
-      out.rate[to] = rate[u];
-      out.light[to] = light[u];
-      out.shared[to] = gain[u];
-      out.residual[to] = residual[u] + rate[u] * in_.blocks.pixel_motion_rad[i];
-      out.used[to] = 1;
-    }
-  }
-}
-
-void MicroView::take_samples(MotionSamples& out) {
-  const auto width = static_cast<std::size_t>(in_.maps.phase_rad.width());
-  place_samples(in_.maps.phase_rad.width(), in_.maps.phase_rad.height(), out);
-  const int columns = in_.maps.phase_rad.width() / kNode_px;
+void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
+  const int columns = in_.maps.phase_rad.width();
+  const auto width = static_cast<std::size_t>(columns);
+  place_samples(columns, in_.maps.phase_rad.height(), out);
+  GridRows rate(known != nullptr ? known->rate_grid() : Grid{}, columns);
+  GridRows light(known != nullptr ? known->light_grid() : Grid{}, columns);
+  // One gain for all: that of a block takes up half of what light does there.
+  const std::vector<float> gain(width, in_.blocks.gain);
   std::vector<float> rows(kRowValues * width);
-  std::size_t first = 0;
+  float* r = rows.data();
   each_code_row(in_.spans, in_.turn, in_.code, [&](std::int32_t v, const float* cosine, const float* sine) {
     if (v % kPixelStep != 0) return;
-    while (first < out.node.size() && out.node[first] / columns < v / kNode_px) ++first;
-    if (first == out.node.size() || out.node[first] / columns != v / kNode_px) return;
     const std::size_t at = static_cast<std::size_t>(v) * width;
-    float* r = rows.data();
-    code_residual_row(in_.maps, code_row_of(in_.blocks, in_.code, in_.third_rad, at, cosine, sine), at, width,
-                      {r, r + width, r + 2 * width, r + 3 * width});
+    CodeRow row = code_row_of(in_.blocks, in_.code, in_.third_rad, at, cosine, sine);
+    if (known != nullptr) row.motion_rad = rate.row(v), row.light = light.row(v);
+    row.gain = gain.data();
+    code_residual_row(in_.maps, row, at, width, {r, r + width, r + 2 * width, r + 3 * width});
     for (std::size_t u = 0; u < width; ++u)
       if (cosine[u] == 0 && sine[u] == 0) r[u] = std::nanf("");
-    take_row(v, r, first, out);
+    take_sample_row(in_.maps, v, {r, r + width, r + 2 * width, r + 3 * width, row.motion_rad, row.light},
+                    in_.max_residual, out);
   });
 }
 

@@ -21,17 +21,16 @@ struct MicroViewInput {
   float max_residual;  ///< of B
 };
 
-/// All borrowed. Residuals and their columns are about the motion of the blocks.
+/// All borrowed. Without motion known, residuals and their columns are about that of the blocks.
 class MicroView final : public MotionView {
  public:
   explicit MicroView(const MicroViewInput& input) : in_(input) {}
 
-  void take_samples(MotionSamples& out) override;
+  void take_samples(const MotionField* known, MotionSamples& out) override;
   void make_images(const MotionField* known, MotionImages& out) override;
   [[nodiscard]] float block_rate(int u, int v) const override;
 
  private:
-  void take_row(int v, const float* rows, std::size_t first, MotionSamples& out) const;
   MicroViewInput in_;
 };
 

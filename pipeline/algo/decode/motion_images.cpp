@@ -1,8 +1,5 @@
 #include "pipeline/algo/decode/motion_images.hpp"
 
-#include <algorithm>
-
-#include "pipeline/algo/decode/motion_rows.hpp"
 #include "pipeline/algo/decode/surface.hpp"
 #include "pipeline/algo/phase/closure_rows.hpp"
 
@@ -31,16 +28,14 @@ void make_motion_images(const PhaseMaps& maps, const PolarityMaps& polarity, con
   out.light.resize(width, height);
   out.phase.resize(columns);
   out.row.resize(columns);
-  ErrorRows rows(errors, width);
+  out.light_row.resize(columns);
+  ErrorRows rows(errors, black_dn, width);
   for (int v = 0; v < height; v += 2) {
     const std::size_t at = maps.phase_rad.index(0, v);
-    const RowErrors e = rows.at(polarity, v);
-    std::copy_n(&maps.phase_rad[at], columns, out.phase.data());
-    correct_phase_row(maps, e, black_dn, at, columns, out.phase.data());
+    mid_burst_row(maps, rows.at(polarity, v), at, columns, out.phase.data(), out.light_row.data());
+    out.light.set_row(v / 2, out.light_row.data());
     make_inverse_depth_row(maps, polarity.turn, rays, at, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
-    light_row(maps, e, black_dn, at, columns, out.row.data());
-    out.light.set_row(v / 2, out.row.data());
   }
 }
 

@@ -37,8 +37,8 @@ class MotionImage {
 
 struct MotionImages {
   MotionImage inverse_depth;  ///< NaN where rejected or out of range
-  MotionImage light;          ///< A - black, without the ripple that the errors put on (I0+I2)/2
-  std::vector<float> phase, row;
+  MotionImage light;          ///< A - black at mid-burst
+  std::vector<float> phase, row, light_row;
 };
 
 /// Both as they are when the errors are taken off the phase of `maps`.

@@ -14,19 +14,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
-void light_loop(const PhaseMaps& m, const RowErrors& e, float black_dn, std::size_t at, std::size_t width, float* out) {
-  const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict b = &m.modulation_dn[at];
-  const float* __restrict mean = &m.mean_dn[at], * __restrict rate = e.rate, * __restrict harmonic = e.harmonic;
-  float* __restrict light = out;
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const float ripple = rate[u] * s[u] + harmonic[u] * (c[u] - s[u]) * (c[u] + s[u]) / (b[u] + 1e-6F);
-    light[u] = mean[u] - black_dn - ripple;
-  }
-}
-
-void sample_loop(const PhaseMaps& m, const float* weight, float black_dn, float max_residual, std::size_t at,
-                 std::size_t count, const SampleRow& out) {
+void closure_loop(const PhaseMaps& m, const float* weight, float black_dn, float max_residual, std::size_t at,
+                  std::size_t count, const ClosureRow& out) {
   static_assert(kPixelStep == 2);
   const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
   const float* __restrict modulation = &m.modulation_dn[at], * __restrict mean = &m.mean_dn[at];
@@ -39,10 +28,10 @@ void sample_loop(const PhaseMaps& m, const float* weight, float black_dn, float 
   for (std::size_t k = 0; k < count; ++k) {
     const float c = cosine[2 * k], s = sine[2 * k], b = modulation[2 * k], r = closure[2 * k], w = weights[2 * k];
     const bool asked = (used[k] > 0) & (std::abs(w) > 0.999F) & (std::abs(r) < max_residual * b), plus = w > 0;
-    const float share = b / larger(mean[2 * k] - black_dn, 1);
+    const float own = mean[2 * k] - black_dn;
     rate[k] = select(asked, select(plus, 2 * (s - c), -2 * c), 0);
     per_rate[k] = select(asked, select(plus, 2 * (s - c), 2 * s), 0);
-    light[k] = select(asked, select(plus, -2 * b - 2 * share * (c + s), 2 * b - 2 * share * s), 0);
+    light[k] = select(asked, select(plus, -2 * (own + c + s), 2 * (own - s)), 0);
     shared[k] = select(asked & plus, 4 * (c - s) * (c + s) / (b + 1e-6F), 0);
     residual[k] = select(asked, r, 0);
     used[k] = select(asked, 1, 0);
@@ -105,7 +94,7 @@ void slope_loop(const MotionImages& images, int node_row, int begin, int end, co
     slopes_of<kNodeLanes>(images, node_row, std::min(n, end - kLanes), out);
 }
 
-/// Sums over the pixels of kNodeLanes nodes: products of the columns of eps (r), dA/B (l), rho (h) and the residual.
+/// Sums over the pixels of kNodeLanes nodes: products of the columns of eps (r), dA/A (l), rho (h) and the residual.
 struct NodeSums {
   Lanes rr{}, rl{}, ll{}, rh{}, lh{}, hh{}, ry{}, ly{}, hy{}, squares{}, pixels{};
 };
@@ -135,7 +124,7 @@ struct NodeSums {
   }
 }
 
-/// One node's part in the normal equations: its pixels' columns are r (row of eps) + l (row of dA/B), and h.
+/// One node's part in the normal equations: its pixels' columns are r (row of eps) + l (row of dA/A), and h.
 [[gnu::always_inline]] inline void add_node(const NodeSums& s, std::size_t j, const std::array<double, 8>& rate,
                                             const std::array<double, 8>& light, MotionEquations& out) {
   const auto rr = static_cast<double>(s.rr[j]), rl = static_cast<double>(s.rl[j]), ll = static_cast<double>(s.ll[j]);
@@ -187,19 +176,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace enamel::algo {
 
-HWY_EXPORT(light_loop);
-HWY_EXPORT(sample_loop);
+HWY_EXPORT(closure_loop);
 HWY_EXPORT(slope_loop);
 HWY_EXPORT(samples_loop);
 
-void light_row(const PhaseMaps& maps, const RowErrors& errors, float black_dn, std::size_t at, std::size_t width,
-               float* light) {
-  HWY_DYNAMIC_DISPATCH(light_loop)(maps, errors, black_dn, at, width, light);
-}
-
-void sample_row(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual, std::size_t at,
-                std::size_t count, const SampleRow& out) {
-  HWY_DYNAMIC_DISPATCH(sample_loop)(maps, weight, black_dn, max_residual, at, count, out);
+void closure_row(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual, std::size_t at,
+                 std::size_t count, const ClosureRow& out) {
+  HWY_DYNAMIC_DISPATCH(closure_loop)(maps, weight, black_dn, max_residual, at, count, out);
 }
 
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out) {

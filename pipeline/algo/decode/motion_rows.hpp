@@ -1,4 +1,4 @@
-// The loops of rigid_motion.hpp: over pixels of a row, nodes of a row, and all that judge the motion. Private to
+// The loops of rigid_motion.hpp: over nodes of a row and all that judge the motion. Private to
 // algo/decode.
 #pragma once
 
@@ -7,13 +7,8 @@
 
 #include "pipeline/algo/decode/motion_images.hpp"
 #include "pipeline/algo/decode/motion_samples.hpp"
-#include "pipeline/algo/phase/closure_rows.hpp"
 
 namespace enamel::algo {
-
-/// A - black less the ripple of the errors.
-void light_row(const PhaseMaps& maps, const RowErrors& errors, float black_dn, std::size_t at, std::size_t width,
-               float* light);
 
 /// Slopes of 1/z and of A about the nodes of a row, per pixel, from pairs of pixels opposite to each other: holes and
 /// edges drop out. All arrays hold one value a node.
@@ -24,12 +19,12 @@ struct SlopeRow {
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out);
 
 /// What every second pixel of a row says (motion_samples.hpp); 0 where it says nothing.
-struct SampleRow {
+struct ClosureRow {
   float *rate, *rate_per_rate, *light, *shared, *residual, *used;
 };
 /// Pixels at, at + 2, …, count of them; weight: of pixel `at` and those behind it.
-void sample_row(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual, std::size_t at,
-                std::size_t count, const SampleRow& out);
+void closure_row(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual, std::size_t at,
+                 std::size_t count, const ClosureRow& out);
 
 /// Weighted sums over the samples: normal equations of (V, W, rho), residuals beyond `limit` left out.
 void add_samples(const MotionSamples& samples, const MotionColumns& columns, const std::array<double, 7>& theta,

@@ -1,7 +1,11 @@
 #include "pipeline/algo/decode/motion_samples.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "pipeline/algo/decode/motion_images.hpp"
 #include "pipeline/algo/decode/motion_rows.hpp"
+#include "pipeline/algo/phase/closure_rows.hpp"
 
 namespace enamel::algo {
 void place_samples(int width, int height, MotionSamples& out) {
@@ -22,14 +26,14 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float bla
   std::vector<float> rows(6 * columns * kPerRow);
   float* r = rows.data();
   const std::size_t count = columns * kPerRow;
-  const SampleRow row{r, r + count, r + 2 * count, r + 3 * count, r + 4 * count, r + 5 * count};
+  const ClosureRow row{r, r + count, r + 2 * count, r + 3 * count, r + 4 * count, r + 5 * count};
   for (std::size_t first = 0, end = 0; first < out.node.size(); first = end) {
     const std::size_t node_row = static_cast<std::size_t>(out.node[first]) / columns;
     while (end < out.node.size() && static_cast<std::size_t>(out.node[end]) / columns == node_row) ++end;
     for (std::size_t line = 0; line < kPerRow; ++line) {
       const int v = static_cast<int>(node_row) * kNode_px + static_cast<int>(line) * kPixelStep;
       const std::size_t at = maps.phase_rad.index(v / kPixelStep % kPixelStep, v);
-      sample_row(maps, &polarity.weight[at], black_dn, max_residual, at, count, row);
+      closure_row(maps, &polarity.weight[at], black_dn, max_residual, at, count, row);
       for (std::size_t n = first; n < end; ++n) {
         const std::size_t from = static_cast<std::size_t>(out.node[n]) % columns * kPerRow;
         for (std::size_t k = 0; k < kPerRow; ++k) {
@@ -40,6 +44,41 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float bla
         }
       }
     }
+  }
+}
+
+void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float max_residual, MotionSamples& out) {
+  const int columns = maps.phase_rad.width() / kNode_px, node_row = v / kNode_px, line = v % kNode_px / kPixelStep;
+  auto node = std::lower_bound(out.node.begin(), out.node.end(), node_row * columns);
+  for (; node != out.node.end() && *node / columns == node_row; ++node) {
+    const int left = *node % columns * kNode_px + v / kPixelStep % kPixelStep;
+    for (int k = 0; k < kNode_px / kPixelStep; ++k) {
+      const auto u = static_cast<std::size_t>(left + k * kPixelStep);
+      const std::size_t i = maps.phase_rad.index(static_cast<int>(u), v);
+      const float limit = max_residual * maps.modulation_dn[i];
+      if (maps.reject[i] != PixelReject::kNone || !(std::abs(row.residual[u]) < limit)) continue;
+      const std::size_t to = static_cast<std::size_t>(line * kNode_px / kPixelStep + k) * out.nodes +
+                             static_cast<std::size_t>(node - out.node.begin());
+      out.rate[to] = row.rate[u];
+      out.light[to] = row.light[u];
+      out.shared[to] = row.shared[u];
+      out.residual[to] = row.residual[u] + row.rate[u] * row.known_rate[u] + row.light[u] * row.known_light[u];
+      out.used[to] = 1;
+    }
+  }
+}
+
+void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& known, float black_dn,
+                  float max_residual, MotionSamples& out) {
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  place_samples(maps.phase_rad.width(), maps.phase_rad.height(), out);
+  ErrorRows rows(known, black_dn, maps.phase_rad.width());
+  std::vector<float> row(4 * width);
+  float* r = row.data();
+  for (int v = 0; v < maps.phase_rad.height(); v += kPixelStep) {
+    const RowErrors e = rows.at(polarity, v);
+    left_row(maps, e, maps.phase_rad.index(0, v), width, {r, r + width, r + 2 * width, r + 3 * width});
+    take_sample_row(maps, v, {r, r + width, r + 2 * width, r + 3 * width, e.rate, e.light}, max_residual, out);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 
 namespace enamel::algo {
@@ -13,7 +14,7 @@ namespace enamel::algo {
 inline constexpr std::size_t kNodePixels = 16;
 inline constexpr std::size_t kNodeLanes = 8;  ///< nodes are padded to a multiple of it by ones without pixels
 
-/// Columns of the residual y of each pixel for eps, dA/B and a number that all pixels share (motion_view.hpp); pixel p
+/// Columns of the residual y of each pixel for eps, dA/A and a number that all pixels share (motion_view.hpp); pixel p
 /// of node n at [p * nodes + n]. All 0 where a pixel says nothing.
 struct MotionSamples {
   std::size_t nodes = 0;
@@ -31,7 +32,20 @@ void place_samples(int width, int height, MotionSamples& out);
 void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float black_dn, float max_residual,
                   MotionSamples& out);
 
-/// Columns of eps and of dA/B for the six unknowns (V, W) at each sampled node, [k * nodes + n]; 0 where a node's slope
+/// The same about motion and light known so far.
+void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& known, float black_dn,
+                  float max_residual, MotionSamples& out);
+
+/// Residuals of an image row about a motion known so far, and their columns; NaN where a pixel says nothing.
+struct SampleRow {
+  const float *residual, *rate, *light, *shared;
+  const float *known_rate, *known_light;
+};
+
+/// Those of row v, where it is sampled; max_residual: of B.
+void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float max_residual, MotionSamples& out);
+
+/// Columns of eps and of dA/A for the six unknowns (V, W) at each sampled node, [k * nodes + n]; 0 where a node's slope
 /// is unknown or too steep, and counts 0 there, else 1.
 struct MotionColumns {
   std::vector<float> rate, light, counts;

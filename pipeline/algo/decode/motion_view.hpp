@@ -1,6 +1,6 @@
 // How a pattern mode shows motion during the burst. Each has a residual y, which its frames leave once the orders are
 // known: mode T the closure, mode M what its code frame shows beyond the prediction of the other three. All read
-//   y = (column of eps) eps + (column of dA/B) dA/B + (shared column) x + noise
+//   y = (column of eps) eps + (column of dA/A) dA/A + (shared column) x + noise
 // where x is one number of the whole burst: the projector's second harmonic rho in mode T, the gain of the code frame
 // beyond its blocks' in mode M.
 #pragma once
@@ -16,12 +16,15 @@ namespace enamel::algo {
 /// Motion at the nodes of a grid over the image, per frame interval.
 struct MotionField {
   int columns = 0, rows = 0;
-  std::vector<float> rate_rad, light;  ///< eps; a = dA/B
-  float shared = 0;                    ///< x
+  std::vector<float> rate_rad, light;                ///< eps; dA/A
+  std::vector<float> rate_change_rad, light_change;  ///< of eps; d2A/A
+  float shared = 0;                                  ///< x
 
   /// Valid while this lives.
   [[nodiscard]] Grid rate_grid() const noexcept { return {rate_rad.data(), columns, rows, kNode_px}; }
   [[nodiscard]] Grid light_grid() const noexcept { return {light.data(), columns, rows, kNode_px}; }
+  [[nodiscard]] Grid rate_change_grid() const noexcept { return {rate_change_rad.data(), columns, rows, kNode_px}; }
+  [[nodiscard]] Grid light_change_grid() const noexcept { return {light_change.data(), columns, rows, kNode_px}; }
   [[nodiscard]] Grid shared_grid() const noexcept { return {&shared, 1, 1, kNode_px}; }
 };
 
@@ -33,7 +36,8 @@ class MotionView {
   MotionView& operator=(const MotionView&) = delete;
   virtual ~MotionView() = default;
 
-  virtual void take_samples(MotionSamples& out) = 0;
+  /// Residuals about the motion known so far; null: as the mode finds them without it.
+  virtual void take_samples(const MotionField* known, MotionSamples& out) = 0;
   /// Depth and light as they are when the motion known so far is undone; null: that of the blocks.
   virtual void make_images(const MotionField* known, MotionImages& out) = 0;
   /// eps by the block that holds pixel (u, v) alone.

@@ -15,14 +15,28 @@ namespace {
 constexpr float kMinDet = 4000;    ///< of the 2x2 normal equations: about a quarter of a full window's
 constexpr float kMaxSlope = 3.7F;  ///< dz/dx of 75 degrees, the steepest that counts as one surface
 constexpr float kMinCosine =
-    0.6F;                   ///< of the incidence; slopes of steeper surface are known too badly to judge the motion by
-constexpr int kRounds = 3;  ///< each leaves out what the round before could not explain
-constexpr int kUnknowns = 7;  ///< V, W, and what all pixels share
+    0.6F;  ///< of the incidence; slopes of steeper surface are known too badly to judge the motion by
+constexpr float kMinLitCosine = 0.2F;  ///< of the light's incidence; beyond, slopes are known too badly to tell it
+constexpr float kMostGrowth = 0.3F;    ///< of light, per frame interval; more is no surface sliding by
+constexpr int kRounds = 3;             ///< each leaves out what the round before could not explain
+constexpr int kUnknowns = 7;           ///< V, W, and what all pixels share
 using Vector7 = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix7 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Theta = std::array<double, kUnknowns>;
 
 enum NodeQuality : std::uint8_t { kNoSlope, kTooSteep, kFits };
+
+/// How a point's own light changes, as share of it: by its motion U q, and by the turn of its surface.
+struct Shading {
+  Eigen::Vector3f of_shift, of_turn;
+};
+
+/// Lambert: light goes as n.l / |l|^3, l from the point to the projector. m: along n; to_light: l q.
+Shading shading_of(const Eigen::Vector3f& m, const Eigen::Vector3f& to_light) {
+  const float grazing = -kMinLitCosine * m.norm() * to_light.norm();
+  const float facing = std::min(m.dot(to_light), grazing);  // m points away from camera and projector
+  return {3 / to_light.squaredNorm() * to_light - m / facing, m.cross(to_light) / facing};
+}
 
 /// One pass over the burst, with the slopes that the errors known so far leave.
 class Pass {
@@ -41,6 +55,7 @@ class Pass {
         pivot_mm_(0, 0, 2 / (1 / rays.near_mm + 1 / rays.far_mm)) {}
 
   std::optional<Theta> run(const MotionField* known) {
+    view_.take_samples(known, work_.samples);
     view_.make_images(known, work_.images);
     make_nodes();
     take_columns();
@@ -62,13 +77,52 @@ class Pass {
       }
       const int column = static_cast<int>(n) % columns_, row = static_cast<int>(n) / columns_;
       field.rate_rad[n] = work_.quality[n] != kNoSlope ? rate : view_.block_rate(column * kNode_px, row * kNode_px);
-      field.light[n] = light;
+      field.light[n] = std::clamp(light, -kMostGrowth, kMostGrowth);
     }
+    spread_changes(theta, field);
   }
 
  private:
   [[nodiscard]] std::size_t pixel_of(int column, int row) const {
     return maps_.phase_rad.index(column * kNode_px + kNode_px / 2, row * kNode_px + kNode_px / 2);
+  }
+
+  /// Rate and light are properties of the surface, and pass by with it: d/dt = -(image motion).grad.
+  void spread_changes(const Theta& theta, MotionField& field) const {
+    field.rate_change_rad.assign(count_, 0.0F);
+    field.light_change.assign(count_, 0.0F);
+    const Eigen::Vector3f shift(static_cast<float>(theta[0]), static_cast<float>(theta[1]),
+                                static_cast<float>(theta[2]));
+    const Eigen::Vector3f turn(static_cast<float>(theta[3]), static_cast<float>(theta[4]),
+                               static_cast<float>(theta[5]));
+    const auto pitch = static_cast<std::size_t>(columns_);
+    for (int row = 1; row < rows_ - 1; ++row) {
+      const float* inverse_depth = work_.images.inverse_depth.around(row, 0, 0);
+      for (int column = 1; column < columns_ - 1; ++column) {
+        const std::size_t n = static_cast<std::size_t>(row) * pitch + static_cast<std::size_t>(column);
+        if (!surrounded(n)) continue;
+        const std::size_t i = pixel_of(column, row);
+        const float q = inverse_depth[column], x = rays_.rays.x[i], y = rays_.rays.y[i];
+        const Eigen::Vector3f u = q * shift + turn.cross(Eigen::Vector3f(x, y, 1) - q * pivot_mm_);
+        const std::size_t width = static_cast<std::size_t>(maps_.phase_rad.width());
+        const float nodes = 0.5F / static_cast<float>(kNode_px);  // central differences, per pixel
+        const float right = nodes * (u.x() - x * u.z()) / (rays_.rays.x[i + 1] - x);
+        const float down = nodes * (u.y() - y * u.z()) / (rays_.rays.y[i + width] - y);
+        const auto passing = [&](const std::vector<float>& f) {
+          return -right * (f[n + 1] - f[n - 1]) - down * (f[n + pitch] - f[n - pitch]);
+        };
+        field.rate_change_rad[n] = passing(field.rate_rad);
+        field.light_change[n] = passing(field.light) + field.light[n] * field.light[n];
+      }
+    }
+  }
+
+  /// A node with a slope among such nodes.
+  [[nodiscard]] bool surrounded(std::size_t n) const {
+    const auto pitch = static_cast<std::size_t>(columns_);
+    bool all = true;
+    for (const std::size_t k : {n, n - 1, n + 1, n - pitch, n + pitch}) all = all && work_.quality[k] != kNoSlope;
+    return all;
   }
 
   void make_nodes() {
@@ -90,14 +144,13 @@ class Pass {
     }
   }
 
-  /// Columns of eps and of dA/B for the six unknowns (equations of the header).
+  /// Columns of eps and of dA/A for the six unknowns (equations of the header).
   void make_node(const SlopeRow& slopes, int column, int row) {
     const std::size_t i = pixel_of(column, row), width = static_cast<std::size_t>(maps_.phase_rad.width());
     const float q = work_.images.inverse_depth.around(row, 0, 0)[column], det = slopes.det[column];
     const float phase = maps_.phase_rad[i] + kTwoPiF * static_cast<float>(turn_[i]);
-    const float slope = rays_.inverse_depth_slope(i, phase), b = maps_.modulation_dn[i];
-    if (!(q > 0) || !(det > kMinDet) || !(std::abs(slope) > 0) || !(b > 1)) return;
-    const float light = work_.images.light.around(row, 0, 0)[column];
+    const float slope = rays_.inverse_depth_slope(i, phase), light = work_.images.light.around(row, 0, 0)[column];
+    if (!(q > 0) || !(det > kMinDet) || !(std::abs(slope) > 0) || !(light > 1)) return;
     const float x = rays_.rays.x[i], y = rays_.rays.y[i];
     const float per_x = 1 / (rays_.rays.x[i + 1] - x), per_y = 1 / (rays_.rays.y[i + width] - y);
     const float a_u = slopes.a_u[column] / det * per_x, a_v = slopes.a_v[column] / det * per_y;  // per unit of r
@@ -106,9 +159,10 @@ class Pass {
     m.z() = q - m.x() * x - m.y() * y;
     // Rate and light are linear in the point's motion U q, so two vectors say it for all shifts and turns.
     const Eigen::Vector3f of_rate = -m / slope;
-    const Eigen::Vector3f of_light = Eigen::Vector3f(-a_u, -a_v, a_u * x + a_v * y - 2 * light) / b;
+    const Shading shading = shading_of(m, q * rays_.projector_mm - r);
+    const Eigen::Vector3f of_light = Eigen::Vector3f(-a_u, -a_v, a_u * x + a_v * y) / light + shading.of_shift;
     const Eigen::Vector3f arm = r - q * pivot_mm_;  // (W x arm).f = W.(arm x f)
-    const Eigen::Vector3f turn_rate = arm.cross(of_rate), turn_light = arm.cross(of_light);
+    const Eigen::Vector3f turn_rate = arm.cross(of_rate), turn_light = arm.cross(of_light) + shading.of_turn;
     const std::size_t n =
         static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -149,7 +203,8 @@ class Pass {
     }
     spread << Eigen::Vector3d::Constant(config_.shift_prior_mm), Eigen::Vector3d::Constant(config_.turn_prior_rad),
         config_.shared_prior;
-    left.diagonal() += e.squares / std::max(e.pixels, 1.0) * spread.cwiseInverse().cwiseAbs2();
+    left.diagonal() +=
+        static_cast<double>(kNodePixels) * e.squares / std::max(e.pixels, 1.0) * spread.cwiseInverse().cwiseAbs2();
     const Vector7 theta = left.ldlt().solve(right);
     Theta out{};
     std::copy_n(theta.data(), kUnknowns, out.begin());
@@ -196,7 +251,6 @@ RigidMotion fit_rigid_motion(MotionView& view, const PhaseMaps& maps, const Map<
                              const RayDepth& rays, int passes, const RigidMotionConfig& config, RigidMotionWork& work,
                              MotionField& field) {
   RigidMotion out;
-  view.take_samples(work.samples);
   Pass pass(view, maps, turn, rays, config, work);
   for (int k = 0; k < passes; ++k) {
     const auto theta = pass.run(out.moved ? &field : nullptr);

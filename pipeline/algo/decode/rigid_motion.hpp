@@ -6,8 +6,10 @@
 // with shift V and turn W about the middle P0 of the measuring volume:
 //   dq = -q m.U                      rate of the phase at the pixel  eps = dq / (dq/dPhi)
 //   (dx, dy) = (Ux - x Uz, Uy - y Uz) q      image motion
-//   light: dA = -grad A . image motion - 2 (A - black) Uz q     texture passes by; light falls off with distance
-// The modulation is taken to change as the light does: dB/B = dA/(A - black).
+//   light: dA = -grad A . image motion + A D     texture passes by; its own light changes
+//   D = (3 l/|l|^2 - n/(n.l)) . U + W . (n x l)/(n.l)     Lambert, lit from the projector: A ~ n.l/|l|^3, l towards it
+// A is above black. The modulation is taken to change as the light does: dB/B = dA/A. A surface of revolution without
+// texture shows no turn about its axis: only what the motion does to phase and light is determined then.
 #pragma once
 
 #include <array>

@@ -6,16 +6,16 @@
 //   four frames (b = +1)    eps/2 cos 2phi
 //   b = -1                  2 rho cos 2phi cos phi + eps/2 (sin 2phi + cos 2phi)
 //   three frames            2 rho cos 2phi cos phi + eps/2 (sin 2phi - 1)
-// That is first order; the correction goes to second, with h = eps/2 and the phase as it was measured:
-//   four frames (b = +1)    h cos 2phi (1 + h sin 2phi)
-//   b = -1                  (h (sin 2phi + cos 2phi) - h^2 (1 + cos 2phi)) (1 - h (1 + cos 2phi - sin 2phi))
-//   three frames            -(h (1 - sin 2phi) + h^2 (1 + cos 2phi - sin 2phi)) (1 - h (1 + cos 2phi))
-// and the residual, in the measured C and S: 2 eps (1 + eps) (S - C) where b = +1, -2 eps (C - eps S) where b = -1.
-// Where texture passes by, A and B change too: with a = dA/B and k = dB/dA per frame interval, the residual gains
-//   -2 B a (b + k (cos phi + sin phi)) for b = +1,  -2 B a (b + k sin phi) for b = -1,      and the phase errs by
-//   four frames (b = +1)    a (cos phi + sin phi) + a k/2 sin 2phi
-//   b = -1                  a (sin phi - cos phi) + a k (1/2 sin 2phi - cos^2 phi)
-//   three frames            a sin phi - a k cos^2 phi
+// Where texture or shading passes by, A and B change alike: with g = dA/A per frame interval, the residual gains
+//   -2 g (A + B cos phi + B sin phi) for b = +1,      2 g (A - B sin phi) for b = -1,      and the phase errs by
+//   four frames (b = +1)    g A/B (cos phi + sin phi) + g/2 sin 2phi
+//   b = -1                  g A/B (sin phi - cos phi) + g (1/2 sin 2phi - cos^2 phi)
+//   three frames            g A/B sin phi - g cos^2 phi
+// That is first order, by which blocks of the image are fitted. The correction is exact: each frame is divided by its
+// own light, 1 + g t + g' t^2/2, and the equations of the frames, each at its own phase phi + eps t + eps' t^2/2, are
+// solved for A, B and phi. The frames of the harmonic are solved alike and subtracted.
+// Residuals about a motion known so far, and their columns, are made in the same way (closure_rows.hpp).
+// A is above black.
 #pragma once
 
 #include <vector>
@@ -34,9 +34,10 @@ struct ClosureConfig {
 
 /// What is known of motion (per frame interval), light and the projector at every pixel.
 struct BurstErrors {
-  Grid motion_rad;  ///< eps
-  Grid harmonic;    ///< rho
-  Grid light;       ///< a = dA/B
+  Grid motion_rad;                   ///< eps
+  Grid harmonic;                     ///< rho
+  Grid light;                        ///< g = dA/A
+  Grid motion_change, light_change;  ///< of eps; d2A/A
 };
 
 /// Estimates for the burst and for each block of block_px (row major).
@@ -47,7 +48,11 @@ struct ClosureFit {
 
   /// Valid while this lives.
   [[nodiscard]] BurstErrors errors() const noexcept {
-    return {{block_motion_rad.data(), columns, rows, block_px}, {block_harmonic.data(), columns, rows, block_px}, {}};
+    return {{block_motion_rad.data(), columns, rows, block_px},
+            {block_harmonic.data(), columns, rows, block_px},
+            {},
+            {},
+            {}};
   }
   /// Index of the block that holds pixel (u, v).
   [[nodiscard]] std::size_t block_at(int u, int v) const noexcept {
@@ -63,7 +68,7 @@ struct ClosureFit {
 /// Regularised least squares per block; uses pixels of full weight only.
 void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureConfig& config, ClosureFit& out);
 
-/// Subtracts the errors above from phase_rad. Phases may leave [-pi, pi) a little.
+/// Brings phase_rad to mid-burst. Phases may leave [-pi, pi) a little.
 void correct_phase(const PolarityMaps& polarity, const BurstErrors& errors, float black_dn, PhaseMaps& maps);
 
 }  // namespace enamel::algo

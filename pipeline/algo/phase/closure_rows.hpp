@@ -1,4 +1,4 @@
-// The loops of fit_closure and correct_phase over one row.
+// The loops of fit_closure and correct_phase over one row. Private to algo/phase and algo/decode.
 #pragma once
 
 #include "pipeline/algo/phase/closure.hpp"
@@ -14,26 +14,41 @@ void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, 
 
 /// What shifts the phase of one row's pixels.
 struct RowErrors {
-  const float *weight, *rate, *harmonic, *light;
+  const float *weight, *rate, *harmonic, *light, *rate_change, *light_change;
+  float black_dn = 0;
 };
 
 /// The errors of a burst, row by row.
 class ErrorRows {
  public:
-  ErrorRows(const BurstErrors& errors, int width)
-      : rate_(errors.motion_rad, width), harmonic_(errors.harmonic, width), light_(errors.light, width) {}
+  ErrorRows(const BurstErrors& errors, float black_dn, int width)
+      : rate_(errors.motion_rad, width),
+        harmonic_(errors.harmonic, width),
+        light_(errors.light, width),
+        rate_change_(errors.motion_change, width),
+        light_change_(errors.light_change, width),
+        black_dn_(black_dn) {}
 
   /// Valid until the next call.
   [[nodiscard]] RowErrors at(const PolarityMaps& polarity, int v) {
-    return {&polarity.weight(0, v), rate_.row(v), harmonic_.row(v), light_.row(v)};
+    return {&polarity.weight(0, v), rate_.row(v),         harmonic_.row(v), light_.row(v),
+            rate_change_.row(v),    light_change_.row(v), black_dn_};
   }
 
  private:
-  GridRows rate_, harmonic_, light_;
+  GridRows rate_, harmonic_, light_, rate_change_, light_change_;
+  float black_dn_;
 };
 
-/// phase[u] -= error (equations of closure.hpp).
-void correct_phase_row(const PhaseMaps& m, const RowErrors& e, float black_dn, std::size_t at, std::size_t width,
-                       float* phase);
+/// Phase and A - black of a row as they were at mid-burst, less the harmonic; `m` stays. phase_rad may be m's own.
+void mid_burst_row(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t width, float* phase_rad,
+                   float* light_dn);
+
+/// What frame 3 leaves of the prediction that the other three make under the motion and light given, in DN and with the
+/// sign of the closure residual, and by how much it grows per unit of each error. NaN within reach of a flip.
+struct LeftRow {
+  float *residual, *by_rate, *by_light, *by_harmonic;
+};
+void left_row(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t width, const LeftRow& out);
 
 }  // namespace enamel::algo

@@ -33,23 +33,13 @@ class Fitter {
         config_(config),
         maps_(maps),
         out_(out) {
-    const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
-    columns_ = (w + config.block_px - 1) / config.block_px;
-    rows_ = (h + config.block_px - 1) / config.block_px;
-    const auto blocks = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-    out.motion_rad = 0, out.gain = 1, out.black_dn = noise.black_dn;
-    out.columns = columns_, out.rows = rows_, out.block_px = config.block_px;
-    out.block_motion_rad.assign(blocks, 0.0F);
-    out.block_sigma_rad.assign(blocks, config.motion_prior_rad);
-    out.work.block_gain.assign(blocks, 1.0F);
-    for (Map<float>* map : {&out.pixel_motion_rad, &out.pixel_gain, &out.pixel_light})
-      if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
-    std::fill(out.pixel_light.pixels().begin(), out.pixel_light.pixels().end(), 0.0F);
-    spread();
+    columns_ = (maps.phase_rad.width() + config.block_px - 1) / config.block_px;
+    rows_ = (maps.phase_rad.height() + config.block_px - 1) / config.block_px;
   }
 
   /// All passes but the last move every block with the burst: its estimate must rest on residuals about itself.
   void run() {
+    reset();
     for (int pass = 0; pass < config_.passes; ++pass) {
       sum(config_.row_step << (config_.passes - 1 - pass));
       advance_burst();
@@ -63,7 +53,34 @@ class Fitter {
     }
   }
 
+  void refit_gain() {
+    sum(config_.row_step);
+    const double to_burst = static_cast<double>(out_.gain), pg = 1 / square(config_.gain_prior);
+    for (std::size_t k = 0; k < out_.work.block_gain.size(); ++k) {
+      float& gain = out_.work.block_gain[k];
+      const double* s = &out_.work.sums[k * kRefitSums];
+      gain += static_cast<float>((pg * (to_burst - static_cast<double>(gain)) - s[3]) / (s[0] + pg));
+    }
+    spread_gain();
+  }
+
  private:
+  static double square(float x) { return static_cast<double>(x) * static_cast<double>(x); }
+
+  void reset() {
+    const int w = maps_.phase_rad.width(), h = maps_.phase_rad.height();
+    const auto blocks = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+    out_.motion_rad = 0, out_.gain = 1, out_.black_dn = noise_.black_dn;
+    out_.columns = columns_, out_.rows = rows_, out_.block_px = config_.block_px;
+    out_.block_motion_rad.assign(blocks, 0.0F);
+    out_.block_sigma_rad.assign(blocks, config_.motion_prior_rad);
+    out_.work.block_gain.assign(blocks, 1.0F);
+    for (Map<float>* map : {&out_.pixel_motion_rad, &out_.pixel_gain, &out_.pixel_light})
+      if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
+    std::fill(out_.pixel_light.pixels().begin(), out_.pixel_light.pixels().end(), 0.0F);
+    spread();
+  }
+
   /// Each pass asks twice as many rows as the one before: the first finds the burst's motion, the last the blocks'.
   void sum(int row_step) {
     const auto width = static_cast<std::size_t>(maps_.phase_rad.width()),
@@ -96,9 +113,7 @@ class Fitter {
 
   /// Each block's step, held to the burst's new values by the priors.
   void advance_blocks() {
-    const auto gain_spread = static_cast<double>(config_.gain_prior),
-               motion_spread = static_cast<double>(config_.motion_prior_rad);
-    const double pg = 1 / (gain_spread * gain_spread), pm = 1 / (motion_spread * motion_spread);
+    const double pg = 1 / square(config_.gain_prior), pm = 1 / square(config_.motion_prior_rad);
     for (std::size_t k = 0; k < out_.work.block_gain.size(); ++k) {
       float &gain = out_.work.block_gain[k], &motion = out_.block_motion_rad[k];
       const double to_gain = static_cast<double>(out_.gain - gain),
@@ -118,6 +133,10 @@ class Fitter {
 
   void spread() {
     interpolate_grid({out_.block_motion_rad.data(), columns_, rows_, config_.block_px}, out_.pixel_motion_rad);
+    spread_gain();
+  }
+
+  void spread_gain() {
     interpolate_grid({out_.work.block_gain.data(), columns_, rows_, config_.block_px}, out_.pixel_gain);
   }
 
@@ -138,6 +157,12 @@ void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& 
                       float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
                       MicroMotion& out) {
   Fitter(spans, turn, code, third_rad, noise, config, maps, out).run();
+}
+
+void refit_micro_gain(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
+                      MicroMotion& motion) {
+  Fitter(spans, turn, code, third_rad, noise, config, maps, motion).refit_gain();
 }
 
 void undo_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,

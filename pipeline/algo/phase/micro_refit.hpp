@@ -37,7 +37,7 @@ struct MicroMotion {
   float gain = 1;        ///< g
   float black_dn = 0;
   Map<float> pixel_motion_rad, pixel_gain;
-  Map<float> pixel_light;  ///< dA/B per frame interval, dB/B = dA/(A - black); the fit leaves 0
+  Map<float> pixel_light;  ///< dA/A of light above black per frame interval, the same of B; the fit leaves 0
   int columns = 0, rows = 0, block_px = 32;
   std::vector<float> block_motion_rad, block_sigma_rad;  ///< row major; sigma: by noise and prior
 
@@ -56,6 +56,12 @@ struct MicroMotion {
 void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
                       float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
                       MicroMotion& out);
+
+/// The gain of the blocks anew, under the motion and light that its pixels are given: light changes what the code frame
+/// shows of the modulation as a gain would. maps: as for the fit.
+void refit_micro_gain(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
+                      MicroMotion& motion);
 
 /// Rewrites mean, cosine, sine, modulation, code and phase of the spans' pixels as they were at mid-burst. Phases may
 /// leave [-pi, pi) a little; their turns stay.

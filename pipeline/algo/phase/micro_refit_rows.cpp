@@ -40,11 +40,6 @@ struct Pixel {
   float mean = 0, cosine = 0, sine = 0;
 };
 
-/// dA/A of a pixel above black, of its dA/B.
-[[gnu::always_inline]] inline float relative_light(const Pixel& p, float light) {
-  return light * root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F) / larger(p.mean, 1);
-}
-
 /// The three-frame solution, above black, with each frame at its own time and under its own light.
 [[gnu::always_inline]] inline Pixel at_mid_burst(const Pixel& p, float motion_rad, float growth) {
   const float half = p.mean - 0.5F * p.cosine;
@@ -78,12 +73,12 @@ struct CodeModel {
 }
 
 /// What the code frame shows beyond the prediction of the other three, about the motion and gain assumed, and its slope
-/// over each of them. In DN; light: of dA/B; alone: of a phase that the code frame has for itself; skew: see kSkew.
+/// over each of them. In DN; light: of dA/A; alone: of a phase that the code frame has for itself; skew: see kSkew.
 struct Residual {
   float rest, by_motion, by_light, by_gain, by_alone, by_skew, modulation;
 };
 
-/// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order; growth: relative_light.
+/// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order; growth: dA/A.
 [[gnu::always_inline]] inline Residual code_residual(const Pixel& raw, float code, float phase_rad, Turn order,
                                                      float motion_rad, float growth, float gain, float inverse_ratio,
                                                      float harmonic) {
@@ -100,11 +95,10 @@ struct Residual {
   };
   const float c2 = -0.5F * c - kHalfRoot3 * s, c3 = -0.5F * c + kHalfRoot3 * s;  // cos of the other two frames
   const float s2 = -0.5F * s + kHalfRoot3 * c, s3 = -0.5F * s - kHalfRoot3 * c;
-  const float share = b3 / larger(p.mean, 1);
+  const float part = p.mean / b;  // A/B
   const float by_motion = slope(-kFirstTime * s, -kSecondTime * s2, -kThirdTime * s3, kCodeTime);
-  const float by_light =
-      slope(kFirstTime * (1 + share * c), kSecondTime * (1 + share * c2), kThirdTime * (1 + share * c3), 0) -
-      kCodeTime * (b + share * gb * k.angle.cos);
+  const float by_light = slope(kFirstTime * (part + c), kSecondTime * (part + c2), kThirdTime * (part + c3), 0) -
+                         kCodeTime * (p.mean + gb * k.angle.cos);
   const float code_frame = (raw.mean + code) / (1 + kCodeTime * growth);
   return {code_frame - p.mean - gb * k.light,
           by_motion,
@@ -121,14 +115,14 @@ void add_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, f
   const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic, black = row.black_dn;
   const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
   const float* __restrict code = &m.code_dn[at], * __restrict phase = &m.phase_rad[at];
-  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain;
+  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain, * __restrict light = row.light;
   const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
   float* __restrict s0 = sums, * __restrict s1 = s0 + width, * __restrict s2 = s1 + width;
   float* __restrict s3 = s2 + width, * __restrict s4 = s3 + width;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, rate[u],
-                                     0, gain[u], inverse_ratio, harmonic);
+                                     light[u], gain[u], inverse_ratio, harmonic);
     const bool used =
         (std::abs(k.rest) < limit * k.modulation) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
     const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), r = select(used, k.rest, 0);
@@ -144,14 +138,14 @@ void residual_loop(const PhaseMaps& m, const CodeRow& row, std::size_t at, std::
   const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic, black = row.black_dn;
   const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
   const float* __restrict code = &m.code_dn[at], * __restrict phase = &m.phase_rad[at];
-  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain;
+  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain, * __restrict lit = row.light;
   const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
   float* __restrict rest = out.residual, * __restrict motion = out.by_motion;
   float* __restrict light = out.by_light, * __restrict growth = out.by_gain;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, rate[u],
-                                     0, gain[u], inverse_ratio, harmonic);
+                                     lit[u], gain[u], inverse_ratio, harmonic);
     rest[u] = k.rest;
     motion[u] = -k.by_motion;
     light[u] = -k.by_light;
@@ -171,8 +165,8 @@ void odd_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, f
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Pixel raw{mean[u] - black, cosine[u], sine[u]};
-    const Residual k = code_residual(raw, code[u], phase[u], {oc[u], os[u]}, rate[u], relative_light(raw, light[u]),
-                                     gain[u], inverse_ratio, harmonic);
+    const Residual k =
+        code_residual(raw, code[u], phase[u], {oc[u], os[u]}, rate[u], light[u], gain[u], inverse_ratio, harmonic);
     const bool asked = (k.rest == k.rest) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);
     const bool used = (std::abs(k.rest) < limit * k.modulation) & asked;
     const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), y = select(used, -k.rest, 0);
@@ -197,7 +191,7 @@ void mid_burst_loop(const PhaseMaps& m, const CodeRow& row, std::size_t at, std:
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Pixel raw{mean[u] - black, cosine[u], sine[u]};
-    const Pixel p = at_mid_burst(raw, rate[u], relative_light(raw, light[u]));
+    const Pixel p = at_mid_burst(raw, rate[u], light[u]);
     moved[u] = phase[u] + wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
     lit[u] = p.mean + black;
   }
@@ -213,7 +207,7 @@ void undo_loop(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps&
   for (std::size_t u = 0; u < width; ++u) {
     const bool inside = oc[u] * oc[u] + os[u] * os[u] > 0.5F;
     const Pixel raw{mean[u] - black, cosine[u], sine[u]};
-    const float growth = relative_light(raw, light[u]);
+    const float growth = light[u];
     const Pixel p = at_mid_burst(raw, rate[u], growth);
     const float step = wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
     phase[u] += select(inside, step, 0);

@@ -15,7 +15,7 @@ struct CodeRow {
   const float* order_sin;
   const float* motion_rad;
   const float* gain;
-  const float* light;       ///< dA/B per frame interval
+  const float* light;       ///< dA/A per frame interval
   float inverse_ratio = 0;  ///< 1/L
   float harmonic = 0;       ///< B2/B
   float black_dn = 0;

@@ -71,6 +71,38 @@ bool is_plain(float phi, int turn, const CellSigns& signs, float reach_rad) {
          (kPiF - above >= reach_rad || signs.at(cell + 1) > 0);
 }
 
+/// A frame is A + cosine C + sine S, with C = B cos phi and S = B sin phi at mid-burst.
+struct Phasor {
+  float cosine = 0, sine = 0;
+};
+using Waves = std::array<Phasor, 4>;
+
+/// Of frame k = 0 ... 3 with b = +1, whose phase is `turned` ahead of mid-burst, less than a quarter turn.
+Phasor wave_of(std::size_t k, float turned) {
+  const float c = cos_poly(turned), s = sin_poly(turned);
+  return std::array<Phasor, 4>{{{c, -s}, {-s, -c}, {-c, s}, {s, c}}}[k];
+}
+
+/// C and S by the three frames other than `missing`.
+Phasor solve(const Waves& waves, const Frames& x, std::size_t missing) {
+  std::array<std::size_t, 3> used{};
+  for (std::size_t k = 0, to = 0; k < waves.size(); ++k)
+    if (k != missing) used.at(to++) = k;
+  const auto step = [&](std::size_t k) {
+    return Phasor{waves[used[k]].cosine - waves[used[0]].cosine, waves[used[k]].sine - waves[used[0]].sine};
+  };
+  const Phasor p = step(1), q = step(2);
+  const float y = x[used[1]] - x[used[0]], z = x[used[2]] - x[used[0]], det = p.cosine * q.sine - p.sine * q.cosine;
+  return {(y * q.sine - p.sine * z) / det, (p.cosine * z - y * q.cosine) / det};
+}
+
+/// B cos of twice a frame's phase.
+float harmonic_of(const Phasor& at, const Phasor& wave) {
+  const float b = root(at.cosine * at.cosine + at.sine * at.sine + 1e-6F);
+  const float in_phase = wave.cosine * at.cosine + wave.sine * at.sine;
+  return 2 * in_phase * in_phase / b - b;
+}
+
 }  // namespace
 
 void solve_saturated(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps,
@@ -109,23 +141,33 @@ void sort_out_saturated(const std::vector<SaturatedPixel>& pixels, const CellSig
   }
 }
 
-void correct_saturated(const std::vector<SaturatedPixel>& pixels, const BurstErrors& errors, const PhaseMaps& maps,
-                       std::vector<float>& phase_rad) {
+void correct_saturated(const std::vector<SaturatedPixel>& pixels, const BurstErrors& errors, float black_dn,
+                       const PhaseMaps& maps, std::vector<float>& phase_rad) {
   const int width = maps.phase_rad.width();
-  GridRows motion(errors.motion_rad, width), harmonic(errors.harmonic, width);
-  const float *rate = nullptr, *rho = nullptr;
+  GridRows motion(errors.motion_rad, width), change(errors.motion_change, width), harmonic(errors.harmonic, width);
+  GridRows light(errors.light, width), light_change(errors.light_change, width);
+  const float *rate = nullptr, *rate_change = nullptr, *rho = nullptr, *growth = nullptr, *growth_change = nullptr;
   phase_rad.clear();
   int row = -1;
   for (const SaturatedPixel& p : pixels) {
     const std::size_t i = p.index, u = i % static_cast<std::size_t>(width);
     const int v = static_cast<int>(i / static_cast<std::size_t>(width));
-    if (v != row) rate = motion.row(v), rho = harmonic.row(v), row = v;
-    const float c = maps.cosine_dn[i], s = maps.sine_dn[i], b2 = c * c + s * s + 1e-6F;
-    const float e = rate[u], h = rho[u] * (c - s) * (c + s) / root(b2);  // B2 cos 2phi
-    // Frame k is taken (k - 3/2) intervals after mid-burst: B f'(phi) (k - 3/2) e; harmonic (-1)^k B2 cos 2phi.
-    const Frames error = {1.5F * e * s + h, 0.5F * e * c - h, 0.5F * e * s + h, 1.5F * e * c - h};
-    const Weights& w = kWithout[p.missing];
-    phase_rad.push_back(maps.phase_rad[i] - (c * dot(w.sine, error) - s * dot(w.cosine, error)) / b2);
+    if (v != row) {
+      rate = motion.row(v), rate_change = change.row(v), rho = harmonic.row(v);
+      growth = light.row(v), growth_change = light_change.row(v), row = v;
+    }
+    const float a = maps.mean_dn[i] - black_dn, c = maps.cosine_dn[i], s = maps.sine_dn[i];
+    Frames x = {a + c, a - s, a - c, a + s};
+    Waves waves{};
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const float t = static_cast<float>(k) - 1.5F, turned = t * rate[u] + 0.5F * t * t * rate_change[u];
+      waves[k] = wave_of(k, turned);
+      x[k] /= 1 + t * growth[u] + 0.5F * t * t * growth_change[u];
+    }
+    Phasor at = solve(waves, x, p.missing);
+    for (std::size_t k = 0; k < x.size(); ++k) x[k] -= rho[u] * harmonic_of(at, waves[k]);
+    at = solve(waves, x, p.missing);
+    phase_rad.push_back(maps.phase_rad[i] + atan2_poly(at.sine * c - at.cosine * s, at.cosine * c + at.sine * s));
   }
 }
 

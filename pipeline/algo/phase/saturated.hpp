@@ -35,9 +35,9 @@ void solve_saturated(const BurstView& view, const NoiseModel& noise, const Phase
 void sort_out_saturated(const std::vector<SaturatedPixel>& pixels, const CellSigns& signs, const NoiseModel& noise,
                         const PolarityConfig& config, const Map<std::int16_t>& turn, PhaseMaps& maps);
 
-/// phase_rad of each pixel less what motion and second harmonic did to its three frames, first order; closure.hpp does
-/// the same for all other pixels. Call before correct_phase, which takes these for others, and put them in place after.
-void correct_saturated(const std::vector<SaturatedPixel>& pixels, const BurstErrors& errors, const PhaseMaps& maps,
-                       std::vector<float>& phase_rad);
+/// phase_rad of each pixel brought to mid-burst by its own three frames, as closure.hpp does for all others. Call
+/// before correct_phase, which takes these for others, and put them in place after.
+void correct_saturated(const std::vector<SaturatedPixel>& pixels, const BurstErrors& errors, float black_dn,
+                       const PhaseMaps& maps, std::vector<float>& phase_rad);
 
 }  // namespace enamel::algo

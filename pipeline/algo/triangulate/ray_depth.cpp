@@ -69,6 +69,16 @@ Cubic fit_pixel(const calib::Rig& rig, calib::PlanePoint pixel, calib::PlanePoin
   return out;
 }
 
+/// -R' t of T_proj_cam.
+Vec3f projector_centre(const calib::Rig& rig) {
+  const auto& T = rig.T_proj_cam;
+  Vec3f centre;
+  for (std::size_t k = 0; k < 3; ++k)
+    centre[static_cast<Eigen::Index>(k)] =
+        static_cast<float>(-(T[0][k] * T[0][3] + T[1][k] * T[1][3] + T[2][k] * T[2][3]));
+  return centre;
+}
+
 }  // namespace
 
 Result<RayDepth> RayDepth::bake(const calib::Rig& rig, calib::DepthRange range) {
@@ -80,6 +90,7 @@ Result<RayDepth> RayDepth::bake(const calib::Rig& rig, calib::DepthRange range) 
   out.near_mm = static_cast<float>(range.near_mm);
   out.far_mm = static_cast<float>(range.far_mm);
   out.rays = calib::make_ray_table(rig.camera);
+  out.projector_mm = projector_centre(rig);
   out.min_phase_rad = static_cast<float>(-0.5 * rad_per_px);
   out.max_phase_rad = static_cast<float>((rig.projector.width - 0.5) * rad_per_px);
   const std::size_t n = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height);

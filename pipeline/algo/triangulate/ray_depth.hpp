@@ -9,6 +9,7 @@
 
 #include "calib/model/lens.hpp"
 #include "calib/model/rig.hpp"
+#include "pipeline/types/geometry.hpp"
 #include "pipeline/types/map.hpp"
 
 namespace enamel::algo {
@@ -18,8 +19,9 @@ struct RayDepth {
   int width = 0, height = 0;
   float near_mm = 0, far_mm = 0;
   calib::RayTable rays;
-  std::vector<float> phase_mid_rad;   ///< Phi at the middle of the range in 1/z
-  std::vector<float> c0, c1, c2, c3;  ///< 1/z = c0 + t*(c1 + t*(c2 + t*c3)), t = Phi - phase_mid_rad
+  Vec3f projector_mm = Vec3f::Zero();  ///< its centre, camera coordinates: where the light comes from
+  std::vector<float> phase_mid_rad;    ///< Phi at the middle of the range in 1/z
+  std::vector<float> c0, c1, c2, c3;   ///< 1/z = c0 + t*(c1 + t*(c2 + t*c3)), t = Phi - phase_mid_rad
   /// Phi at near_mm by the parametric model, clipped to nothing: may lie outside the projector's frame
   std::vector<float> phase_near_rad;
   std::vector<float> phase_far_rad;
