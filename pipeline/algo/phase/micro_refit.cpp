@@ -194,10 +194,16 @@ void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& t
                      const MicroMotion& motion, float third_rad, const NoiseModel& noise,
                      const MicroRefitConfig& config, PhaseMaps& maps) {
   const auto width = static_cast<std::size_t>(turn.width());
+  const float torn = config.torn_sigmas * config.torn_sigmas;
+  std::vector<float> missed(width);
   each_code_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
     const std::size_t at = static_cast<std::size_t>(v) * width;
-    join_code_row(code_row_of(motion, code, third_rad, at, cosine, sine), noise, config.outlier_sigmas, at, width,
-                  maps);
+    join_code_row(code_row_of(motion, code, third_rad, at, cosine, sine), noise, config.outlier_sigmas, at, width, maps,
+                  missed.data());
+    for (std::size_t u = 0; u < width; ++u) {
+      PixelReject& why = maps.reject[at + u];
+      if (missed[u] > torn && why == PixelReject::kNone) why = PixelReject::kEdge;
+    }
   });
 }
 

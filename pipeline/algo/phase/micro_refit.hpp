@@ -29,6 +29,8 @@ struct MicroRefitConfig {
   float gain_prior = 0.05F;         ///< spread of a block's g about the burst's
   float largest_motion_rad = 0.4F;  ///< estimates are held to this
   float outlier_sigmas = 4;         ///< a code frame further off does not join
+  /// Further off, and the four frames did not see one point of one surface: an edge passed by.
+  float torn_sigmas = 8;
 };
 
 /// Motion and gain for the burst, its blocks, and at each pixel, bilinear between blocks.
@@ -72,7 +74,7 @@ void undo_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>&
 void undo_micro_motion(const MicroMotion& motion, PhaseMaps& maps);
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
-/// outlier, keep their three-frame solution.
+/// outlier, keep their three-frame solution; those whose code is torn_sigmas off are rejected as edges.
 void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
                      const MicroMotion& motion, float third_rad, const NoiseModel& noise,
                      const MicroRefitConfig& config, PhaseMaps& maps);

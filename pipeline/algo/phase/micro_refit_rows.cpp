@@ -220,7 +220,7 @@ void undo_loop(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps&
 }
 
 void join_loop(const CodeRow& row, const NoiseModel& model, float outlier_sigmas, std::size_t at, std::size_t width,
-               PhaseMaps& m) {
+               PhaseMaps& m, float* missed) {
   const NoiseModel noise = model;  // a copy cannot alias what is written
   const float inverse_ratio = row.inverse_ratio, r = 1 + inverse_ratio, harmonic = row.harmonic;
   const float gate = outlier_sigmas * outlier_sigmas;
@@ -228,6 +228,7 @@ void join_loop(const CodeRow& row, const NoiseModel& model, float outlier_sigmas
   const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
   const float* __restrict mean = &m.mean_dn[at], * __restrict d = &m.code_dn[at], * __restrict modulation = &m.modulation_dn[at];
   float* __restrict phase = &m.phase_rad[at], * __restrict sigma = &m.sigma_rad[at];
+  float* __restrict squares = missed;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const CodeModel k = code_model({oc[u], os[u]}, inverse_ratio, phase[u], rate[u], harmonic);
@@ -237,7 +238,9 @@ void join_loop(const CodeRow& row, const NoiseModel& model, float outlier_sigmas
     const float own =
         noise.variance(mean[u] + gb * k.light) + noise.variance(mean[u]) * kThird * (1 + 2 * fitted * fitted);
     const float variance = sigma[u] * sigma[u], total = own + slope * slope * variance;
-    const bool joins = (off * off < gate * total) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
+    const bool inside = oc[u] * oc[u] + os[u] * os[u] > 0.5F;
+    const bool joins = (off * off < gate * total) & inside;  // false for NaN
+    squares[u] = select(inside, off * off / total, 0);
     const float share = select(joins, variance * slope / total, 0);
     phase[u] += share * select(joins, off, 0);
     sigma[u] = root(variance * (1 - share * slope));
@@ -282,8 +285,8 @@ void undo_motion_row(const CodeRow& row, std::size_t at, std::size_t width, Phas
 }
 
 void join_code_row(const CodeRow& row, const NoiseModel& noise, float outlier_sigmas, std::size_t at, std::size_t width,
-                   PhaseMaps& maps) {
-  HWY_DYNAMIC_DISPATCH(join_loop)(row, noise, outlier_sigmas, at, width, maps);
+                   PhaseMaps& maps, float* missed) {
+  HWY_DYNAMIC_DISPATCH(join_loop)(row, noise, outlier_sigmas, at, width, maps, missed);
 }
 
 }  // namespace enamel::algo

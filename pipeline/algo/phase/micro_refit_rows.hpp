@@ -50,7 +50,8 @@ void mid_burst_row(const PhaseMaps& maps, const CodeRow& row, std::size_t at, st
 
 void undo_motion_row(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps& maps);
 
+/// missed: by how many sigmas the code was off its prediction, squared; 0 outside all spans, NaN without code.
 void join_code_row(const CodeRow& row, const NoiseModel& noise, float outlier_sigmas, std::size_t at, std::size_t width,
-                   PhaseMaps& maps);
+                   PhaseMaps& maps, float* missed);
 
 }  // namespace enamel::algo

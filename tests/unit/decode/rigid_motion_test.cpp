@@ -170,5 +170,45 @@ TEST_P(RigidMotionOf, leaves_a_still_burst_alone) {
   EXPECT_DOUBLE_EQ(ball.sigma_um(found), ball.sigma_um(blocks));
 }
 
+/// A plane before which specks 1 mm nearer pass in the code frame alone: pixels left out there, and elsewhere.
+struct Torn {
+  std::size_t asked = 0, specks = 0, elsewhere = 0;
+};
+Torn count_torn(float torn_sigmas) {
+  constexpr int kWidth = 400, kHeight = 120, kMargin_px = 8;
+  const auto is_speck = [](int u, int v) { return u % 20 == 10 && v % 4 == 2; };
+  const calib::Rig rig = test::micro_rig(kWidth, kHeight);
+  test::SceneOptions o;
+  o.noise = true;
+  auto burst = test::render(rig, test::flat(48), o);
+  const auto passing = test::render(rig, test::flat(47), o);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const auto i = static_cast<std::size_t>(v * kWidth + u);
+      if (is_speck(u, v)) burst.frames.frames[1][i] = passing.frames.frames[1][i];
+    }
+  }
+  DecodeConfig config;
+  config.micro_refit.torn_sigmas = torn_sigmas;
+  const DecodedBurst found = BurstDecoder::make(rig, config).value().decode(burst.frames.view());
+  EXPECT_TRUE(found.accepted());
+  Torn out;
+  for (int v = kMargin_px; v < kHeight - kMargin_px; ++v) {
+    for (int u = kMargin_px; u < kWidth - kMargin_px; ++u) {
+      const std::size_t left_out = found.reject(u, v) == PixelReject::kEdge ? 1U : 0U;
+      out.asked += is_speck(u, v) ? 1U : 0U;
+      (is_speck(u, v) ? out.specks : out.elsewhere) += left_out;
+    }
+  }
+  return out;
+}
+
+TEST(TornPixels, whose_code_frame_saw_another_surface_are_left_out) {
+  const Torn with = count_torn(MicroRefitConfig{}.torn_sigmas), without = count_torn(1e6F);
+  EXPECT_GT(2 * with.specks, with.asked) << "the code of some happens to be the same";
+  EXPECT_LT(with.elsewhere, 10U);
+  EXPECT_EQ(without.specks, 0U) << "negative control: three frames alone do not show it";
+}
+
 }  // namespace
 }  // namespace enamel::algo
