@@ -27,7 +27,8 @@ void closure_loop(const PhaseMaps& m, const float* weight, float black_dn, float
   ENAMEL_INDEPENDENT
   for (std::size_t k = 0; k < count; ++k) {
     const float c = cosine[2 * k], s = sine[2 * k], b = modulation[2 * k], r = closure[2 * k], w = weights[2 * k];
-    const bool asked = (used[k] > 0) & (std::abs(w) > 0.999F) & (std::abs(r) < max_residual * b), plus = w > 0;
+    const float sign = std::abs(w), off = std::abs(r);
+    const bool asked = (used[k] > 0) & (sign > 0.999F) & (off < max_residual * b), plus = w > 0;
     const float own = mean[2 * k] - black_dn;
     rate[k] = select(asked, select(plus, 2 * (s - c), -2 * c), 0);
     per_rate[k] = select(asked, select(plus, 2 * (s - c), 2 * s), 0);
