@@ -7,30 +7,21 @@
 
 namespace enamel::algo {
 
-std::int32_t CutHoles::root(std::int32_t r) noexcept {
-  while (runs_[static_cast<std::size_t>(r)].parent != r) {
-    auto& parent = runs_[static_cast<std::size_t>(r)].parent;
-    parent = runs_[static_cast<std::size_t>(parent)].parent;
-    r = parent;
-  }
-  return r;
-}
-
-/// Runs of invalid pixels, those that touch in one set; the first run of a set is its root. A run may go on from a
-/// row's end to the next row's beginning: both are margin, and outside.
+/// Runs of invalid pixels. A run may go on from a row's end to the next row's beginning: both are margin, and outside.
 void CutHoles::split_runs(const CutCosts& costs) {
   runs_.clear();
   const std::size_t n = costs.stride * costs.rows;
-  std::size_t o = 0;
   for (std::size_t begin = 0, end = 0; begin < n; begin = end_of_run(costs.valid.data(), end, 1)) {
     end = end_of_run(costs.valid.data(), begin, 0);
-    const auto k = static_cast<std::int32_t>(runs_.size());
-    runs_.push_back({begin, end, k});
-    while (runs_[o].end + costs.stride < begin) ++o;
-    for (std::size_t p = o; p + 1 < runs_.size() && runs_[p].begin + costs.stride <= end; ++p) {
-      const std::int32_t a = root(static_cast<std::int32_t>(p)), b = root(k);
-      runs_[static_cast<std::size_t>(std::max(a, b))].parent = std::min(a, b);
-    }
+    runs_.push_back({begin, end});
+  }
+}
+
+/// Those that touch in one set.
+void CutHoles::join_runs(PieceSets& sets) const {
+  for (std::size_t k = 0, o = 0; k < runs_.size(); ++k) {
+    while (runs_[o].end + stride_ < runs_[k].begin) ++o;
+    for (std::size_t p = o; p < k && runs_[p].begin + stride_ <= runs_[k].end; ++p) sets.unite(p, k);
   }
 }
 
@@ -56,11 +47,13 @@ void CutHoles::find(const CutCosts& costs) {
   stride_ = costs.stride;
   valid_ = costs.valid.data();
   split_runs(costs);
+  PieceSets sets(runs_.size(), parent_);
+  join_runs(sets);
   label_.resize(n);
   numbers_.assign(runs_.size(), 0);
   count_ = 0;
   for (std::size_t k = 0; k < runs_.size(); ++k) {
-    const auto top = static_cast<std::size_t>(root(static_cast<std::int32_t>(k)));
+    const std::size_t top = sets.root(k);
     if (top == k) numbers_[k] = count_++;
     std::fill(label_.data() + runs_[k].begin, label_.data() + runs_[k].end, numbers_[top]);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/algo/unwrap/cut_costs.hpp"
+#include "pipeline/algo/unwrap/piece_sets.hpp"
 
 namespace enamel::algo {
 
@@ -27,16 +28,15 @@ class CutHoles {
  private:
   struct Run {
     std::size_t begin = 0, end = 0;
-    std::int32_t parent = 0;
   };
-  std::int32_t root(std::int32_t r) noexcept;
   void split_runs(const CutCosts& costs);
+  void join_runs(PieceSets& sets) const;
   void list_quads(const CutCosts& costs);
 
   std::vector<Run> runs_;
   std::vector<std::int32_t> label_;  ///< of invalid pixels
   std::vector<std::uint8_t> torn_;
-  std::vector<std::int32_t> first_, quads_, numbers_;
+  std::vector<std::int32_t> first_, quads_, numbers_, parent_;
   std::size_t stride_ = 0;
   std::int32_t count_ = 0;
   const std::uint8_t* valid_ = nullptr;
