@@ -60,12 +60,17 @@ Result<std::optional<ProjectorResponse>> read_response(const std::string& folder
 }
 
 Result<void> check_response(const ProjectorResponse& response) {
-  if (response.residual <= kMaxResponseResidual) return {};
-  return fail(
-      ErrorCode::kCalibrationRefused,
-      fmt::format("the projector's response is off a straight line by {:.0f} % of full scale, limit {:.0f} %: load "
-                  "its inverse into the projector and take the set again",
-                  100 * response.residual, 100 * kMaxResponseResidual));
+  if (response.residual > kMaxResponseResidual) {
+    return fail(
+        ErrorCode::kCalibrationRefused,
+        fmt::format("the projector's response is off a straight line by {:.0f} % of full scale, limit {:.0f} %: load "
+                    "its inverse into the projector and take the set again",
+                    100 * response.residual, 100 * kMaxResponseResidual));
+  }
+  if (is_rising(response)) return {};
+  return fail(ErrorCode::kCalibrationRefused,
+              "the projector's response does not rise from level to level: average more pictures a level, or take "
+              "fewer levels");
 }
 
 }  // namespace enamel::calib

@@ -68,6 +68,12 @@ class JsonSection {
     return v == nullptr ? std::vector<double>(count) : as_numbers(*v, count, name(key));
   }
 
+  /// Any count of numbers.
+  [[nodiscard]] std::vector<double> list(const char* key) {
+    const nlohmann::json* v = find(key);
+    return v == nullptr ? std::vector<double>() : as_numbers(*v, v->size(), name(key));
+  }
+
   /// `rows` arrays of `cols` numbers, row major.
   [[nodiscard]] std::vector<double> matrix(const char* key, std::size_t rows, std::size_t cols) {
     std::vector<double> out;

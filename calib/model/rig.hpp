@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "calib/model/correction.hpp"
+#include "calib/model/projector_response.hpp"
 #include "calib/model/temperature.hpp"
 #include "protocol/base/result.hpp"
 
@@ -54,6 +55,7 @@ struct Rig {
   PatternValues patterns;
   std::optional<DepthRange> depth_range;  ///< absent: estimated or asked for, never assumed silently
   std::optional<NoiseValues> noise;
+  std::optional<ProjectorResponse> response;  ///< measured; rising, so that patterns can be made through its inverse
   std::string serial;
   std::string calibrated_at;                    ///< UTC, ISO 8601; empty for design values
   std::optional<double> temp_c;                 ///< of the probe while the calibration's pictures were taken

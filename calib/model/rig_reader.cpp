@@ -105,6 +105,17 @@ NoiseValues read_noise(JsonSection s, std::vector<std::string>& unknown) {
   return n;
 }
 
+ProjectorResponse read_projector_response(JsonSection s, std::vector<std::string>& unknown) {
+  ProjectorResponse r;
+  for (const double level : s.list("level"))
+    r.level.push_back(static_cast<int>(std::lround(std::clamp(level, -1.0, 256.0))));
+  r.emission = s.list("emission");
+  r.residual = s.number_or("residual", 0);
+  if (!is_rising(r)) s.refuse("emission", "must rise from 0 to 1 over three or more levels rising within 0 to 255");
+  s.append_unknown(unknown);
+  return r;
+}
+
 std::array<double, 2> read_interval(JsonSection& s, const char* key) {
   const auto ends = s.numbers(key, 2);
   if (!(ends[1] > ends[0])) s.refuse(key, "must be low < high");
@@ -172,13 +183,14 @@ Rig read_top(JsonSection& s) {
     if (!(range[0] > 0 && range[1] > range[0])) s.refuse("depth_range_mm", "must be near < far, both positive");
   }
   if (s.has("noise")) rig.noise = read_noise(s.section("noise"), rig.unknown_keys);
+  if (s.has("response")) rig.response = read_projector_response(s.section("response"), rig.unknown_keys);
   if (s.has("serial")) rig.serial = s.string("serial");
   if (s.has("calibrated_at")) rig.calibrated_at = s.string("calibrated_at");
   if (s.has("temp_c")) rig.temp_c = s.number("temp_c");
   if (s.has("correction")) rig.correction = read_correction(s.section("correction"), rig.unknown_keys);
   if (s.has("temperature")) rig.temperature = read_temperature(s.section("temperature"), rig.unknown_keys);
   // Written by the solver for those who judge a calibration; nothing here measures with them.
-  for (const char* key : {"schema", "sha256", "covariance", "residuals", "response"}) static_cast<void>(s.has(key));
+  for (const char* key : {"schema", "sha256", "covariance", "residuals"}) static_cast<void>(s.has(key));
   s.append_unknown(rig.unknown_keys);
   return rig;
 }

@@ -150,6 +150,45 @@ TEST_F(Calibrate, projector_that_is_not_linear_is_refused_before_anything_is_sol
   EXPECT_THAT(read_file(rig()).value(), testing::HasSubstr("\"emission\""));
 }
 
+/// The pictures of frame_0 … frame_3 in `folder`, one after the other.
+std::string pictures(const std::string& folder) {
+  std::string all;
+  for (int k = 0; k < 4; ++k) all += read_file(folder + "/frame_" + std::to_string(k) + ".png").value_or("");
+  return all;
+}
+
+TEST_F(Calibrate, patterns_for_the_projector_undo_the_response_that_was_measured) {
+  const std::string folder = copy();
+  write_response(folder, 1.08);
+  ASSERT_EQ(solve(folder).code, 0);
+  nlohmann::json own = nlohmann::json::parse(read_file(folder + "/rig.json").value());
+  own["patterns"] = {{"mode", "T"}, {"period_px", 24}, {"polarity_code", "-++++-+--+-+--+-"}};
+  const std::string probe = own_ / "probe.json";
+  ASSERT_TRUE(write_file(probe, own.dump()));
+  const auto patterns = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {test::program("enamel"), "patterns", "--json"});
+    return test::run(more);
+  };
+  const auto plain = patterns({probe, own_ / "plain"});
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  EXPECT_EQ(nlohmann::json::parse(plain.out)["linearised"], false);
+  const auto linear = patterns({probe, own_ / "linear", "--calibration", rig()});
+  ASSERT_EQ(linear.code, 0) << linear.err;
+  const auto json = nlohmann::json::parse(linear.out);
+  EXPECT_EQ(json["linearised"], true);
+  EXPECT_EQ(json["mode"], "T");
+  EXPECT_EQ(read_file(own_ / "linear/patterns.json").value(), linear.out);
+  const auto picture = cv::imread(own_ / "linear/frame_0.png", cv::IMREAD_GRAYSCALE);
+  ASSERT_EQ(picture.size(), cv::Size(own["projector"]["width"], own["projector"]["height"]));
+  // Pixel 6 wants the mean, 127.5 of 255: a projector of exponent 1.08 emits it at level 134.2.
+  EXPECT_NEAR(picture.at<std::uint8_t>(100, 6), 255 * std::pow(0.5, 1 / 1.08), 1.5);
+  EXPECT_NE(pictures(own_ / "linear"), pictures(own_ / "plain"));
+  const auto multi = patterns({rig(), own_ / "none"});
+  EXPECT_EQ(multi.code, 2);
+  EXPECT_THAT(multi.err, testing::HasSubstr("give the probe's own rig"));
+  EXPECT_FALSE(fs::exists(own_ / "none"));
+}
+
 TEST_F(Calibrate, accepted_one_is_installed_listed_shown_and_reported) {
   const std::string folder = copy();
   const auto ran = solve(folder, {"--install", "--store", own_ / "store", "--report", own_ / "report"});

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "calib/model/pattern.hpp"
+
 namespace enamel::algo {
 namespace {
 
@@ -42,14 +44,7 @@ Result<CellSigns> make_cell_signs(const calib::PatternValues& patterns, const ca
 
   CellSigns cells;
   const int count = static_cast<int>(std::ceil(2.0 * projector.width / patterns.period_px)) + 1;
-  const int length = static_cast<int>(patterns.polarity_code.size());
-  for (int c = 0; c < count; ++c) {
-    int sign = 1;
-    if (patterns.mode == PatternMode::kPolarity)
-      sign = patterns.polarity_code[static_cast<std::size_t>((((c + patterns.first_cell) % length) + length) % length)];
-    if (patterns.mode == PatternMode::kSingle && c / 2 == patterns.marker_fringe) sign = -1;
-    cells.sign.push_back(static_cast<float>(sign));
-  }
+  for (int c = 0; c < count; ++c) cells.sign.push_back(static_cast<float>(calib::polarity_of_cell(patterns, c)));
   cells.informative =
       std::any_of(cells.sign.begin(), cells.sign.end(), [&](float s) { return (s > 0) != (cells.sign.front() > 0); });
   return cells;

@@ -66,7 +66,7 @@ double four_step_error(double gamma, double* peak = nullptr) {
   config.black_fraction = 0;
   config.blur_sigma_px = 1.0;  // smooths the pixels' staircase, leaves the period of 240
   config.defocus_px_per_mm = 0;
-  const ProjectorLight light(pattern_levels(rig), config, 40, 56);
+  const ProjectorLight light(calib::pattern_levels(rig), config, 40, 56);
   double sum = 0, worst = 0;
   constexpr int kPoints = 4800;
   for (int i = 0; i < kPoints; ++i) {
@@ -95,7 +95,7 @@ TEST(TwinProjector, BlurAttenuatesAFringeByItsTransferFunction) {
   ProjectorConfig config;
   config.round_levels = false;
   config.gamma = config.lut_gamma = 1;
-  const ProjectorLight light(pattern_levels(rig), config, 40, 56);
+  const ProjectorLight light(calib::pattern_levels(rig), config, 40, 56);
   for (const double z : {42.0, 49.0, 55.0}) {
     double c = 0, s = 0;
     constexpr int kPoints = 960;
@@ -117,10 +117,10 @@ TEST(TwinProjector, PolarityTurnsOnlyTheFourthFrame) {
   calib::PatternValues plain = p;
   plain.mode = calib::PatternMode::kPlain4;
   for (int i = 0; i < 854; ++i) {
-    for (int k = 0; k < 3; ++k) EXPECT_EQ(pattern_level(p, k, i), pattern_level(plain, k, i));
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(calib::pattern_level(p, k, i), calib::pattern_level(plain, k, i));
     const int cell = i / 12 + p.first_cell;
     const double b = p.polarity_code[static_cast<std::size_t>(cell) % p.polarity_code.size()];
-    EXPECT_NEAR(pattern_level(p, 3, i) - p.mean, b * (pattern_level(plain, 3, i) - p.mean), 1e-9) << i;
+    EXPECT_NEAR(calib::pattern_level(p, 3, i) - p.mean, b * (calib::pattern_level(plain, 3, i) - p.mean), 1e-9) << i;
   }
 }
 
@@ -131,14 +131,14 @@ TEST(TwinProjector, ModeMIsThreeStepsAroundACodeFrame) {
   p.period_px = 24;
   p.code_ratio = 6;
   p.mean = 127.5, p.amplitude = 120;
-  EXPECT_NEAR(pattern_level(p, 0, 0), 247.5, 1e-9);
-  EXPECT_NEAR(pattern_level(p, 1, 0), 247.5, 1e-9);
-  EXPECT_NEAR(pattern_level(p, 2, 0), 67.5, 1e-9);  // cos 120 degrees
-  EXPECT_NEAR(pattern_level(p, 3, 0), 67.5, 1e-9);
-  EXPECT_NEAR(pattern_level(p, 2, 16), 247.5, 1e-9);  // frame 2 peaks a third of a period before pixel 24
-  EXPECT_NEAR(pattern_level(p, 3, 8), 247.5, 1e-9);   // frame 3 two thirds
-  EXPECT_NEAR(pattern_level(p, 1, 72), 7.5, 1e-9);    // 3.5 periods of the code
-  EXPECT_NEAR(pattern_level(p, 1, 144), 247.5, 1e-9);
+  EXPECT_NEAR(calib::pattern_level(p, 0, 0), 247.5, 1e-9);
+  EXPECT_NEAR(calib::pattern_level(p, 1, 0), 247.5, 1e-9);
+  EXPECT_NEAR(calib::pattern_level(p, 2, 0), 67.5, 1e-9);  // cos 120 degrees
+  EXPECT_NEAR(calib::pattern_level(p, 3, 0), 67.5, 1e-9);
+  EXPECT_NEAR(calib::pattern_level(p, 2, 16), 247.5, 1e-9);  // frame 2 peaks a third of a period before pixel 24
+  EXPECT_NEAR(calib::pattern_level(p, 3, 8), 247.5, 1e-9);   // frame 3 two thirds
+  EXPECT_NEAR(calib::pattern_level(p, 1, 72), 7.5, 1e-9);    // 3.5 periods of the code
+  EXPECT_NEAR(calib::pattern_level(p, 1, 144), 247.5, 1e-9);
 }
 
 struct Moments {

@@ -10,9 +10,9 @@ MultiPatterns::Fringe MultiPatterns::fringe(int set) const {
   return {i >= cycles_.size(), cycles_[i % cycles_.size()]};
 }
 
-PatternLevels MultiPatterns::levels(int set) const {
+calib::PatternLevels MultiPatterns::levels(int set) const {
   constexpr double kWhite = 255, kBlack = 0;
-  PatternLevels out;
+  calib::PatternLevels out;
   if (set == 0) {
     for (std::size_t k = 0; k < 4; ++k)
       out.frames[k].assign(static_cast<std::size_t>(width_), k % 2 == 0 ? kWhite : kBlack);

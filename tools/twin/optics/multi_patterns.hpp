@@ -24,7 +24,7 @@ class MultiPatterns {
 
   /// Set 0: white, black, white, black. Sets 1 … n: fringes along u by rising cycles; n + 1 … 2n: along v. Frame k =
   /// mean + amplitude * cos(2 pi cycles i / pixels + k pi / 2), i the projector pixel. Needs 0 <= set < sets().
-  [[nodiscard]] PatternLevels levels(int set) const;
+  [[nodiscard]] calib::PatternLevels levels(int set) const;
 
   /// File names of a set's frames in a calibration folder, without suffix: "v_16_0". Frames 2 and 3 of set 0 repeat
   /// the first two.

@@ -9,35 +9,10 @@
 namespace enamel::twin {
 namespace {
 
-double wave(const calib::PatternValues& p, double phase) { return p.mean + p.amplitude * std::cos(phase); }
-
-/// +1 or -1 of frame 3 at phase phi >= 0.
-int polarity(const calib::PatternValues& p, double phi) {
-  if (p.mode == calib::PatternMode::kSingle) {
-    return static_cast<int>(std::floor(phi / (2.0 * std::numbers::pi))) == p.marker_fringe ? -1 : 1;
-  }
-  if (p.mode != calib::PatternMode::kPolarity || p.polarity_code.empty()) return 1;
-  const auto length = static_cast<long>(p.polarity_code.size());
-  // A pixel on a cell border to rounding belongs to the cell that begins there; the pattern is at its mean either way.
-  const long cell = std::lround(std::floor(phi / std::numbers::pi + 1e-9)) + p.first_cell;
-  return p.polarity_code[static_cast<std::size_t>(((cell % length) + length) % length)];
-}
-
 /// Integral of the standard normal up to x.
 double normal_cdf(double x) { return 0.5 * std::erfc(-x * std::numbers::sqrt2 / 2.0); }
 
 }  // namespace
-
-double pattern_level(const calib::PatternValues& p, int frame, int i) {
-  const double phi = 2.0 * std::numbers::pi * i / p.period_px;
-  if (p.mode == calib::PatternMode::kMicro) {
-    if (frame == 1) return wave(p, phi * (1.0 + 1.0 / p.code_ratio));
-    const int j = frame == 0 ? 0 : frame - 1;
-    return wave(p, phi + 2.0 * std::numbers::pi * j / 3.0);
-  }
-  if (frame == 3) return p.mean + polarity(p, phi) * p.amplitude * std::sin(phi);
-  return wave(p, phi + frame * std::numbers::pi / 2.0);
-}
 
 double emission_of_level(const ProjectorConfig& config, double level) {
   double x = std::clamp(level / 255.0, 0.0, 1.0);
@@ -49,19 +24,7 @@ double emission_of_level(const ProjectorConfig& config, double level) {
   return config.black_fraction + (1.0 - config.black_fraction) * x;
 }
 
-PatternLevels pattern_levels(const calib::Rig& rig) {
-  PatternLevels levels;
-  levels.axis_v = rig.patterns.axis_v;
-  const int n = levels.axis_v ? rig.projector.height : rig.projector.width;
-  for (int frame = 0; frame < 4; ++frame) {
-    for (int i = 0; i < n; ++i) {
-      levels.frames[static_cast<std::size_t>(frame)].push_back(pattern_level(rig.patterns, frame, i));
-    }
-  }
-  return levels;
-}
-
-ProjectorLight::ProjectorLight(const PatternLevels& levels, const ProjectorConfig& config, double near_mm,
+ProjectorLight::ProjectorLight(const calib::PatternLevels& levels, const ProjectorConfig& config, double near_mm,
                                double far_mm)
     : config_(config), axis_v_(levels.axis_v) {
   const std::size_t n = levels.frames[0].size();

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "calib/model/rig.hpp"
+#include "calib/model/pattern.hpp"
 
 namespace enamel::twin {
 
@@ -19,23 +19,12 @@ struct ProjectorConfig {
   double focus_mm = 49.0;           ///< in projector coordinates
 };
 
-/// Level 0…255 of projector pixel `i` along the pattern axis in frame `frame` 0…3, before rounding.
-[[nodiscard]] double pattern_level(const calib::PatternValues& patterns, int frame, int i);
-
 /// Emission 0…1 of a commanded level, through table and response.
 [[nodiscard]] double emission_of_level(const ProjectorConfig& config, double level);
 
-/// Commanded levels 0…255 of four frames, one a projector pixel along the pattern axis, before rounding.
-struct PatternLevels {
-  bool axis_v = false;
-  std::array<std::vector<double>, 4> frames;
-};
-/// Of the rig's pattern set. Needs a set of four frames, not mode multi.
-[[nodiscard]] PatternLevels pattern_levels(const calib::Rig& rig);
-
 class ProjectorLight {
  public:
-  ProjectorLight(const PatternLevels& levels, const ProjectorConfig& config, double near_mm, double far_mm);
+  ProjectorLight(const calib::PatternLevels& levels, const ProjectorConfig& config, double near_mm, double far_mm);
 
   [[nodiscard]] double sigma2_at(double z_p) const {
     const double d = config_.defocus_px_per_mm * (z_p - config_.focus_mm);

@@ -20,7 +20,8 @@ Instrument::Instrument(const calib::Rig& rig_values, const ProjectorConfig& proj
       camera(rig_values.camera),
       projector(rig_values.projector),
       T_proj_cam(to_pose(rig_values.T_proj_cam)),
-      light(pattern_levels(rig_values), projector_config, rig_values.depth_range.value_or(kDepthWhenUnstated).near_mm,
+      light(calib::pattern_levels(rig_values), projector_config,
+            rig_values.depth_range.value_or(kDepthWhenUnstated).near_mm,
             rig_values.depth_range.value_or(kDepthWhenUnstated).far_mm) {}
 
 }  // namespace enamel::twin

@@ -1,0 +1,37 @@
+// The pattern set that a rig states, written out: what the twin projects, what is loaded into a projector, and the code
+// that the decoder looks for are this one definition.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "calib/model/rig.hpp"
+
+namespace enamel::calib {
+
+/// +1 or -1 of frame 3 in half fringe `cell`, which covers phase [cell pi, (cell + 1) pi) from projector pixel 0.
+/// +1 everywhere in modes without polarity.
+[[nodiscard]] int polarity_of_cell(const PatternValues& patterns, long cell) noexcept;
+
+/// Emission wanted of projector pixel `i` along the pattern axis in frame `frame` 0…3: 0…255, linear, before rounding.
+/// Not for mode multi, whose sets belong to the calibration folder.
+[[nodiscard]] double pattern_level(const PatternValues& patterns, int frame, int i);
+
+/// Four frames, one value a projector pixel along the pattern axis; all lines across it are alike.
+template <class Level>
+struct PatternFrames {
+  bool axis_v = false;  ///< values run along projector v instead of u
+  std::array<std::vector<Level>, 4> frames;
+};
+using PatternLevels = PatternFrames<double>;
+using PatternTable = PatternFrames<std::uint8_t>;
+
+/// Levels to command, 0…255 before rounding: through the inverse of the rig's response where it states one, so that the
+/// emission becomes that of pattern_level(). Needs another mode than multi.
+[[nodiscard]] PatternLevels pattern_levels(const Rig& rig);
+
+/// The same as a projector takes it: rounded to 8 bits.
+[[nodiscard]] PatternTable pattern_table(const Rig& rig);
+
+}  // namespace enamel::calib
