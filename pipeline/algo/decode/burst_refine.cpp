@@ -5,6 +5,7 @@
 #include "pipeline/algo/decode/micro_gates.hpp"
 #include "pipeline/algo/decode/micro_view.hpp"
 #include "pipeline/algo/decode/relative_regions.hpp"
+#include "pipeline/algo/decode/ripple_depth.hpp"
 #include "pipeline/algo/decode/surface.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
 #include "pipeline/algo/phase/micro_saturated.hpp"
@@ -41,6 +42,9 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
   if (config_.correct_ripple) {
     const PhaseMoments moments = phase_moments(b.spans, b.phase);
     diag.ripple = shrink(level(moments), moments);
+    const DepthRipple by_depth = level_by_depth(b.spans, b.phase, *rays_, moments, diag.ripple);
+    correct_by_depth(by_depth, b.polarity.turn, *rays_, b.phase);
+    diag.ripple_by_depth_rad = by_depth.rms_rad();
   }
 }
 

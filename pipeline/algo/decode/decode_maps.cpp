@@ -84,11 +84,12 @@ std::string diagnostics_json(const DecodeDiagnostics& d, calib::PatternMode mode
       "\"repeated_share\": {:.5f}, \"linked_share\": {:.5f}, \"closure_share\": {:.5f}, "
       "\"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, \"odd_shift_rad\": {:.5f}, \"unrest\": {:.5f}, "
       "\"motion_rad\": {:.6f}, \"harmonic\": {:.6f}, \"noise_from\": \"{}\",\n"
-      "  \"ripple_cosine_rad\": [{:.6f}], \"ripple_sine_rad\": [{:.6f}],\n"
+      "  \"ripple_cosine_rad\": [{:.6f}], \"ripple_sine_rad\": [{:.6f}], "
+      "\"ripple_by_depth_rad\": {:.6f},\n"
       "  \"shift_mm_per_frame\": [{:.6f}], \"turn_rad_per_frame\": [{:.7f}]",
       d.repeated_share, d.linked_share, d.closure_share, d.code_agreement, d.torn_share, d.odd_shift_rad, d.unrest,
       d.motion_rad, d.harmonic, noise_from, fmt::join(d.ripple.cosine, ", "), fmt::join(d.ripple.sine, ", "),
-      fmt::join(d.rigid.shift_mm, ", "), fmt::join(d.rigid.turn_rad, ", "));
+      d.ripple_by_depth_rad, fmt::join(d.rigid.shift_mm, ", "), fmt::join(d.rigid.turn_rad, ", "));
 }
 
 }  // namespace

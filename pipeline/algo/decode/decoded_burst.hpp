@@ -50,9 +50,10 @@ struct DecodeDiagnostics {
   float harmonic = 0;          ///< projector's B2/B1, from the closure; not in mode M
   RigidMotion rigid;           ///< of the surface in the camera's frame, per frame interval
   PhaseRipple ripple;          ///< of four steps, as it was subtracted; not in mode M
-  float third_rad = 0;         ///< mode M: a1 of the sin 3phi correction that was subtracted
-  float code_shift_rad = 0;    ///< mode M: phase by which the code frame alone is off the other three, motion undone
-  float code_turn_rad = 0;     ///< mode M: mean angle of the code against its orders
+  double ripple_by_depth_rad = 0;  ///< rms of what was subtracted beside it, because it changes with depth
+  float third_rad = 0;             ///< mode M: a1 of the sin 3phi correction that was subtracted
+  float code_shift_rad = 0;  ///< mode M: phase by which the code frame alone is off the other three, motion undone
+  float code_turn_rad = 0;   ///< mode M: mean angle of the code against its orders
   NoiseModel noise;
 };
 

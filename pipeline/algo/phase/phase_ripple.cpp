@@ -47,27 +47,31 @@ double PhaseRipple::error_rad(double phase_rad) const noexcept {
   return error;
 }
 
-PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps) {
+PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps, const WeighSpan& weigh) {
   PhaseMoments sums;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  std::vector<std::uint8_t> counted(width);
+  std::vector<float> weight(width);
   for (auto next = spans.begin(); next != spans.end();) {
     const std::int32_t row = next->row;
-    std::fill(counted.begin(), counted.end(), std::uint8_t{0});
+    std::fill(weight.begin(), weight.end(), 0.0F);
     for (; next != spans.end() && next->row == row; ++next) {
       if (!next->whole || row % kRowStep != 0) continue;
-      std::fill(counted.begin() + next->begin, counted.begin() + next->end, std::uint8_t{1});
+      std::fill(weight.begin() + next->begin, weight.begin() + next->end, weigh(*next));
       sums.pixels += next->end - next->begin;
     }
     if (row % kRowStep != 0) continue;
     MomentLanes lanes;
-    add_moments_row(maps, counted.data(), static_cast<std::size_t>(row) * width, width, lanes);
+    add_moments_row(maps, weight.data(), static_cast<std::size_t>(row) * width, width, lanes);
     for (std::size_t m = 0; m < kRippleTerms; ++m) {
       for (const float x : lanes.cosines[m]) sums.cosines[m] += static_cast<double>(x);
       for (const float x : lanes.sines[m]) sums.sines[m] += static_cast<double>(x);
     }
   }
   return sums;
+}
+
+PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps) {
+  return phase_moments(spans, maps, [](const CellSpan&) { return 1.0F; });
 }
 
 PhaseMoments phase_moments(std::span<const float> phase_rad, int steps) {

@@ -9,6 +9,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <span>
 
 #include "pipeline/algo/phase/polarity.hpp"
@@ -37,6 +39,12 @@ struct PhaseRipple {
 /// Of four-step phase, over spans that cover their half fringe from end to end: part of a fringe is not evenly spread.
 /// Every third row. From C and S, and phase_rad's small distance from their angle to first order: no trigonometry.
 [[nodiscard]] PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps);
+
+/// The same, the pixels of each span times its weight: how the moments go with something else that is known of a place.
+/// One weight a span, because a weight that changed along a fringe would be taken for ripple. `pixels` counts them all.
+using WeighSpan = std::function<float(const CellSpan& span)>;
+[[nodiscard]] PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps,
+                                         const WeighSpan& weigh);
 
 /// For bare phases that cover whole fringes.
 [[nodiscard]] PhaseMoments phase_moments(std::span<const float> phase_rad, int steps = 4);

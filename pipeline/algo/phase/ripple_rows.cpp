@@ -14,8 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
 struct Pixels {
-  const float *cosine, *sine, *phase;
-  const std::uint8_t* counted;
+  const float *cosine, *sine, *phase, *weight;
 };
 
 /// One pixel a lane; count <= kMomentLanes.
@@ -28,9 +27,11 @@ struct Pixels {
     const float cos2 = (c - s) * (c + s) * inv2, sin2 = 2 * c * s * inv2;
     const float e = 4 * wrap_once(p.phase[j] - atan2_poly(s, c));
     const float cos4 = 2 * cos2 * cos2 - 1, sin4 = 2 * sin2 * cos2;
-    const bool counted = p.counted[j] != 0;
-    base_c[j] = power_c[j] = select(counted, cos4 - e * sin4, 0);
-    base_s[j] = power_s[j] = select(counted, sin4 + e * cos4, 0);
+    const float w = p.weight[j];
+    base_c[j] = select(w != 0, cos4 - e * sin4, 0);
+    base_s[j] = select(w != 0, sin4 + e * cos4, 0);
+    power_c[j] = w * base_c[j];
+    power_s[j] = w * base_s[j];
   }
   for (std::size_t m = 0; m < kRippleTerms; ++m) {
     ENAMEL_INDEPENDENT
@@ -44,11 +45,10 @@ struct Pixels {
   }
 }
 
-void moments_loop(const PhaseMaps& m, const std::uint8_t* counted, std::size_t at, std::size_t width,
-                  MomentLanes& sums) {
+void moments_loop(const PhaseMaps& m, const float* weight, std::size_t at, std::size_t width, MomentLanes& sums) {
   MomentLanes local = sums;  // a copy cannot alias what is read
   for (std::size_t u = 0; u < width; u += kMomentLanes) {
-    const Pixels pixels{&m.cosine_dn[at + u], &m.sine_dn[at + u], &m.phase_rad[at + u], counted + u};
+    const Pixels pixels{&m.cosine_dn[at + u], &m.sine_dn[at + u], &m.phase_rad[at + u], weight + u};
     if (u + kMomentLanes <= width)
       add_pixels(pixels, kMomentLanes, local);
     else
@@ -65,9 +65,8 @@ namespace enamel::algo {
 
 HWY_EXPORT(moments_loop);
 
-void add_moments_row(const PhaseMaps& maps, const std::uint8_t* counted, std::size_t at, std::size_t width,
-                     MomentLanes& sums) {
-  HWY_DYNAMIC_DISPATCH(moments_loop)(maps, counted, at, width, sums);
+void add_moments_row(const PhaseMaps& maps, const float* weight, std::size_t at, std::size_t width, MomentLanes& sums) {
+  HWY_DYNAMIC_DISPATCH(moments_loop)(maps, weight, at, width, sums);
 }
 
 }  // namespace enamel::algo

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 
 #include "pipeline/algo/phase/phase_ripple.hpp"
 
@@ -16,8 +15,7 @@ struct MomentLanes {
   alignas(32) Terms cosines{}, sines{};
 };
 
-/// Adds cos 4m phi and sin 4m phi of the row's pixels that are `counted` (1, else 0).
-void add_moments_row(const PhaseMaps& maps, const std::uint8_t* counted, std::size_t at, std::size_t width,
-                     MomentLanes& sums);
+/// Adds weight times cos 4m phi and sin 4m phi of the row's pixels; those of weight 0 may hold anything.
+void add_moments_row(const PhaseMaps& maps, const float* weight, std::size_t at, std::size_t width, MomentLanes& sums);
 
 }  // namespace enamel::algo

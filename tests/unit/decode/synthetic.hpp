@@ -49,8 +49,10 @@ class Normals {
 struct SceneOptions {
   double mean_dn = 104;  ///< above black
   double modulation_dn = 80;
-  double motion_rad = 0;   ///< phase change per frame interval, zero at mid-burst
-  double harmonic = 0;     ///< projector's B2/B1
+  double motion_rad = 0;  ///< phase change per frame interval, zero at mid-burst
+  double harmonic = 0;    ///< projector's B2/B1
+  /// Projector's B3/B1 at a depth in mm: what defocus leaves of it. Needs no harmonic, no blur_fringe.
+  std::function<double(double z)> third = [](double) { return 0.0; };
   double blur_fringe = 0;  ///< sigma of the projector's Gaussian blur; takes exp(-(2 pi sigma)^2 / 2) of the modulation
   double psf_px = 0;       ///< sigma of the camera's Gaussian point spread
   bool noise = false;
@@ -191,7 +193,8 @@ inline std::array<Map<double>, 4> mean_light(const calib::Rig& rig, const std::f
       truth.depth_mm(u, v) = z;
       for (int k = 0; k < 4; ++k) {
         const double p = phi + o.motion_rad * (k - 1.5);
-        signal[static_cast<std::size_t>(k)](u, v) = light * (o.mean_dn + modulation_dn * patterns(k, p));
+        const double first = patterns(k, p), third = o.third(z) * (4 * first * first - 3) * first;  // cos 3x of cos x
+        signal[static_cast<std::size_t>(k)](u, v) = light * (o.mean_dn + modulation_dn * (first + third));
       }
     }
   }
