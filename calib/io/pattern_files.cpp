@@ -33,9 +33,10 @@ Result<std::string> png_of(const cv::Mat& image) {
 }
 
 Result<void> check(const PatternValues& p) {
-  if (p.mode == PatternMode::kMulti)
+  if (p.mode == PatternMode::kMulti) {
     return fail(ErrorCode::kPatternSet,
                 "mode multi is a calibration set: give the probe's own rig, and the solved one with --calibration");
+  }
   if (p.mean - p.amplitude >= 0 && p.mean + p.amplitude <= 255) return {};
   return fail(ErrorCode::kPatternSet, fmt::format("patterns from {} to {} do not fit a projector's levels 0 to 255: "
                                                   "lower amplitude, or set mean to 127.5",
@@ -73,7 +74,7 @@ Result<std::string> write_patterns(const Rig& rig, const std::string& folder) {
     const cv::Mat image = picture(line, table.axis_v, rig.projector);
     ENAMEL_TRY_ASSIGN(const std::string png, png_of(image));
     const std::string file = fmt::format("frame_{}.png", k);
-    ENAMEL_TRY(write_file(folder + "/" + file, png));
+    ENAMEL_TRY(write_file(fmt::format("{}/{}", folder, file), png));
     const auto [low, high] = std::minmax_element(line.begin(), line.end());
     const std::span<const std::uint8_t> pixels(image.ptr(), image.total());
     json["frames"].push_back(

@@ -49,10 +49,11 @@ void moments_loop(const PhaseMaps& m, const float* weight, std::size_t at, std::
   MomentLanes local = sums;  // a copy cannot alias what is read
   for (std::size_t u = 0; u < width; u += kMomentLanes) {
     const Pixels pixels{&m.cosine_dn[at + u], &m.sine_dn[at + u], &m.phase_rad[at + u], weight + u};
-    if (u + kMomentLanes <= width)
+    if (u + kMomentLanes <= width) {
       add_pixels(pixels, kMomentLanes, local);
-    else
+    } else {
       add_pixels(pixels, width - u, local);
+    }
   }
   sums = local;
 }
