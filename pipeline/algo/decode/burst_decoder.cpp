@@ -1,5 +1,6 @@
 #include "pipeline/algo/decode/burst_decoder.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "pipeline/algo/decode/burst_gates.hpp"
@@ -79,17 +80,19 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   if (diag.repeated_share > config_.max_repeated_share) return BurstVerdict::kPatternMismatch;
   const bool fringes = looks_like_fringes(workspace, diag);
   step("links");
-  if (!fringes) return BurstVerdict::kPatternMismatch;
+  if (!fringes) return why_unlike(b, diag);
   flood(b.phase.phase_rad, b.links, b.flood);
   step("unwrap");
   const BurstVerdict placed = place(workspace, out);
   step("order");
+  if (placed == BurstVerdict::kPatternMismatch) return why_unlike(b, diag);
   if (placed != BurstVerdict::kAccepted) return placed;
   const Map<std::int16_t>& turn = refine(workspace, out);
   const bool odd =
       diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest;
   const bool unexplained = micro_ && config_.correct_closure && diag.closure_share < config_.min_closure_share;
   if (odd || unexplained) return BurstVerdict::kPatternMismatch;
+  if (std::abs(static_cast<double>(diag.motion_rad)) > config_.max_motion_rad) return BurstVerdict::kTooFast;
   take_phase(b.phase, diag.ripple, out.relative);
   make_surface(b.phase, turn, *rays_, diag.ripple, config_.normals, b.scratch, out);
   step("surface");

@@ -49,6 +49,9 @@ struct DecodeConfig {
   float max_odd_shift_rad = 0.1F;     ///< of one frame against the others: bends the phase by a quarter of it, and ...
   float max_odd_over_unrest = 1.8F;   ///< ... stands out from what light and texture did during the burst
   float harmless_motion_rad = 0.05F;  ///< mode M: with more a frame, orders are asked again without the motion
+  double max_motion_rad = 0.32;   ///< mean of a burst, a frame: 0.3 (algorithms.md §9) and what it may be measured off
+  double min_moving_share = 0.8;  ///< of pixels that close under a motion, for frames that do not close at rest
+  double least_fast_motion_rad = 0.15;  ///< ... and this motion at least: with less it is not what spoils a burst
   double max_torn_share = 0.1;  ///< a foreign code can only be followed by jumping every few cells; surfaces do not
 };
 
@@ -95,6 +98,7 @@ class BurstDecoder {
   void undo_errors(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics, const Step& step) const;
   void solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
   bool looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
+  BurstVerdict why_unlike(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
   BurstVerdict place(DecodeWorkspace& workspace, DecodedBurst& out) const;
   void label(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise) const;
   float label_by_code(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise, const MicroCode& seen) const;

@@ -1,9 +1,11 @@
 // BurstDecoder's first steps: phase of three frames, and whether it looks like fringes at all.
 #include <algorithm>
+#include <cmath>
 
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/burst_output.hpp"
 #include "pipeline/algo/decode/decode_buffers.hpp"
+#include "pipeline/algo/phase/fast_motion.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
 
 namespace enamel::algo {
@@ -32,6 +34,19 @@ bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnost
   reject_edges(b.links, b.phase);
   if (diag.linked_share < config_.min_linked_share) return false;
   return micro_ ? diag.direction_share >= config_.min_direction_share : diag.closure_share >= config_.min_closure_share;
+}
+
+/// Frames that are not those of a surface at rest: too fast a motion, or the wrong frames. Mode M's four values a pixel
+/// are explained by some motion and order whatever they are, so that only its measured motion can tell. Motion leaves
+/// neighbours linked.
+BurstVerdict BurstDecoder::why_unlike(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag) const {
+  if (micro_ || diag.linked_share < config_.min_linked_share) return BurstVerdict::kPatternMismatch;
+  const FastMotion motion = explain_by_motion(b.phase);
+  const bool fast =
+      motion.share >= config_.min_moving_share && std::abs(motion.motion_rad) >= config_.least_fast_motion_rad;
+  if (!fast) return BurstVerdict::kPatternMismatch;
+  diag.motion_rad = static_cast<float>(motion.motion_rad);
+  return BurstVerdict::kTooFast;
 }
 
 }  // namespace enamel::algo
