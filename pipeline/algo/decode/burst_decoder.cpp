@@ -80,12 +80,12 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   if (diag.repeated_share > config_.max_repeated_share) return BurstVerdict::kPatternMismatch;
   const bool fringes = looks_like_fringes(workspace, diag);
   step("links");
-  if (!fringes) return why_unlike(b, diag);
+  if (!fringes) return mismatch_or_too_fast(b, diag);
   flood(b.phase.phase_rad, b.links, b.flood);
   step("unwrap");
   const BurstVerdict placed = place(workspace, out);
   step("order");
-  if (placed == BurstVerdict::kPatternMismatch) return why_unlike(b, diag);
+  if (placed == BurstVerdict::kPatternMismatch) return mismatch_or_too_fast(b, diag);
   if (placed != BurstVerdict::kAccepted) return placed;
   const Map<std::int16_t>& turn = refine(workspace, out);
   const bool odd =

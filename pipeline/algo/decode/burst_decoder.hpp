@@ -98,7 +98,7 @@ class BurstDecoder {
   void undo_errors(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics, const Step& step) const;
   void solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
   bool looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
-  BurstVerdict why_unlike(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
+  BurstVerdict mismatch_or_too_fast(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
   BurstVerdict place(DecodeWorkspace& workspace, DecodedBurst& out) const;
   void label(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise) const;
   float label_by_code(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise, const MicroCode& seen) const;

@@ -39,7 +39,7 @@ bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnost
 /// Frames that are not those of a surface at rest: too fast a motion, or the wrong frames. Mode M's four values a pixel
 /// are explained by some motion and order whatever they are, so that only its measured motion can tell. Motion leaves
 /// neighbours linked.
-BurstVerdict BurstDecoder::why_unlike(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag) const {
+BurstVerdict BurstDecoder::mismatch_or_too_fast(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag) const {
   if (micro_ || diag.linked_share < config_.min_linked_share) return BurstVerdict::kPatternMismatch;
   const FastMotion motion = explain_by_motion(b.phase);
   const bool fast =
