@@ -43,32 +43,20 @@ Result<void> check(const PatternValues& p) {
                                                   p.mean - p.amplitude, p.mean + p.amplitude));
 }
 
-const char* name_of(PatternMode mode) {
-  switch (mode) {
-    case PatternMode::kPlain4:
-      return "plain4";
-    case PatternMode::kPolarity:
-      return "T";
-    case PatternMode::kSingle:
-      return "single";
-    case PatternMode::kMicro:
-      return "M";
-    case PatternMode::kMulti:
-      break;
-  }
-  return "multi";
-}
-
 }  // namespace
 
 Result<std::string> write_patterns(const Rig& rig, const std::string& folder) {
   ENAMEL_TRY(check(rig.patterns));
   ENAMEL_TRY(make_folder(folder));
   const PatternTable table = pattern_table(rig);
-  Json json{{"mode", name_of(rig.patterns.mode)},     {"period_px", rig.patterns.period_px},
-            {"axis", table.axis_v ? "v" : "u"},       {"width", rig.projector.width},
-            {"height", rig.projector.height},         {"serial", rig.serial},
-            {"linearised", rig.response.has_value()}, {"frames", Json::array()}};
+  Json json{{"mode", std::string(name_of(rig.patterns.mode))},
+            {"period_px", rig.patterns.period_px},
+            {"axis", table.axis_v ? "v" : "u"},
+            {"width", rig.projector.width},
+            {"height", rig.projector.height},
+            {"serial", rig.serial},
+            {"linearised", rig.response.has_value()},
+            {"frames", Json::array()}};
   for (std::size_t k = 0; k < table.frames.size(); ++k) {
     const auto& line = table.frames[k];
     const cv::Mat image = picture(line, table.axis_v, rig.projector);

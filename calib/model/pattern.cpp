@@ -15,6 +15,22 @@ long cell_of(double phi) { return std::lround(std::floor(phi / std::numbers::pi 
 
 }  // namespace
 
+std::string_view name_of(PatternMode mode) noexcept {
+  switch (mode) {
+    case PatternMode::kPlain4:
+      return "plain4";
+    case PatternMode::kPolarity:
+      return "T";
+    case PatternMode::kSingle:
+      return "single";
+    case PatternMode::kMicro:
+      return "M";
+    case PatternMode::kMulti:
+      break;
+  }
+  return "multi";
+}
+
 int polarity_of_cell(const PatternValues& p, long cell) noexcept {
   if (p.mode == PatternMode::kSingle) return cell >= 0 && cell / 2 == p.marker_fringe ? -1 : 1;
   if (p.mode != PatternMode::kPolarity || p.polarity_code.empty()) return 1;

@@ -4,11 +4,15 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "calib/model/rig.hpp"
 
 namespace enamel::calib {
+
+/// As rig.json says it: plain4, T, single, M, multi.
+[[nodiscard]] std::string_view name_of(PatternMode mode) noexcept;
 
 /// +1 or -1 of frame 3 in half fringe `cell`, which covers phase [cell pi, (cell + 1) pi) from projector pixel 0.
 /// +1 everywhere in modes without polarity.

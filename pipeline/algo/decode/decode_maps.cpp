@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
 
+#include "calib/model/pattern.hpp"
 #include "protocol/base/file.hpp"
 
 namespace enamel::algo {
@@ -19,22 +20,6 @@ static_assert(std::endian::native == std::endian::little, "the writers copy floa
 
 void append(std::string& out, const void* data, std::size_t bytes) {
   out.append(static_cast<const char*>(data), bytes);
-}
-
-std::string_view name_of_mode(calib::PatternMode mode) {
-  switch (mode) {
-    case calib::PatternMode::kPlain4:
-      return "plain4";
-    case calib::PatternMode::kPolarity:
-      return "T";
-    case calib::PatternMode::kSingle:
-      return "single";
-    case calib::PatternMode::kMicro:
-      return "M";
-    case calib::PatternMode::kMulti:
-      return "multi";
-  }
-  return "unknown";
 }
 
 double median_sigma_um(const SurfacePatch& patch) {
@@ -131,7 +116,7 @@ std::string decode_json(const DecodedBurst& burst, const DecodeReport& report) {
       "{{\"burst\": {}, \"mode\": \"{}\", \"verdict\": \"{}\", \"valid_px\": {}, \"undecided_px\": {},\n"
       " \"rejected_px\": {{{}}},\n \"sigma_um_median\": {:.3f},\n \"diagnostics\": {{{}}},\n"
       " \"stage_ms\": {{{}}}}}\n",
-      report.burst, name_of_mode(report.mode), name_of(burst.verdict), burst.patch.valid_px,
+      report.burst, calib::name_of(report.mode), name_of(burst.verdict), burst.patch.valid_px,
       burst.counts[static_cast<std::size_t>(PixelReject::kRelative)], rejected, median_sigma_um(burst.patch),
       diagnostics_json(burst.diagnostics, report.mode), stages);
 }
