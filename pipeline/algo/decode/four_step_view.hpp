@@ -27,10 +27,11 @@ class FourStepView final : public MotionView {
         max_residual_(max_residual) {}
 
   void take_samples(const MotionField* known, MotionSamples& out) override {
-    if (known == nullptr)
+    if (known == nullptr) {
       algo::take_samples(maps_, polarity_, black_dn_, max_residual_, out);
-    else
+    } else {
       algo::take_samples(maps_, polarity_, errors_of(*known), black_dn_, max_residual_, out);
+    }
   }
   void make_images(const MotionField* known, MotionImages& out) override {
     make_motion_images(maps_, polarity_, rays_, known != nullptr ? errors_of(*known) : coarse_.errors(), black_dn_,

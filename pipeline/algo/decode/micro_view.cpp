@@ -34,7 +34,7 @@ void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
     code_residual_row(in_.maps, row, at, width, {r, r + width, r + 2 * width, r + 3 * width});
     for (std::size_t u = 0; u < width; ++u)
       if (cosine[u] == 0 && sine[u] == 0) r[u] = std::nanf("");
-    take_sample_row(in_.maps, v, {r, r + width, r + 2 * width, r + 3 * width, row.motion_rad, row.light},
+    take_sample_row(in_.maps, v, {r, r + width, r + 2 * width, r + 3 * width, row.motion_rad, row.light, 0, 1},
                     in_.max_residual, out);
   });
 }
@@ -46,6 +46,10 @@ void MicroView::make_images(const MotionField* known, MotionImages& out) {
   out.light.resize(width, height);
   out.phase.resize(columns);
   out.row.resize(columns);
+  const std::size_t half = (columns + 1) / 2;
+  const auto thin = [half](std::vector<float>& row) {
+    for (std::size_t k = 0; k < half; ++k) row[k] = row[2 * k];
+  };
   const MicroMotion& b = in_.blocks;
   const Grid blocks{b.block_motion_rad.data(), b.columns, b.rows, b.block_px};
   GridRows rate(known != nullptr ? known->rate_grid() : blocks, width);
@@ -56,8 +60,9 @@ void MicroView::make_images(const MotionField* known, MotionImages& out) {
     row.motion_rad = rate.row(v), row.light = light.row(v), row.black_dn = b.black_dn;
     mid_burst_row(in_.maps, row, at, columns, out.phase.data(), out.row.data());
     for (float& a : out.row) a -= b.black_dn;
+    thin(out.row), thin(out.phase);
     out.light.set_row(v / 2, out.row.data());
-    make_inverse_depth_row(in_.maps, in_.turn, in_.rays, at, out.phase.data(), out.row.data());
+    sparse_inverse_depth_row(in_.maps, in_.turn, in_.rays, at, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }

@@ -12,29 +12,31 @@ void MotionImage::resize(int width, int height) {
   data_.resize(4 * static_cast<std::size_t>(pitch_) * static_cast<std::size_t>(height_));
 }
 
-void MotionImage::set_row(int y, const float* full) {
+void MotionImage::set_row(int y, const float* row) {
   float* out = data_.data() + static_cast<std::ptrdiff_t>(y) * 4 * pitch_;
   for (int place = 0; place < 4; ++place, out += pitch_) {
     const int count = (width_ - place + 3) / 4;
-    for (int k = 0; k < count; ++k) out[k] = full[8 * k + 2 * place];
+    for (int k = 0; k < count; ++k) out[k] = row[4 * k + place];
   }
 }
 
 void make_motion_images(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays,
                         const BurstErrors& errors, float black_dn, MotionImages& out) {
   const int width = maps.phase_rad.width(), height = maps.phase_rad.height();
-  const auto columns = static_cast<std::size_t>(width);
+  const auto columns = static_cast<std::size_t>(width + 1) / 2;
   out.inverse_depth.resize(width, height);
   out.light.resize(width, height);
   out.phase.resize(columns);
   out.row.resize(columns);
   out.light_row.resize(columns);
   ErrorRows rows(errors, black_dn, width);
+  SparseRow sparse;
   for (int v = 0; v < height; v += 2) {
     const std::size_t at = maps.phase_rad.index(0, v);
-    mid_burst_row(maps, rows.at(polarity, v), at, columns, out.phase.data(), out.light_row.data());
+    mid_burst_row(sparse.of(maps, rows.at(polarity, v), at, 0, columns), columns, out.phase.data(),
+                  out.light_row.data());
     out.light.set_row(v / 2, out.light_row.data());
-    make_inverse_depth_row(maps, polarity.turn, rays, at, out.phase.data(), out.row.data());
+    sparse_inverse_depth_row(maps, polarity.turn, rays, at, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }

@@ -17,8 +17,8 @@ inline constexpr int kReach = 3;  ///< pixels of these images from a node to the
 class MotionImage {
  public:
   void resize(int width, int height);
-  /// From an image row; y: half its number.
-  void set_row(int y, const float* full);
+  /// From every second pixel of an image row; y: half its number.
+  void set_row(int y, const float* row);
   /// The pixels dx right of each node of a row, |dx| <= kReach, from node 0 on; a column further on for the next node.
   /// node_row's middle is y = 4 node_row + 2.
   [[nodiscard]] const float* around(int node_row, int dx, int dy) const noexcept {

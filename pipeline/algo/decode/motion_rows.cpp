@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
@@ -39,60 +40,68 @@ void closure_loop(const PhaseMaps& m, const float* weight, float black_dn, float
   }
 }
 
-constexpr std::size_t kSlopeSums = 7;  ///< uu uv vv of the pairs' distances, u v of 1/z, u v of A
-using Lanes = std::array<float, kNodeLanes>;
-using SlopeSums = std::array<Lanes, kSlopeSums>;
+/// A vector type of g++ and clang: left to themselves, they unroll loops over eight lanes and then work lane by lane.
+using Lanes [[gnu::vector_size(4 * kNodeLanes)]] = float;
 
-/// The pairs at +-(dx, dy) of kCount nodes.
-template <std::size_t kCount>
-[[gnu::always_inline]] inline void add_pairs(const MotionImages& images, int node_row, int dx, int dy, int begin,
-                                             const float* limit, SlopeSums& sums) {
-  const float* __restrict q_plus = images.inverse_depth.around(node_row, dx, dy) + begin;
-  const float* __restrict q_minus = images.inverse_depth.around(node_row, -dx, -dy) + begin;
-  const float* __restrict a_plus = images.light.around(node_row, dx, dy) + begin;
-  const float* __restrict a_minus = images.light.around(node_row, -dx, -dy) + begin;
-  const auto x = static_cast<float>(4 * dx), y = static_cast<float>(4 * dy);  // pixels of the full image
-  const float reach = std::abs(x) + std::abs(y);
-  ENAMEL_INDEPENDENT
-  for (std::size_t j = 0; j < kCount; ++j) {
-    const float step = q_plus[j] - q_minus[j];
-    const bool same = std::abs(step) < limit[j] * reach;  // false for NaN
-    const float d = select(same, step, 0), a = select(same, a_plus[j] - a_minus[j], 0);
-    sums[0][j] += select(same, x * x, 0);
-    sums[1][j] += select(same, x * y, 0);
-    sums[2][j] += select(same, y * y, 0);
-    sums[3][j] += x * d;
-    sums[4][j] += y * d;
-    sums[5][j] += x * a;
-    sums[6][j] += y * a;
-  }
+template <class T>
+[[gnu::always_inline]] inline void load(const float* from, T& out) {
+  std::memcpy(&out, from, sizeof out);
 }
 
-template <std::size_t kCount>
+/// uu uv vv of the pairs' distances, u v of 1/z, u v of A.
+template <class T>
+struct SlopeSums {
+  T uu{}, uv{}, vv{}, q_u{}, q_v{}, a_u{}, a_v{};
+};
+
+/// The pairs at +-(dx, dy) of as many nodes as T has lanes.
+template <class T>
+[[gnu::always_inline]] inline void add_pairs(const MotionImages& images, int node_row, int dx, int dy, int begin,
+                                             const T& limit, SlopeSums<T>& sums) {
+  T q_plus, q_minus, a_plus, a_minus;
+  load(images.inverse_depth.around(node_row, dx, dy) + begin, q_plus);
+  load(images.inverse_depth.around(node_row, -dx, -dy) + begin, q_minus);
+  load(images.light.around(node_row, dx, dy) + begin, a_plus);
+  load(images.light.around(node_row, -dx, -dy) + begin, a_minus);
+  const auto x = static_cast<float>(4 * dx), y = static_cast<float>(4 * dy);  // pixels of the full image
+  const T none{}, most = limit * (std::abs(x) + std::abs(y)), step = q_plus - q_minus, change = a_plus - a_minus;
+  const auto same = (step < most) & (-step < most);  // false for NaN
+  const T d = same ? step : none, a = same ? change : none;
+  sums.uu += same ? none + x * x : none;
+  sums.uv += same ? none + x * y : none;
+  sums.vv += same ? none + y * y : none;
+  sums.q_u += x * d;
+  sums.q_v += y * d;
+  sums.a_u += x * a;
+  sums.a_v += y * a;
+}
+
+template <class T>
 [[gnu::always_inline]] inline void slopes_of(const MotionImages& images, int node_row, int begin, const SlopeRow& out) {
-  SlopeSums s{};
+  SlopeSums<T> s;
+  T limit;
+  load(out.limit + begin, limit);
   for (int dy = 0; dy <= kReach; ++dy) {
-    for (int dx = dy == 0 ? 1 : -kReach; dx <= kReach; ++dx)
-      add_pairs<kCount>(images, node_row, dx, dy, begin, out.limit + begin, s);
+    for (int dx = dy == 0 ? 1 : -kReach; dx <= kReach; ++dx) add_pairs(images, node_row, dx, dy, begin, limit, s);
   }
-  for (std::size_t j = 0; j < kCount; ++j) {
-    const std::size_t n = static_cast<std::size_t>(begin) + j;
-    out.det[n] = s[0][j] * s[2][j] - s[1][j] * s[1][j];
-    out.q_u[n] = s[2][j] * s[3][j] - s[1][j] * s[4][j];
-    out.q_v[n] = s[0][j] * s[4][j] - s[1][j] * s[3][j];
-    out.a_u[n] = s[2][j] * s[5][j] - s[1][j] * s[6][j];
-    out.a_v[n] = s[0][j] * s[6][j] - s[1][j] * s[5][j];
-  }
+  const T det = s.uu * s.vv - s.uv * s.uv;
+  const T q_u = s.vv * s.q_u - s.uv * s.q_v, q_v = s.uu * s.q_v - s.uv * s.q_u;
+  const T a_u = s.vv * s.a_u - s.uv * s.a_v, a_v = s.uu * s.a_v - s.uv * s.a_u;
+  std::memcpy(out.det + begin, &det, sizeof det);
+  std::memcpy(out.q_u + begin, &q_u, sizeof q_u);
+  std::memcpy(out.q_v + begin, &q_v, sizeof q_v);
+  std::memcpy(out.a_u + begin, &a_u, sizeof a_u);
+  std::memcpy(out.a_v + begin, &a_v, sizeof a_v);
 }
 
 void slope_loop(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out) {
   constexpr auto kLanes = static_cast<int>(kNodeLanes);
   if (end - begin < kLanes) {
-    for (int n = begin; n < end; ++n) slopes_of<1>(images, node_row, n, out);
+    for (int n = begin; n < end; ++n) slopes_of<float>(images, node_row, n, out);
     return;
   }
   for (int n = begin; n < end; n += kLanes)  // the last lanes repeat some nodes
-    slopes_of<kNodeLanes>(images, node_row, std::min(n, end - kLanes), out);
+    slopes_of<Lanes>(images, node_row, std::min(n, end - kLanes), out);
 }
 
 /// Sums over the pixels of kNodeLanes nodes: products of the columns of eps (r), dA/A (l), rho (h) and the residual.
@@ -103,25 +112,21 @@ struct NodeSums {
 [[gnu::always_inline]] inline void sum_nodes(const MotionSamples& s, std::size_t n, const Lanes& eps,
                                              const Lanes& change, const Lanes& counts, float rho, float limit,
                                              NodeSums& o) {
+  const Lanes none{}, most = none + limit;
   for (std::size_t p = 0; p < kNodePixels; ++p) {
-    const std::size_t at = p * s.nodes + n;
-    const float* __restrict rate = &s.rate[at], * __restrict per_rate = &s.rate_per_rate[at];
-    const float* __restrict light = &s.light[at], * __restrict shared = &s.shared[at];
-    const float* __restrict residual = &s.residual[at], * __restrict used = &s.used[at];
-    ENAMEL_INDEPENDENT
-    for (std::size_t j = 0; j < kNodeLanes; ++j) {
-      const float x = rate[j] + eps[j] * per_rate[j];
-      const float rest = residual[j] - x * eps[j] - light[j] * change[j] - shared[j] * rho;
-      const float asked = used[j] * counts[j];
-      const bool counted = (std::abs(rest) <= limit) & (asked > 0);
-      const float r = select(counted, x, 0), l = select(counted, light[j], 0), h = select(counted, shared[j], 0);
-      const float y = residual[j], left_over = select(counted, rest, 0);
-      o.rr[j] += r * r, o.rl[j] += r * l, o.ll[j] += l * l;
-      o.rh[j] += r * h, o.lh[j] += l * h, o.hh[j] += h * h;
-      o.ry[j] += r * y, o.ly[j] += l * y, o.hy[j] += h * y;
-      o.squares[j] += left_over * left_over;
-      o.pixels[j] += select(counted, 1, 0);
-    }
+    const std::size_t at = MotionSamples::place(p, n);
+    Lanes rate, per_rate, light, shared, y, used;
+    load(&s.rate[at], rate), load(&s.rate_per_rate[at], per_rate), load(&s.light[at], light);
+    load(&s.shared[at], shared), load(&s.residual[at], y), load(&s.used[at], used);
+    const Lanes x = rate + eps * per_rate, rest = y - x * eps - light * change - shared * rho;
+    const auto counted = (rest <= most) & (-rest <= most) & (used * counts > none);
+    const Lanes r = counted ? x : none, l = counted ? light : none, h = counted ? shared : none;
+    const Lanes left_over = counted ? rest : none;
+    o.rr += r * r, o.rl += r * l, o.ll += l * l;
+    o.rh += r * h, o.lh += l * h, o.hh += h * h;
+    o.ry += r * y, o.ly += l * y, o.hy += h * y;
+    o.squares += left_over * left_over;
+    o.pixels += counted ? none + 1 : none;
   }
 }
 
@@ -150,12 +155,12 @@ void samples_loop(const MotionSamples& s, const MotionColumns& c, const std::arr
     Lanes eps{}, change{}, counts{};
     for (std::size_t k = 0; k < 6; ++k) {
       const auto t = static_cast<float>(theta[k]);
-      for (std::size_t j = 0; j < kNodeLanes; ++j) {
-        eps[j] += c.rate[k * s.nodes + n + j] * t;
-        change[j] += c.light[k * s.nodes + n + j] * t;
-      }
+      Lanes rate, light;
+      load(&c.rate[k * s.nodes + n], rate), load(&c.light[k * s.nodes + n], light);
+      eps += rate * t;
+      change += light * t;
     }
-    for (std::size_t j = 0; j < kNodeLanes; ++j) counts[j] = c.counts[n + j];
+    load(&c.counts[n], counts);
     NodeSums sums;
     sum_nodes(s, n, eps, change, counts, static_cast<float>(theta[6]), static_cast<float>(limit), sums);
     for (std::size_t j = 0; j < kNodeLanes; ++j) {

@@ -8,6 +8,9 @@
 #include "pipeline/algo/phase/closure_rows.hpp"
 
 namespace enamel::algo {
+
+static_assert(kPixelStep == static_cast<int>(kSparseStep));
+
 void place_samples(int width, int height, MotionSamples& out) {
   const int columns = width / kNode_px, rows = height / kNode_px;
   out.node.clear();
@@ -37,7 +40,7 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float bla
       for (std::size_t n = first; n < end; ++n) {
         const std::size_t from = static_cast<std::size_t>(out.node[n]) % columns * kPerRow;
         for (std::size_t k = 0; k < kPerRow; ++k) {
-          const std::size_t to = (line * kPerRow + k) * out.nodes + n;
+          const std::size_t to = out.place(line * kPerRow + k, n);
           out.rate[to] = row.rate[from + k], out.rate_per_rate[to] = row.rate_per_rate[from + k];
           out.light[to] = row.light[from + k], out.shared[to] = row.shared[from + k];
           out.residual[to] = row.residual[from + k], out.used[to] = row.used[from + k];
@@ -53,16 +56,17 @@ void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float m
   for (; node != out.node.end() && *node / columns == node_row; ++node) {
     const int left = *node % columns * kNode_px + v / kPixelStep % kPixelStep;
     for (int k = 0; k < kNode_px / kPixelStep; ++k) {
-      const auto u = static_cast<std::size_t>(left + k * kPixelStep);
-      const std::size_t i = maps.phase_rad.index(static_cast<int>(u), v);
+      const int column = left + k * kPixelStep;
+      const auto u = static_cast<std::size_t>((column - row.first) / row.step), x = static_cast<std::size_t>(column);
+      const std::size_t i = maps.phase_rad.index(column, v);
       const float limit = max_residual * maps.modulation_dn[i];
       if (maps.reject[i] != PixelReject::kNone || !(std::abs(row.residual[u]) < limit)) continue;
-      const std::size_t to = static_cast<std::size_t>(line * kNode_px / kPixelStep + k) * out.nodes +
-                             static_cast<std::size_t>(node - out.node.begin());
+      const std::size_t to = out.place(static_cast<std::size_t>(line * kNode_px / kPixelStep + k),
+                                       static_cast<std::size_t>(node - out.node.begin()));
       out.rate[to] = row.rate[u];
       out.light[to] = row.light[u];
       out.shared[to] = row.shared[u];
-      out.residual[to] = row.residual[u] + row.rate[u] * row.known_rate[u] + row.light[u] * row.known_light[u];
+      out.residual[to] = row.residual[u] + row.rate[u] * row.known_rate[x] + row.light[u] * row.known_light[x];
       out.used[to] = 1;
     }
   }
@@ -73,12 +77,18 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, const Bur
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   place_samples(maps.phase_rad.width(), maps.phase_rad.height(), out);
   ErrorRows rows(known, black_dn, maps.phase_rad.width());
+  SparseRow sparse;
   std::vector<float> row(4 * width);
   float* r = row.data();
   for (int v = 0; v < maps.phase_rad.height(); v += kPixelStep) {
     const RowErrors e = rows.at(polarity, v);
-    left_row(maps, e, maps.phase_rad.index(0, v), width, {r, r + width, r + 2 * width, r + 3 * width});
-    take_sample_row(maps, v, {r, r + width, r + 2 * width, r + 3 * width, e.rate, e.light}, max_residual, out);
+    const int first = v / kPixelStep % kPixelStep;
+    const std::size_t count = (width - static_cast<std::size_t>(first) + 1) / kSparseStep;
+    left_row(sparse.of(maps, e, maps.phase_rad.index(0, v), static_cast<std::size_t>(first), count), count,
+             {r, r + width, r + 2 * width, r + 3 * width});
+    take_sample_row(maps, v,
+                    {r, r + width, r + 2 * width, r + 3 * width, e.rate, e.light, first, static_cast<int>(kSparseStep)},
+                    max_residual, out);
   }
 }
 

@@ -15,12 +15,17 @@ inline constexpr std::size_t kNodePixels = 16;
 inline constexpr std::size_t kNodeLanes = 8;  ///< nodes are padded to a multiple of it by ones without pixels
 
 /// Columns of the residual y of each pixel for eps, dA/A and a number that all pixels share (motion_view.hpp); pixel p
-/// of node n at [p * nodes + n]. All 0 where a pixel says nothing.
+/// of node n at place(p, n). All 0 where a pixel says nothing.
 struct MotionSamples {
   std::size_t nodes = 0;
   std::vector<std::int32_t> node;          ///< index in the grid of nodes
   std::vector<float> rate, rate_per_rate;  ///< column of eps at eps = 0, and its slope over eps: second order
   std::vector<float> light, shared, residual, used;
+
+  /// kNodeLanes nodes side by side, all their pixels one after the other, then the next nodes.
+  [[nodiscard]] static std::size_t place(std::size_t pixel, std::size_t node) noexcept {
+    return (node / kNodeLanes * kNodePixels + pixel) * kNodeLanes + node % kNodeLanes;
+  }
 };
 
 inline constexpr int kPixelStep = 2;  ///< pixel p of a node: of each row kNode_px / kPixelStep
@@ -39,7 +44,8 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, const Bur
 /// Residuals of an image row about a motion known so far, and their columns; NaN where a pixel says nothing.
 struct SampleRow {
   const float *residual, *rate, *light, *shared;
-  const float *known_rate, *known_light;
+  const float *known_rate, *known_light;  ///< of all pixels
+  int first = 0, step = 1;                ///< the others are of columns first, first + step, ...
 };
 
 /// Those of row v, where it is sampled; max_residual: of B.

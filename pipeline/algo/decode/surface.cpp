@@ -47,11 +47,11 @@ void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const Ra
   }
 }
 
-void make_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, std::size_t at,
-                            const float* phase_rad, float* inverse_depth) {
+void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays,
+                              std::size_t at, const float* phase_rad, float* inverse_depth) {
   SurfaceRow row = row_of(maps, turn, rays, at);
   row.phase = phase_rad;
-  inverse_depth_row(row, range_of(rays), static_cast<std::size_t>(rays.width), inverse_depth);
+  inverse_depth_row(row, range_of(rays), static_cast<std::size_t>(rays.width + 1) / 2, inverse_depth);
 }
 
 }  // namespace enamel::algo

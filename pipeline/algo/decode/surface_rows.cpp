@@ -1,6 +1,9 @@
 #include "pipeline/algo/decode/surface_rows.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
@@ -26,25 +29,44 @@ namespace enamel::algo::HWY_NAMESPACE {
   return cos4 * c1 - c2 + sin4 * s1;
 }
 
-void surface_loop(const SurfaceRow& row, const SurfaceRange& limits, const RippleTerms& terms, std::size_t width,
-                  const SurfaceRowOut& o) {
+/// Of a row, kStretch pixels at a time: what is narrower than a float is widened before and narrowed after. A loop that
+/// mixes widths is unrolled until its values no longer fit the registers.
+constexpr std::size_t kStretch = 256;
+struct Stretch {
+  std::array<std::int32_t, kStretch> turn, reject, order;
+};
+
+void widen(const std::int16_t* turns, const PixelReject* rejects, std::size_t count, Stretch& out) {
+  std::int32_t* __restrict turn = out.turn.data(), * __restrict reject = out.reject.data();
+  for (std::size_t i = 0; i < count; ++i) turn[i] = turns[i];
+  for (std::size_t i = 0; i < count; ++i) reject[i] = static_cast<std::int32_t>(rejects[i]);
+}
+
+void narrow(const Stretch& in, std::size_t count, PixelReject* rejects, std::uint8_t* orders) {
+  const std::int32_t* __restrict reject = in.reject.data(), * __restrict order = in.order.data();
+  for (std::size_t i = 0; i < count; ++i) rejects[i] = static_cast<PixelReject>(reject[i]);
+  for (std::size_t i = 0; i < count; ++i) orders[i] = static_cast<std::uint8_t>(order[i]);
+}
+
+void surface_stretch(const SurfaceRow& row, const SurfaceRange& limits, const RippleTerms& terms, std::size_t from,
+                     std::size_t count, const SurfaceRowOut& o, Stretch& s) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr auto kDark = static_cast<int>(PixelReject::kDark), kNoisy = static_cast<int>(PixelReject::kNoisy);
   static_assert(static_cast<int>(PixelReject::kSaturated) == kDark + 1 && kNoisy == kDark + 2);
   const RippleTerms ripple = terms;  // copies cannot alias what is written
   const SurfaceRange range = limits;
-  const float* __restrict phase = row.phase, * __restrict cosine = row.cosine, * __restrict sine = row.sine;
-  const float* __restrict sigma = row.sigma, * __restrict mid = row.mid;
-  const float* __restrict c0 = row.c0, * __restrict c1 = row.c1, * __restrict c2 = row.c2, * __restrict c3 = row.c3;
-  const float* __restrict ray_x = row.ray_x, * __restrict ray_y = row.ray_y;
-  const std::int16_t* __restrict turn = row.turn;
-  const PixelReject* __restrict rejected = row.reject;
-  float* __restrict inverse = o.inverse_depth, * __restrict depth = o.depth_mm, * __restrict sigma_mm = o.sigma_mm;
-  float* __restrict wrapped = o.phase_rad, * __restrict x_mm = o.x_mm, * __restrict y_mm = o.y_mm;
-  std::uint8_t* __restrict order = o.order;
-  PixelReject* __restrict reject = o.reject;
+  const float* __restrict phase = row.phase + from, * __restrict cosine = row.cosine + from;
+  const float* __restrict sine = row.sine + from, * __restrict sigma = row.sigma + from;
+  const float* __restrict mid = row.mid + from, * __restrict c0 = row.c0 + from, * __restrict c1 = row.c1 + from;
+  const float* __restrict c2 = row.c2 + from, * __restrict c3 = row.c3 + from;
+  const float* __restrict ray_x = row.ray_x + from, * __restrict ray_y = row.ray_y + from;
+  float* __restrict inverse = o.inverse_depth + from, * __restrict depth = o.depth_mm + from;
+  float* __restrict sigma_mm = o.sigma_mm + from, * __restrict wrapped = o.phase_rad + from;
+  float* __restrict x_mm = o.x_mm + from, * __restrict y_mm = o.y_mm + from;
+  const std::int32_t* __restrict turn = s.turn.data();
+  std::int32_t* __restrict reject = s.reject.data(), * __restrict order = s.order.data();
   ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
+  for (std::size_t u = 0; u < count; ++u) {
     const float raw = phase[u] - ripple_error(ripple, cosine[u], sine[u]);
     const int turns = turn[u] + static_cast<int>(raw >= kPiF) - static_cast<int>(raw < -kPiF);
     const float phi = select(raw >= kPiF, raw - kTwoPiF, select(raw < -kPiF, raw + kTwoPiF, raw));
@@ -54,7 +76,7 @@ void surface_loop(const SurfaceRow& row, const SurfaceRange& limits, const Rippl
     const float slope = c1[u] + t * (2 * c2[u] + t * (3 * c3[u]));
     const bool inside =
         (q <= range.q_near) & (q >= range.q_far) & (absolute > range.phase_low_rad) & (absolute < range.phase_high_rad);
-    const int was = static_cast<int>(rejected[u]);
+    const int was = reject[u];
     const bool placed = was == 0, ok = inside & placed;
     const float z = 1.0F / select(ok, q, kNan);
     inverse[u] = select(ok, q, kNan);
@@ -63,17 +85,28 @@ void surface_loop(const SurfaceRow& row, const SurfaceRange& limits, const Rippl
     x_mm[u] = ray_x[u] * z;
     y_mm[u] = ray_y[u] * z;
     const bool beyond = placed & !inside;
-    reject[u] = static_cast<PixelReject>(beyond ? static_cast<int>(PixelReject::kOutOfRange) : was);
+    reject[u] = beyond ? static_cast<int>(PixelReject::kOutOfRange) : was;
     const float three_frames = select(phase[u] >= kPiF, -kPiF, phase[u]);
     const bool unlit = (was >= kDark) & (was <= kNoisy);
     wrapped[u] = select(unlit, kNan, select(placed, phi, three_frames));
     const int floor_order = turns - static_cast<int>(phi < 0);
     const bool known = ok & (floor_order >= 0) & (floor_order < static_cast<int>(kNoOrder));
-    order[u] = static_cast<std::uint8_t>(known ? floor_order : static_cast<int>(kNoOrder));
+    order[u] = known ? floor_order : static_cast<int>(kNoOrder);
   }
 }
 
-void inverse_loop(const SurfaceRow& row, const SurfaceRange& limits, std::size_t width, float* inverse_depth) {
+void surface_loop(const SurfaceRow& row, const SurfaceRange& limits, const RippleTerms& terms, std::size_t width,
+                  const SurfaceRowOut& o) {
+  Stretch stretch;
+  for (std::size_t from = 0; from < width; from += kStretch) {
+    const std::size_t count = std::min(kStretch, width - from);
+    widen(row.turn + from, row.reject + from, count, stretch);
+    surface_stretch(row, limits, terms, from, count, o, stretch);
+    narrow(stretch, count, o.reject + from, o.order + from);
+  }
+}
+
+void inverse_loop(const SurfaceRow& row, const SurfaceRange& limits, std::size_t count, float* inverse_depth) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const SurfaceRange range = limits;
   const float* __restrict phase = row.phase, * __restrict mid = row.mid;
@@ -82,11 +115,12 @@ void inverse_loop(const SurfaceRow& row, const SurfaceRange& limits, std::size_t
   const PixelReject* __restrict reject = row.reject;
   float* __restrict out = inverse_depth;
   ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const float t = phase[u] + kTwoPiF * static_cast<float>(turn[u]) - mid[u];
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t u = 2 * k;
+    const float t = phase[k] + kTwoPiF * static_cast<float>(turn[u]) - mid[u];
     const float q = c0[u] + t * (c1[u] + t * (c2[u] + t * c3[u]));
     const bool ok = (reject[u] == PixelReject::kNone) & (q <= range.q_near) & (q >= range.q_far);
-    out[u] = select(ok, q, kNan);
+    out[k] = select(ok, q, kNan);
   }
 }
 
@@ -104,8 +138,8 @@ void solve_surface_row(const SurfaceRow& row, const SurfaceRange& range, const R
   HWY_DYNAMIC_DISPATCH(surface_loop)(row, range, ripple, width, out);
 }
 
-void inverse_depth_row(const SurfaceRow& row, const SurfaceRange& range, std::size_t width, float* inverse_depth) {
-  HWY_DYNAMIC_DISPATCH(inverse_loop)(row, range, width, inverse_depth);
+void inverse_depth_row(const SurfaceRow& row, const SurfaceRange& range, std::size_t count, float* inverse_depth) {
+  HWY_DYNAMIC_DISPATCH(inverse_loop)(row, range, count, inverse_depth);
 }
 
 }  // namespace enamel::algo

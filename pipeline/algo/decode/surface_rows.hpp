@@ -35,7 +35,7 @@ struct RippleTerms {
 void solve_surface_row(const SurfaceRow& row, const SurfaceRange& range, const RippleTerms& ripple, std::size_t width,
                        const SurfaceRowOut& out);
 
-/// 1/z alone; NaN where rejected or out of range.
-void inverse_depth_row(const SurfaceRow& row, const SurfaceRange& range, std::size_t width, float* inverse_depth);
+/// 1/z alone of every second pixel, count of them; row.phase holds but these. NaN where rejected or out of range.
+void inverse_depth_row(const SurfaceRow& row, const SurfaceRange& range, std::size_t count, float* inverse_depth);
 
 }  // namespace enamel::algo

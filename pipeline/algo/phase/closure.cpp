@@ -72,10 +72,9 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
 void correct_phase(const PolarityMaps& polarity, const BurstErrors& errors, float black_dn, PhaseMaps& maps) {
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   ErrorRows rows(errors, black_dn, maps.phase_rad.width());
-  std::vector<float> light(width);
   for (int v = 0; v < maps.phase_rad.height(); ++v) {
     const std::size_t at = maps.phase_rad.index(0, v);
-    mid_burst_row(maps, rows.at(polarity, v), at, width, &maps.phase_rad[at], light.data());
+    mid_burst_row(pixel_row(maps, rows.at(polarity, v), at), width, &maps.phase_rad[at], nullptr);
   }
 }
 

@@ -1,8 +1,12 @@
 #include "pipeline/algo/phase/closure_rows.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "pipeline/algo/phase/frame_turns.hpp"
+#include "pipeline/algo/phase/polar_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
 
@@ -42,40 +46,22 @@ struct Pixel {
   float mean, cosine, sine;
 };
 
-/// Of one pixel, per frame interval: eps and its change, dA/A and d2A/A.
-struct Change {
-  float rate, rate_change, growth, growth_change;
-
-  [[nodiscard, gnu::always_inline]] float light(float t) const { return 1 + t * growth + 0.5F * t * t * growth_change; }
-};
-
 /// Values of the four frames, those of a pixel above black under the light of mid-burst.
 struct Frames {
   float x0, x1, x2, x3;
 };
 
-[[gnu::always_inline]] inline Frames frames_of(const Pixel& p, float residual, float weight, const Change& d) {
+/// kSteady: light stays as it is.
+template <bool kSteady>
+[[gnu::always_inline]] inline Frames frames_of(const Pixel& p, float residual, float weight, const PixelChange& d) {
   const float b = select(weight < 0, -1, 1), r = select(residual == residual, residual, 0);
   const float three = p.sine + 0.5F * std::abs(weight) * r;  // S of three frames; less the residual that of frame 3
-  return {(p.mean + p.cosine) / d.light(-1.5F), (p.mean - three) / d.light(-0.5F), (p.mean - p.cosine) / d.light(0.5F),
-          (p.mean + b * (three - r)) / d.light(1.5F)};
-}
-
-struct Turn {
-  float cos, sin;
-};
-
-/// What each frame's phase differs by from mid-burst.
-struct Turns {
-  Turn a0, a1, a2, a3;
-};
-
-[[gnu::always_inline]] inline Turns turns_of(const Change& d) {
-  const auto turn = [&](float t) {
-    const float a = t * d.rate + 0.5F * t * t * d.rate_change;
-    return Turn{cos_poly(a), sin_poly(a)};
-  };
-  return {turn(-1.5F), turn(-0.5F), turn(0.5F), turn(1.5F)};
+  const Frames x{p.mean + p.cosine, p.mean - three, p.mean - p.cosine, p.mean + b * (three - r)};
+  if constexpr (kSteady) return x;
+  const float l0 = d.light(-1.5F), l1 = d.light(-0.5F), l2 = d.light(0.5F), l3 = d.light(1.5F);
+  const float early = l0 * l1, late = l2 * l3, inverse = 1 / (early * late);  // one division for four
+  const float of_early = inverse * late, of_late = inverse * early;
+  return {x.x0 * (of_early * l1), x.x1 * (of_early * l0), x.x2 * (of_late * l3), x.x3 * (of_late * l2)};
 }
 
 /// A, C and S at mid-burst, exactly, by the equations of the frames used, each at its own time:
@@ -93,6 +79,16 @@ struct Turns {
   return {0.5F * (x.x0 + x.x2 - c * (t.a0.cos - t.a2.cos) + s * (t.a0.sin - t.a2.sin)), c, s};
 }
 
+/// The same of frames 0 to 2 alone: weight 0.
+[[gnu::always_inline]] inline Pixel solve_three(const Frames& x, const Turns& t) {
+  const float even_c = t.a0.cos + t.a2.cos, even_s = -t.a0.sin - t.a2.sin, even = x.x0 - x.x2;
+  const float odd_c = t.a1.sin + 0.5F * (t.a0.cos - t.a2.cos), odd_s = t.a1.cos - 0.5F * (t.a0.sin - t.a2.sin);
+  const float odd = 0.5F * (x.x0 + x.x2) - x.x1;
+  const float inverse = 1 / (even_c * odd_s - even_s * odd_c);
+  const float c = (even * odd_s - even_s * odd) * inverse, s = (even_c * odd - even * odd_c) * inverse;
+  return {0.5F * (x.x0 + x.x2 - c * (t.a0.cos - t.a2.cos) + s * (t.a0.sin - t.a2.sin)), c, s};
+}
+
 /// What the frames of `p` show of a second harmonic, per B2/B.
 [[gnu::always_inline]] inline Frames harmonic_of(const Pixel& p, const Turns& t) {
   const float inv = 1 / root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F);
@@ -101,45 +97,85 @@ struct Turns {
   return {at(t.a0), -at(t.a1), at(t.a2), -at(t.a3)};
 }
 
-void mid_burst_loop(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t width, float* phase,
-                    float* light) {
-  const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict r = &m.code_dn[at];
-  const float* __restrict mean = &m.mean_dn[at], * __restrict w = e.weight, * __restrict rate = e.rate;
-  const float* __restrict rho = e.harmonic, * __restrict growth = e.light;
-  const float* __restrict rate_change = e.rate_change, * __restrict growth_change = e.light_change;
-  const float* measured = &m.phase_rad[at];  // which `phase` may be
-  const float black_dn = e.black_dn;
-  float* out = phase;
-  float* __restrict lit = light;
+/// How far the phase at mid-burst is from that measured, as a vector: its own loop is short enough for its angle to be
+/// found for several pixels at once (polar_rows.hpp).
+struct Ahead {
+  std::array<float, kPolarStretch> cosine, sine;
+};
+
+template <bool kSteady, bool kLight>
+[[gnu::always_inline]] inline void mid_burst(const PixelRow& in, std::size_t from, std::size_t count, Ahead& ahead,
+                                             float* light) {
+  const float* __restrict c = in.cosine + from, * __restrict s = in.sine + from, * __restrict r = in.code + from;
+  const float* __restrict mean = in.mean + from, * __restrict w = in.errors.weight + from;
+  const float* __restrict rate = in.errors.rate + from, * __restrict rho = in.errors.harmonic + from;
+  const float* __restrict growth = in.errors.light + from, * __restrict rate_change = in.errors.rate_change + from;
+  const float* __restrict growth_change = in.errors.light_change + from;
+  const float black_dn = in.errors.black_dn;
+  float* __restrict x = ahead.cosine.data(), * __restrict y = ahead.sine.data();
+  float* __restrict lit = kLight ? light + from : nullptr;
   ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const Change d{rate[u], rate_change[u], growth[u], growth_change[u]};
-    const Turns turns = turns_of(d);
-    const Pixel p = solve(frames_of({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d), w[u], turns);
+  for (std::size_t u = 0; u < count; ++u) {
+    const PixelChange d =
+        kSteady ? PixelChange{rate[u], 0, 0, 0} : PixelChange{rate[u], rate_change[u], growth[u], growth_change[u]};
+    const Turns turns = turns_of<kSteady>(d);
+    const Pixel p = solve(frames_of<kSteady>({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d), w[u], turns);
     const Pixel h = solve(harmonic_of(p, turns), w[u], turns);
     const float cosine = p.cosine - rho[u] * h.cosine, sine = p.sine - rho[u] * h.sine;
-    out[u] = measured[u] + atan2_poly(sine * c[u] - cosine * s[u], cosine * c[u] + sine * s[u]);
-    lit[u] = p.mean - rho[u] * h.mean;
+    x[u] = cosine * c[u] + sine * s[u];
+    y[u] = sine * c[u] - cosine * s[u];
+    if constexpr (kLight) lit[u] = p.mean - rho[u] * h.mean;
   }
 }
 
-void left_loop(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t width, const LeftRow& row) {
-  const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict r = &m.code_dn[at];
-  const float* __restrict mean = &m.mean_dn[at], * __restrict w = e.weight, * __restrict rate = e.rate;
-  const float* __restrict growth = e.light;
-  const float* __restrict rate_change = e.rate_change, * __restrict growth_change = e.light_change;
-  const float black_dn = e.black_dn;
+void add_angle(const Ahead& ahead, const float* measured, std::size_t count, float* phase) {
+  const float* __restrict x = ahead.cosine.data(), * __restrict y = ahead.sine.data();
+  ENAMEL_INDEPENDENT  // `phase` may be `measured`
+      for (std::size_t u = 0; u < count; ++u) phase[u] = measured[u] + atan2_poly(y[u], x[u]);
+}
+
+template <bool kSteady, bool kLight>
+void mid_burst_stretches(const PixelRow& in, std::size_t count, float* phase, float* light) {
+  Ahead ahead;
+  for (std::size_t from = 0; from < count; from += kPolarStretch) {
+    const std::size_t n = std::min(kPolarStretch, count - from);
+    mid_burst<kSteady, kLight>(in, from, n, ahead, light);
+    add_angle(ahead, in.phase + from, n, phase + from);
+  }
+}
+
+void mid_burst_loop(const PixelRow& in, std::size_t count, float* phase, float* light) {
+  if (light != nullptr) {
+    if (in.errors.steady) return mid_burst_stretches<true, true>(in, count, phase, light);
+    return mid_burst_stretches<false, true>(in, count, phase, light);
+  }
+  if (in.errors.steady) return mid_burst_stretches<true, false>(in, count, phase, nullptr);
+  mid_burst_stretches<false, false>(in, count, phase, nullptr);
+}
+
+void thin_loop(const float* every, std::size_t count, float* second) {
+  const float* __restrict in = every;
+  float* __restrict out = second;
+  for (std::size_t k = 0; k < count; ++k) out[k] = in[kSparseStep * k];
+}
+
+void left_loop(const PixelRow& in, std::size_t count, const LeftRow& row) {
+  const float* __restrict c = in.cosine, * __restrict s = in.sine, * __restrict r = in.code;
+  const float* __restrict mean = in.mean, * __restrict w = in.errors.weight, * __restrict rate = in.errors.rate;
+  const float* __restrict growth = in.errors.light;
+  const float* __restrict rate_change = in.errors.rate_change, * __restrict growth_change = in.errors.light_change;
+  const float black_dn = in.errors.black_dn;
   float* __restrict left = row.residual, * __restrict by_rate = row.by_rate;
   float* __restrict by_light = row.by_light, * __restrict by_harmonic = row.by_harmonic;
   ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const Change d{rate[u], rate_change[u], growth[u], growth_change[u]};
-    const Turns turns = turns_of(d);
-    const Frames x = frames_of({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d);
+  for (std::size_t u = 0; u < count; ++u) {
+    const PixelChange d{rate[u], rate_change[u], growth[u], growth_change[u]};
+    const Turns turns = turns_of<false>(d);
+    const Frames x = frames_of<false>({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d);
     const Pixel p = solve(x, w[u], turns);
     const float b = select(w[u] < 0, -1, 1);
     const auto unexplained = [&](const Frames& f) {
-      const Pixel three = solve(f, 0, turns);
+      const Pixel three = solve_three(f, turns);
       return d.light(1.5F) * (b * (three.mean - f.x3) + three.sine * turns.a3.cos + three.cosine * turns.a3.sin);
     };
     const bool plus = w[u] > 0;
@@ -158,20 +194,45 @@ namespace enamel::algo {
 
 HWY_EXPORT(add_loop);
 HWY_EXPORT(mid_burst_loop);
+HWY_EXPORT(thin_loop);
 HWY_EXPORT(left_loop);
+
+PixelRow pixel_row(const PhaseMaps& m, const RowErrors& e, std::size_t at) {
+  return {&m.cosine_dn[at], &m.sine_dn[at], &m.code_dn[at], &m.mean_dn[at], &m.phase_rad[at], e};
+}
+
+PixelRow SparseRow::of(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t first, std::size_t count) {
+  const std::size_t i = at + first;
+  PixelRow row;
+  values_.resize(kRows * count);
+  float* next = values_.data();
+  const auto take = [&](const float* from, const float*& to) {
+    HWY_DYNAMIC_DISPATCH(thin_loop)(from, count, next);
+    to = next;
+    next += count;
+  };
+  take(&m.cosine_dn[i], row.cosine), take(&m.sine_dn[i], row.sine), take(&m.code_dn[i], row.code);
+  take(&m.mean_dn[i], row.mean), take(&m.phase_rad[i], row.phase), take(e.weight + first, row.errors.weight);
+  take(e.rate + first, row.errors.rate), take(e.harmonic + first, row.errors.harmonic);
+  row.errors.light = e.light, row.errors.rate_change = e.rate_change, row.errors.light_change = e.light_change;
+  row.errors.steady = e.steady, row.errors.black_dn = e.black_dn;
+  if (e.steady) return row;  // of which these are not read
+  take(e.light + first, row.errors.light), take(e.rate_change + first, row.errors.rate_change);
+  take(e.light_change + first, row.errors.light_change);
+  return row;
+}
 
 void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::size_t width, float limit,
                      float* sums) {
   HWY_DYNAMIC_DISPATCH(add_loop)(m, p, at, width, limit, sums);
 }
 
-void mid_burst_row(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t width, float* phase_rad,
-                   float* light_dn) {
-  HWY_DYNAMIC_DISPATCH(mid_burst_loop)(m, e, at, width, phase_rad, light_dn);
+void mid_burst_row(const PixelRow& row, std::size_t count, float* phase_rad, float* light_dn) {
+  HWY_DYNAMIC_DISPATCH(mid_burst_loop)(row, count, phase_rad, light_dn);
 }
 
-void left_row(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t width, const LeftRow& out) {
-  HWY_DYNAMIC_DISPATCH(left_loop)(m, e, at, width, out);
+void left_row(const PixelRow& row, std::size_t count, const LeftRow& out) {
+  HWY_DYNAMIC_DISPATCH(left_loop)(row, count, out);
 }
 
 }  // namespace enamel::algo

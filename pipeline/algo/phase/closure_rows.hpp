@@ -1,6 +1,8 @@
 // The loops of fit_closure and correct_phase over one row. Private to algo/phase and algo/decode.
 #pragma once
 
+#include <vector>
+
 #include "pipeline/algo/phase/closure.hpp"
 
 namespace enamel::algo {
@@ -14,8 +16,10 @@ void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, 
 
 /// What shifts the phase of one row's pixels.
 struct RowErrors {
-  const float *weight, *rate, *harmonic, *light, *rate_change, *light_change;
+  const float *weight = nullptr, *rate = nullptr, *harmonic = nullptr, *light = nullptr, *rate_change = nullptr,
+              *light_change = nullptr;
   float black_dn = 0;
+  bool steady = false;  ///< light, rate_change and light_change are 0
 };
 
 /// The errors of a burst, row by row.
@@ -27,28 +31,53 @@ class ErrorRows {
         light_(errors.light, width),
         rate_change_(errors.motion_change, width),
         light_change_(errors.light_change, width),
-        black_dn_(black_dn) {}
+        black_dn_(black_dn),
+        steady_(errors.light.nodes == nullptr && errors.motion_change.nodes == nullptr &&
+                errors.light_change.nodes == nullptr) {}
 
   /// Valid until the next call.
   [[nodiscard]] RowErrors at(const PolarityMaps& polarity, int v) {
     return {&polarity.weight(0, v), rate_.row(v),         harmonic_.row(v), light_.row(v),
-            rate_change_.row(v),    light_change_.row(v), black_dn_};
+            rate_change_.row(v),    light_change_.row(v), black_dn_,        steady_};
   }
 
  private:
   GridRows rate_, harmonic_, light_, rate_change_, light_change_;
   float black_dn_;
+  bool steady_;
 };
 
-/// Phase and A - black of a row as they were at mid-burst, less the harmonic; `m` stays. phase_rad may be m's own.
-void mid_burst_row(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t width, float* phase_rad,
-                   float* light_dn);
+/// Pixels side by side, as they were measured, and what shifts their phase.
+struct PixelRow {
+  const float *cosine = nullptr, *sine = nullptr, *code = nullptr, *mean = nullptr, *phase = nullptr;
+  RowErrors errors;
+};
+
+/// All pixels of the row that begins at `at`.
+[[nodiscard]] PixelRow pixel_row(const PhaseMaps& m, const RowErrors& e, std::size_t at);
+
+inline constexpr std::size_t kSparseStep = 2;  ///< where not every pixel of a row is asked, every second one is
+
+/// Every second pixel of a row, brought together: steps within the loops below would cost more.
+class SparseRow {
+ public:
+  /// Columns first, first + kSparseStep, ..., count of them, of the row that begins at `at`. Valid until the next call.
+  [[nodiscard]] PixelRow of(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t first,
+                            std::size_t count);
+
+ private:
+  static constexpr std::size_t kRows = 11;
+  std::vector<float> values_;
+};
+
+/// Phase and, unless null, A - black as they were at mid-burst, less the harmonic. phase_rad may be the row's own.
+void mid_burst_row(const PixelRow& row, std::size_t count, float* phase_rad, float* light_dn);
 
 /// What frame 3 leaves of the prediction that the other three make under the motion and light given, in DN and with the
 /// sign of the closure residual, and by how much it grows per unit of each error. NaN within reach of a flip.
 struct LeftRow {
   float *residual, *by_rate, *by_light, *by_harmonic;
 };
-void left_row(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t width, const LeftRow& out);
+void left_row(const PixelRow& row, std::size_t count, const LeftRow& out);
 
 }  // namespace enamel::algo

@@ -1,7 +1,10 @@
 #include "pipeline/algo/phase/ripple_rows.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 
+#include "pipeline/algo/phase/polar_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
 
@@ -13,49 +16,68 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
-struct Pixels {
-  const float *cosine, *sine, *phase, *weight;
+/// cos and sin of 4 phi and the pixels' weights, a stretch at a time; 0 where the weight is. Their sums follow in a
+/// loop of their own (polar_rows.hpp).
+struct Stretch {
+  alignas(64) std::array<float, kPolarStretch> cosine, sine, weight;
 };
 
-/// One pixel a lane; count <= kMomentLanes.
-[[gnu::always_inline]] inline void add_pixels(const Pixels& p, std::size_t count, MomentLanes& sums) {
-  std::array<float, kMomentLanes> base_c{}, base_s{}, power_c{}, power_s{};
+void turn_loop(const float* cosine, const float* sine, const float* phase, const float* weight, std::size_t count,
+               Stretch& out) {
+  const float* __restrict cosines = cosine, * __restrict sines = sine, * __restrict phases = phase;
+  const float* __restrict weights = weight;
+  float* __restrict base_c = out.cosine.data(), * __restrict base_s = out.sine.data();
+  float* __restrict kept = out.weight.data();
   ENAMEL_INDEPENDENT
   for (std::size_t j = 0; j < count; ++j) {
-    const float c = p.cosine[j], s = p.sine[j];
+    const float c = cosines[j], s = sines[j];
     const float inv2 = 1.0F / (c * c + s * s + 1e-6F);
     const float cos2 = (c - s) * (c + s) * inv2, sin2 = 2 * c * s * inv2;
-    const float e = 4 * wrap_once(p.phase[j] - atan2_poly(s, c));
+    const float e = 4 * wrap_once(phases[j] - atan2_poly(s, c));
     const float cos4 = 2 * cos2 * cos2 - 1, sin4 = 2 * sin2 * cos2;
-    const float w = p.weight[j];
-    base_c[j] = select(w != 0, cos4 - e * sin4, 0);
-    base_s[j] = select(w != 0, sin4 + e * cos4, 0);
-    power_c[j] = w * base_c[j];
-    power_s[j] = w * base_s[j];
-  }
-  for (std::size_t m = 0; m < kRippleTerms; ++m) {
-    ENAMEL_INDEPENDENT
-    for (std::size_t j = 0; j < kMomentLanes; ++j) {
-      sums.cosines[m][j] += power_c[j];
-      sums.sines[m][j] += power_s[j];
-      const float next = power_c[j] * base_c[j] - power_s[j] * base_s[j];
-      power_s[j] = power_s[j] * base_c[j] + power_c[j] * base_s[j];
-      power_c[j] = next;
-    }
+    const bool asked = weights[j] != 0;
+    kept[j] = weights[j];
+    base_c[j] = select(asked, cos4 - e * sin4, 0);
+    base_s[j] = select(asked, sin4 + e * cos4, 0);
   }
 }
 
-void moments_loop(const PhaseMaps& m, const float* weight, std::size_t at, std::size_t width, MomentLanes& sums) {
-  MomentLanes local = sums;  // a copy cannot alias what is read
-  for (std::size_t u = 0; u < width; u += kMomentLanes) {
-    const Pixels pixels{&m.cosine_dn[at + u], &m.sine_dn[at + u], &m.phase_rad[at + u], weight + u};
-    if (u + kMomentLanes <= width) {
-      add_pixels(pixels, kMomentLanes, local);
-    } else {
-      add_pixels(pixels, width - u, local);
+/// A vector type of g++ and clang: left to themselves, they work on four lanes at a time.
+using Lanes [[gnu::vector_size(4 * kMomentLanes)]] = float;
+
+/// One pixel a lane; count: a multiple of the lanes.
+void sum_loop(const Stretch& in, std::size_t count, MomentLanes& sums) {
+  std::array<Lanes, kRippleTerms> cosines, sines;
+  std::memcpy(&cosines, &sums.cosines, sizeof cosines);
+  std::memcpy(&sines, &sums.sines, sizeof sines);
+  for (std::size_t u = 0; u < count; u += kMomentLanes) {
+    Lanes base_c, base_s, weight;
+    std::memcpy(&base_c, &in.cosine[u], sizeof base_c);
+    std::memcpy(&base_s, &in.sine[u], sizeof base_s);
+    std::memcpy(&weight, &in.weight[u], sizeof weight);
+    Lanes power_c = weight * base_c, power_s = weight * base_s;
+    for (std::size_t m = 0; m < kRippleTerms; ++m) {
+      cosines[m] += power_c;
+      sines[m] += power_s;
+      const Lanes next = power_c * base_c - power_s * base_s;
+      power_s = power_s * base_c + power_c * base_s;
+      power_c = next;
     }
   }
-  sums = local;
+  std::memcpy(&sums.cosines, &cosines, sizeof cosines);
+  std::memcpy(&sums.sines, &sines, sizeof sines);
+}
+
+void moments_loop(const PhaseMaps& m, const float* weight, std::size_t at, std::size_t width, MomentLanes& sums) {
+  static_assert(kPolarStretch % kMomentLanes == 0);
+  Stretch stretch;
+  for (std::size_t from = 0; from < width; from += kPolarStretch) {
+    const std::size_t count = std::min(kPolarStretch, width - from), i = at + from;
+    const std::size_t whole = (count + kMomentLanes - 1) / kMomentLanes * kMomentLanes;
+    turn_loop(&m.cosine_dn[i], &m.sine_dn[i], &m.phase_rad[i], weight + from, count, stretch);
+    for (std::size_t j = count; j < whole; ++j) stretch.cosine[j] = stretch.sine[j] = stretch.weight[j] = 0;
+    sum_loop(stretch, whole, sums);
+  }
 }
 
 }  // namespace enamel::algo::HWY_NAMESPACE

@@ -56,14 +56,13 @@ void quality_loop(const PixelRow& r, std::size_t width, const float* __restrict 
 
 void cut_loop(const PixelReject* reject, std::ptrdiff_t step, const std::uint8_t* linked, std::size_t count,
               std::uint8_t* marks) {
-  constexpr auto kNone = static_cast<unsigned>(PixelReject::kNone), kEdge = static_cast<unsigned>(PixelReject::kEdge);
   const PixelReject* __restrict a = reject, * __restrict b = reject + step;
   const std::uint8_t* __restrict link = linked;
   std::uint8_t* __restrict out = marks;
   for (std::size_t u = 0; u < count; ++u) {
-    const auto here = static_cast<unsigned>(a[u]), there = static_cast<unsigned>(b[u]);
-    const bool valid = ((here == kNone) | (here == kEdge)) & ((there == kNone) | (there == kEdge));
-    out[u] = static_cast<std::uint8_t>(valid & (link[u] == 0));
+    const bool here = (a[u] == PixelReject::kNone) | (a[u] == PixelReject::kEdge);
+    const bool there = (b[u] == PixelReject::kNone) | (b[u] == PixelReject::kEdge);
+    out[u] = static_cast<std::uint8_t>(here & there & (link[u] == 0));
   }
 }
 

@@ -64,9 +64,11 @@ void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkCon
   for (int v = 0; v < h; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width;
     const PixelRow row{&phase.phase_rad[at], &phase.sigma_rad[at], carrier.phase_mid_rad + at, &phase.reject[at]};
-    difference_row(row, 1, width - 1, east);
+    // Whole vectors: the last pixel's neighbour is the next row's first, where there is one, and does not count.
+    const std::size_t eastern = v + 1 < h ? width : width - 1;
+    difference_row(row, 1, eastern, east);
     east[width - 1] = kInvalidDifference;
-    link_row(row, 1, width - 1, east, carrier.slope_u_rad, config, &out.east[at]);
+    link_row(row, 1, eastern, east, carrier.slope_u_rad, config, &out.east[at]);
     out.east[at + width - 1] = 0;
     if (v + 1 < h) {
       difference_row(row, w, width, south);
@@ -77,8 +79,8 @@ void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkCon
     }
     quality_row(row, width, east, south, north, &out.quality[at]);
     unsigned pairs = 0, linked = 0;
-    for (std::size_t u = 0; u + 1 < width; ++u) pairs += static_cast<unsigned>(east[u] < 5);
-    for (std::size_t u = 0; u + 1 < width; ++u) linked += out.east[at + u];
+    for (std::size_t u = 0; u < width; ++u) pairs += static_cast<unsigned>(east[u] < 5);
+    for (std::size_t u = 0; u < width; ++u) linked += out.east[at + u];
     out.pairs += pairs;
     out.linked += linked;
     std::swap(south, north);
@@ -97,7 +99,8 @@ void reject_edges(LinkMaps& links, PhaseMaps& phase) {
   const auto each_cut = [&](std::ptrdiff_t at, std::ptrdiff_t step, const Map<std::uint8_t>& link, auto visit) {
     const std::size_t count = index(step == 1 ? width - 1 : width);
     std::fill(marks.begin(), marks.end(), kSentinel);
-    mark_cuts(&phase.reject[index(at)], step, &link[index(at)], count, marks.data());
+    // Whole vectors: a row's last pixel and the next row's first are marked too, and not visited.
+    mark_cuts(&phase.reject[index(at)], step, &link[index(at)], at + width < n ? index(width) : count, marks.data());
     for (std::size_t u = end_of_run(marks.data(), 0, 0); u < count; u = end_of_run(marks.data(), u + 1, 0)) visit(u);
   };
   for (std::ptrdiff_t at = 0; at < n; at += width) {

@@ -14,8 +14,8 @@ HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
 constexpr std::int32_t kBeyond = 2;  ///< orders beyond the depth range that a surface is followed
-constexpr float kImpossible_nats = 60;
-constexpr Cost kImpossible = to_cost(kImpossible_nats);
+constexpr float kImpossibleNats = 60;
+constexpr Cost kImpossible = to_cost(kImpossibleNats);
 constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
 
 class Rows {
@@ -40,27 +40,48 @@ class Rows {
     }
     for (auto* v : {&work_.unary, &work_.row, &work_.right, &work_.up, &work_.down}) v->resize(pieces_.size());
     out_.pieces.assign(pieces_.size(), {});
-    for (std::size_t i = 0; i < pieces_.size(); ++i) price(i);
+    // In batches: what was just written one by one cannot be read as a vector without waiting.
+    std::array<Asked, kBatch> asked;
+    for (std::size_t begin = 0; begin < pieces_.size(); begin += kBatch) {
+      const std::size_t end = std::min(begin + kBatch, pieces_.size());
+      for (std::size_t i = begin; i < end; ++i) ask(i, asked[i - begin]);
+      for (std::size_t i = begin; i < end; ++i) price(i, asked[i - begin]);
+    }
   }
+
+  static constexpr std::size_t kBatch = 16;
+
+  /// What the code says about a piece's shifts first ... last; state 0 is shift `base`.
+  struct Asked {
+    std::int32_t base, first, last;
+    std::array<float, kOrderStates> nats;
+  };
 
   /// The code's evidence for the shifts that the range allows, a little beyond it, as far as the states reach and
   /// within the projector's frame.
-  void price(std::size_t i) {
+  void ask(std::size_t i, Asked& out) const {
     const Piece& p = pieces_[i];
     const std::int32_t base = base_shift(work_, p);
-    const std::int32_t first = std::max({base, p.low - kBeyond, first_in_frame(p.cell)});
-    const std::int32_t last = std::min({base + kStates - 1, p.high + kBeyond, (evidence_.cells() - 1 - p.cell) >> 1});
-    std::array<float, kOrderStates> nats{};
-    if (first <= last) {
-      evidence_.costs(i, p.cell + 2 * first,
-                      {nats.data() + (first - base), static_cast<std::size_t>(last - first + 1)});
-    }
+    out.base = base;
+    out.first = std::max({base, p.low - kBeyond, first_in_frame(p.cell)});
+    out.last = std::min({base + kStates - 1, p.high + kBeyond, (evidence_.cells() - 1 - p.cell) >> 1});
+    out.nats = {};
+    if (out.first > out.last) return;
+    evidence_.costs(i, p.cell + 2 * out.first,
+                    {out.nats.data() + (out.first - base), static_cast<std::size_t>(out.last - out.first + 1)});
+  }
+
+  void price(std::size_t i, const Asked& asked) {
+    const std::int32_t low = pieces_[i].low, high = pieces_[i].high;
+    const std::int32_t base = asked.base, first = asked.first, last = asked.last;
+    const float per_order = config_.beyond_range_cost;
+    const std::array<float, kOrderStates> nats = asked.nats;
     OrderCosts unary;
     for (std::int32_t k = 0; k < kStates; ++k) {
-      const std::int32_t shift = base + k, beyond = std::max({p.low - shift, shift - p.high, 0});
-      const float cost = nats[static_cast<std::size_t>(k)] + config_.beyond_range_cost * static_cast<float>(beyond);
-      const Cost priced = to_cost(std::min(cost, kImpossible_nats));
-      unary.of[static_cast<std::size_t>(k)] = shift >= first && shift <= last ? priced : kImpossible;
+      const std::int32_t shift = base + k, beyond = std::max({low - shift, shift - high, 0});
+      const float cost = nats[static_cast<std::size_t>(k)] + per_order * static_cast<float>(beyond);
+      const Cost priced = to_cost(std::min(cost, kImpossibleNats));
+      unary.of[static_cast<std::size_t>(k)] = ((shift >= first) & (shift <= last)) ? priced : kImpossible;
     }
     work_.unary[i] = unary;
   }

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
+#define ENAMEL_NO_AVX512
 #include "pipeline/types/simd.hpp"
 
 #undef HWY_TARGET_INCLUDE

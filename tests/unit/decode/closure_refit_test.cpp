@@ -77,7 +77,8 @@ struct Row {
     std::vector<float> columns(4 * std::size_t{kPhases});
     float* left = columns.data();
     ErrorRows rows(known.errors(), static_cast<float>(kBlack), kPhases);
-    left_row(maps, rows.at(polarity, 0), 0, kPhases, {left, left + kPhases, left + 2 * kPhases, left + 3 * kPhases});
+    left_row(pixel_row(maps, rows.at(polarity, 0), 0), kPhases,
+             {left, left + kPhases, left + 2 * kPhases, left + 3 * kPhases});
     double worst = 0;
     for (std::size_t i = 0; i < kPhases; ++i) {
       const double rest = static_cast<double>(left[i]) - harmonic * static_cast<double>(left[3 * kPhases + i]);
