@@ -10,6 +10,7 @@
 #include "pipeline/algo/decode/rigid_motion.hpp"
 #include "pipeline/algo/phase/burst_view.hpp"
 #include "pipeline/algo/phase/closure.hpp"
+#include "pipeline/algo/phase/flip_blur.hpp"
 #include "pipeline/algo/phase/micro_code.hpp"
 #include "pipeline/algo/phase/micro_refit.hpp"
 #include "pipeline/algo/phase/phase.hpp"
@@ -26,6 +27,7 @@ struct DecodeConfig {
   OrderConfig order;
   PolarityConfig polarity;
   ClosureConfig closure;
+  FlipBlurConfig flips;
   RigidMotionConfig rigid;
   MicroRefitConfig micro_refit;
   int motion_passes = 2;  ///< the second sees slopes without the ripple that the first took off

@@ -26,6 +26,7 @@ struct DecodeWorkspace::Buffers {
   std::vector<CellSpan> relative_cells;  ///< of mode M's undecided pieces
   PolarityMaps polarity;
   ClosureFit closure;
+  FlipBlur flips;
   RigidMotionWork rigid;
   MotionField field;
   MicroMotion micro_motion;

@@ -49,6 +49,7 @@ struct DecodeDiagnostics {
   double torn_share = 0;       ///< of smooth borders between cells: labelling jumps there
   float motion_rad = 0;        ///< mean phase change per frame interval
   float harmonic = 0;          ///< projector's B2/B1, from the closure; not in mode M
+  float flip_blur_rad = 0;     ///< sigma of projector's and camera's blur at the code's flips; not in mode M
   RigidMotion rigid;           ///< of the surface in the camera's frame, per frame interval
   PhaseRipple ripple;          ///< of four steps, as it was subtracted; not in mode M
   double ripple_by_depth_rad = 0;  ///< rms of what was subtracted beside it, because it changes with depth

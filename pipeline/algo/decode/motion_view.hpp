@@ -16,13 +16,18 @@ namespace enamel::algo {
 /// Motion at the nodes of a grid over the image, per frame interval.
 struct MotionField {
   int columns = 0, rows = 0;
+  int detail = 1;                                    ///< nodes of eps and dA/A per node of the others, along each axis
   std::vector<float> rate_rad, light;                ///< eps; dA/A
   std::vector<float> rate_change_rad, light_change;  ///< of eps; d2A/A
   float shared = 0;                                  ///< x
 
   /// Valid while this lives.
-  [[nodiscard]] Grid rate_grid() const noexcept { return {rate_rad.data(), columns, rows, kNode_px}; }
-  [[nodiscard]] Grid light_grid() const noexcept { return {light.data(), columns, rows, kNode_px}; }
+  [[nodiscard]] Grid rate_grid() const noexcept {
+    return {rate_rad.data(), detail * columns, detail * rows, kNode_px / detail};
+  }
+  [[nodiscard]] Grid light_grid() const noexcept {
+    return {light.data(), detail * columns, detail * rows, kNode_px / detail};
+  }
   [[nodiscard]] Grid rate_change_grid() const noexcept { return {rate_change_rad.data(), columns, rows, kNode_px}; }
   [[nodiscard]] Grid light_change_grid() const noexcept { return {light_change.data(), columns, rows, kNode_px}; }
   [[nodiscard]] Grid shared_grid() const noexcept { return {&shared, 1, 1, kNode_px}; }

@@ -68,6 +68,7 @@ class Pass {
   /// Motion at every node; one without slope takes the coarse rate of its block.
   void spread(const Theta& theta, MotionField& field) const {
     field.columns = columns_;
+    field.detail = 1;
     field.rows = rows_;
     field.rate_rad.resize(count_);
     field.light.resize(count_);
@@ -264,6 +265,7 @@ RigidMotion fit_rigid_motion(MotionView& view, const PhaseMaps& maps, const Map<
     out.about_mm = static_cast<double>(2 / (1 / rays.near_mm + 1 / rays.far_mm));
     out.moved = true;
   }
+  if (config.dense) refine_motion(out, work.images, rays, work.detail, field);
   return out;
 }
 

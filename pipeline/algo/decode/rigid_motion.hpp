@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/algo/decode/motion_detail.hpp"
 #include "pipeline/algo/decode/motion_images.hpp"
 #include "pipeline/algo/decode/motion_samples.hpp"
 #include "pipeline/algo/decode/motion_view.hpp"
@@ -30,6 +31,7 @@ struct RigidMotionConfig {
   double shift_prior_mm = 0.12;   ///< spread of a hand's shift per frame: 30 mm/s at 4 ms
   double turn_prior_rad = 0.004;  ///< and of its turn: 1 rad/s
   double shared_prior = 0.05;     ///< spread of the projector's B2/B, in mode M of the code frame's gain
+  bool dense = true;              ///< the motion found is spread over nodes twice as dense (motion_detail.hpp)
   std::size_t min_pixels = 600;   ///< of those asked, one in eight; fewer say nothing about six unknowns
   float min_block_pixels = 100;   ///< blocks with fewer are not asked whether anything moved
   float negligible_rad = 0.002F;  ///< a burst in which under a quarter of the blocks change faster counts as still
@@ -48,6 +50,7 @@ struct RigidMotionWork {
   MotionColumns columns;
   std::vector<float> slopes, rate, light;  ///< of all nodes; rate and light for each of the six unknowns
   std::vector<std::uint8_t> quality;
+  MotionDetailWork detail;
 };
 
 /// Nothing worth an estimate happened during the burst. Texture that slides by on a surface without slope goes unseen.

@@ -100,9 +100,10 @@ struct MovingBall {
   }
 };
 
-DecodedBurst decode(const calib::Rig& rig, const test::SyntheticBurst& burst, int passes) {
+DecodedBurst decode(const calib::Rig& rig, const test::SyntheticBurst& burst, int passes, bool dense = true) {
   DecodeConfig config;
   config.motion_passes = passes;
+  config.rigid.dense = dense;
   return BurstDecoder::make(rig, config).value().decode(burst.frames.view());
 }
 
@@ -148,6 +149,21 @@ TEST_P(RigidMotionOf, form_of_a_ball_survives_where_light_grazes_it) {
   EXPECT_LT(std::abs(ball.error_um(found, -0.75, -0.55)), 1.5);
   EXPECT_GT(std::abs(ball.error_um(blocks, -0.75, -0.55)), 4) << "negative control: blocks that know no light";
   EXPECT_LT(std::abs(ball.error_um(found, -0.2, 0.2)), 0.5);
+}
+
+/// A ball as narrow as a cusp: its slope changes within the reach of the nodes that the motion is found from.
+TEST_P(RigidMotionOf, follows_a_narrow_surface) {
+  MovingBall ball{rig(), {0.040, 0, 0.020}, Vector3d::Zero()};
+  ball.radius_mm = 2.5, ball.centre_mm = {0.3, 0.2, 47.5};
+  const auto burst = ball.render(false);
+  const DecodedBurst found = decode(ball.rig, burst, 2), coarse = decode(ball.rig, burst, 2, false);
+  ASSERT_TRUE(found.accepted() && found.diagnostics.rigid.moved);
+  MovingBall still = ball;
+  still.shift_mm = Vector3d::Zero();
+  const double floor = still.sigma_um(decode(ball.rig, still.render(false), 2));  // rounding to 8 bit
+  const auto left = [&](const DecodedBurst& b) { return std::pow(ball.sigma_um(b), 2) - floor * floor; };
+  const double share = GetParam() ? 0.92 : 0.75;  // mode M keeps errors of its code frame's gain besides
+  EXPECT_LT(left(found), share * left(coarse)) << left(found) << " of " << left(coarse) << " um^2, floor " << floor;
 }
 
 TEST(RigidMotion, tells_the_projectors_harmonic_from_light_that_slides_by) {

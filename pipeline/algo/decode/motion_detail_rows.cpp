@@ -1,0 +1,132 @@
+#include "pipeline/algo/decode/motion_detail_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/algo/decode/motion_samples.hpp"
+#include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/types/simd.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pipeline/algo/decode/motion_detail_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace enamel::algo::HWY_NAMESPACE {
+
+constexpr float kSteepest = 3.7F;        ///< dz/dx of 75 degrees, the steepest that counts as one surface
+constexpr float kLeastDet = 4000;        ///< of the 2x2 normal equations: a fortieth of a full window's
+constexpr float kLeastLitCosine = 0.2F;  ///< of the light's incidence; beyond, slopes are known too badly to tell it
+constexpr float kMostChange = 0.3F;      ///< of light, per frame interval
+
+using DetailLanes = std::array<float, kNodeLanes>;
+
+/// Sums over pairs of pixels opposite to each other: uu uv vv of their distances, u v of 1/z, u v of A.
+struct PairSums {
+  DetailLanes uu{}, uv{}, vv{}, uq{}, vq{}, ua{}, va{};
+};
+
+/// One lane's place in the images.
+struct Place {
+  int node_row, x, y, begin;
+};
+
+[[gnu::always_inline]] inline void add_pair(const MotionImages& images, const Place& at, int dx, int dy,
+                                            const DetailLanes& limit, PairSums& s) {
+  const float* __restrict q_plus = images.inverse_depth.around(at.node_row, at.x + dx, at.y + dy) + at.begin;
+  const float* __restrict q_minus = images.inverse_depth.around(at.node_row, at.x - dx, at.y - dy) + at.begin;
+  const float* __restrict a_plus = images.light.around(at.node_row, at.x + dx, at.y + dy) + at.begin;
+  const float* __restrict a_minus = images.light.around(at.node_row, at.x - dx, at.y - dy) + at.begin;
+  const auto x = static_cast<float>(4 * dx), y = static_cast<float>(4 * dy);  // pixels of the full image
+  const float reach = std::abs(x) + std::abs(y);
+  ENAMEL_INDEPENDENT
+  for (std::size_t j = 0; j < kNodeLanes; ++j) {
+    const float step = q_plus[j] - q_minus[j];
+    const bool same = std::abs(step) < limit[j] * reach;  // false for NaN
+    const float d = select(same, step, 0), a = select(same, a_plus[j] - a_minus[j], 0);
+    s.uu[j] += select(same, x * x, 0);
+    s.uv[j] += select(same, x * y, 0);
+    s.vv[j] += select(same, y * y, 0);
+    s.uq[j] += x * d;
+    s.vq[j] += y * d;
+    s.ua[j] += x * a;
+    s.va[j] += y * a;
+  }
+}
+
+/// Equations of rigid_motion.hpp with the motion put in.
+[[gnu::always_inline]] inline void motion_of(const PairSums& s, const DetailMotion& t, const float* q_at,
+                                             const float* light_at, const DetailRow& row, const Place& at) {
+  const auto begin = static_cast<std::size_t>(at.begin);
+  const auto right = static_cast<float>(2 * (at.x - kNode_px / 2)),
+             down = static_cast<float>(2 * at.y);  // px, of the node
+  const float* __restrict q_of = q_at, * __restrict light_of = light_at;
+  const float* __restrict x_of = row.x + begin, * __restrict y_of = row.y + begin, * __restrict slope = row.slope + begin;
+  const float* __restrict step_x = row.step_x + begin, * __restrict step_y = row.step_y + begin;
+  float* __restrict rate = row.rate + begin, * __restrict growth = row.light + begin;
+  ENAMEL_INDEPENDENT
+  for (std::size_t j = 0; j < kNodeLanes; ++j) {
+    const float det = s.uu[j] * s.vv[j] - s.uv[j] * s.uv[j], in_x = 1 / (det * step_x[j]);
+    const float in_y = 1 / (det * step_y[j]);
+    const float q = q_of[j], x = x_of[j] + right * step_x[j], y = y_of[j] + down * step_y[j], light = light_of[j];
+    const float m_x = (s.vv[j] * s.uq[j] - s.uv[j] * s.vq[j]) * in_x;
+    const float m_y = (s.uu[j] * s.vq[j] - s.uv[j] * s.uq[j]) * in_y, m_z = q - m_x * x - m_y * y;
+    const float a_x = (s.vv[j] * s.ua[j] - s.uv[j] * s.va[j]) * in_x;
+    const float a_y = (s.uu[j] * s.va[j] - s.uv[j] * s.ua[j]) * in_y;
+    // U q, the point's motion; l q, from it to the projector.
+    const float arm = 1 - q * t.about_mm;
+    const float u_x = q * t.shift_mm[0] + t.turn_rad[1] * arm - t.turn_rad[2] * y;
+    const float u_y = q * t.shift_mm[1] + t.turn_rad[2] * x - t.turn_rad[0] * arm;
+    const float u_z = q * t.shift_mm[2] + t.turn_rad[0] * y - t.turn_rad[1] * x;
+    const float l_x = q * t.projector_mm[0] - x, l_y = q * t.projector_mm[1] - y, l_z = q * t.projector_mm[2] - 1;
+    const float along = m_x * u_x + m_y * u_y + m_z * u_z;
+    const float distance2 = l_x * l_x + l_y * l_y + l_z * l_z, m2 = m_x * m_x + m_y * m_y + m_z * m_z;
+    const float grazing = -kLeastLitCosine * root(m2 * distance2);
+    const float facing = smaller(m_x * l_x + m_y * l_y + m_z * l_z, grazing);
+    const float passing = -(a_x * (u_x - x * u_z) + a_y * (u_y - y * u_z)) / light;
+    const float nearer = 3 * (l_x * u_x + l_y * u_y + l_z * u_z) / distance2;
+    const float turning = t.turn_rad[0] * (m_y * l_z - m_z * l_y) + t.turn_rad[1] * (m_z * l_x - m_x * l_z) +
+                          t.turn_rad[2] * (m_x * l_y - m_y * l_x);
+    const float change = passing + nearer + (turning - along) / facing;
+    const float steepness = std::abs(slope[j]);
+    const bool known = (q > 0) & (det > kLeastDet) & (light > 1) & (steepness > 0);
+    rate[j] = select(known, -along / slope[j], rate[j]);
+    growth[j] = select(known, smaller(larger(change, -kMostChange), kMostChange), growth[j]);
+  }
+}
+
+void detail_loop(const MotionImages& images, int node_row, int place_x, int place_y, int count,
+                 const DetailMotion& motion, const DetailRow& row) {
+  constexpr auto kLanes = static_cast<int>(kNodeLanes);
+  const int beside = place_x + kNode_px / 2;  // a node further on: arrays begin at node 1
+  for (int n = 0; n < count; n += kLanes) {
+    const Place at{node_row, beside, place_y, std::max(std::min(n, count - kLanes), 0)};
+    const auto begin = static_cast<std::size_t>(at.begin);
+    const float* q = images.inverse_depth.around(node_row, beside, place_y) + at.begin;
+    const float* light = images.light.around(node_row, beside, place_y) + at.begin;
+    DetailLanes limit;
+    for (std::size_t j = 0; j < kNodeLanes; ++j) limit[j] = kSteepest * q[j] * std::abs(row.step_x[begin + j]);
+    PairSums sums;
+    for (int dy = 0; dy <= kDetailReach; ++dy) {
+      for (int dx = dy == 0 ? 1 : -kDetailReach; dx <= kDetailReach; ++dx) add_pair(images, at, dx, dy, limit, sums);
+    }
+    motion_of(sums, motion, q, light, row, at);
+  }
+}
+
+}  // namespace enamel::algo::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace enamel::algo {
+
+HWY_EXPORT(detail_loop);
+
+void detail_row(const MotionImages& images, int node_row, int place_x, int place_y, int count,
+                const DetailMotion& motion, const DetailRow& row) {
+  HWY_DYNAMIC_DISPATCH(detail_loop)(images, node_row, place_x, place_y, count, motion, row);
+}
+
+}  // namespace enamel::algo
+#endif
