@@ -81,12 +81,15 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   const bool fringes = looks_like_fringes(workspace, diag);
   step("links");
   if (!fringes) return mismatch_or_too_fast(b, diag);
-  flood(b.phase.phase_rad, b.links, b.flood);
+  unwrap(b);
   step("unwrap");
   const BurstVerdict placed = place(workspace, out);
   step("order");
   if (placed == BurstVerdict::kPatternMismatch) return mismatch_or_too_fast(b, diag);
-  if (placed != BurstVerdict::kAccepted) return placed;
+  if (placed != BurstVerdict::kAccepted) {
+    if (placed == BurstVerdict::kNoCode && !coded()) take_phase(b.phase, {}, out.relative);
+    return placed;
+  }
   const Map<std::int16_t>& turn = refine(workspace, out);
   const bool odd =
       diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest;
@@ -107,7 +110,8 @@ void BurstDecoder::decode(const BurstView& view, DecodeWorkspace& workspace, Dec
   const bool fits = view.is_consistent() && view.width == w && view.height == h;
   out.verdict = fits ? run(view, workspace, out) : BurstVerdict::kFrameMismatch;
   if (out.accepted()) return;
-  out.relative.clear();
+  const bool hangs_together = out.verdict == BurstVerdict::kNoCode && !coded();  // all that such a pattern can tell
+  if (!hangs_together) out.relative.clear();
   if (!fits) show_nothing(out);
   if (fits && out.verdict != BurstVerdict::kTooFewPoints) show_phase(b.phase, out);
   withdraw_surface(out);

@@ -16,6 +16,7 @@
 #include "pipeline/algo/phase/phase.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 #include "pipeline/algo/triangulate/normals.hpp"
+#include "pipeline/algo/unwrap/cut_costs.hpp"
 #include "pipeline/algo/unwrap/links.hpp"
 #include "pipeline/algo/unwrap/order.hpp"
 
@@ -25,6 +26,7 @@ struct DecodeConfig {
   PhaseConfig phase;
   LinkConfig links;
   OrderConfig order;
+  CutConfig cuts;  ///< of patterns without a code
   PolarityConfig polarity;
   ClosureConfig closure;
   FlipBlurConfig flips;
@@ -101,6 +103,8 @@ class BurstDecoder {
   void solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
   bool looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
   BurstVerdict mismatch_or_too_fast(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
+  [[nodiscard]] bool coded() const noexcept { return micro_ || signs_.informative; }
+  void unwrap(DecodeWorkspace::Buffers& buffers) const;
   BurstVerdict place(DecodeWorkspace& workspace, DecodedBurst& out) const;
   void label(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise) const;
   float label_by_code(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise, const MicroCode& seen) const;

@@ -23,6 +23,15 @@ void BurstDecoder::solve_phase(const BurstView& view, DecodeWorkspace& workspace
   copy_images(maps, noise, out);
 }
 
+/// Turns of neighbours against each other. The flood leaks where a cliff is one fringe high, which a code mends;
+/// without one the surface is cut where it costs least.
+void BurstDecoder::unwrap(DecodeWorkspace::Buffers& b) const {
+  if (coded()) return flood(b.phase.phase_rad, b.links, b.flood);
+  unwrap_by_least_cuts(b.phase, carrier_, config_.cuts, b.cuts, b.flood);
+  for (std::size_t i = 0; i < b.phase.reject.size(); ++i)
+    if (b.phase.reject[i] != PixelReject::kNone) b.flood.component[i] = -1;
+}
+
 bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const {
   auto& b = *workspace.buffers_;
   (micro_ ? diag.direction_share : diag.closure_share) =

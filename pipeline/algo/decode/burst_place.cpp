@@ -101,9 +101,8 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodedBurst& out) 
     const bool torn = micro_ ? mixed : diag.closure_share < config_.min_unplaced_closure_share;
     return blinded ? BurstVerdict::kSaturated : (torn ? BurstVerdict::kPatternMismatch : BurstVerdict::kNoCode);
   }
-  const bool informative = micro_ || signs_.informative;
   const bool follows = diag.code_agreement >= config_.min_code_agreement && diag.torn_share <= config_.max_torn_share;
-  return informative && !follows ? BurstVerdict::kPatternMismatch : BurstVerdict::kAccepted;
+  return coded() && !follows ? BurstVerdict::kPatternMismatch : BurstVerdict::kAccepted;
 }
 
 }  // namespace enamel::algo

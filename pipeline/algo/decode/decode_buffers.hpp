@@ -8,6 +8,7 @@
 #include "pipeline/algo/unwrap/cells.hpp"
 #include "pipeline/algo/unwrap/code_steps.hpp"
 #include "pipeline/algo/unwrap/flood.hpp"
+#include "pipeline/algo/unwrap/least_cuts.hpp"
 #include "pipeline/algo/unwrap/micro_evidence.hpp"
 #include "pipeline/algo/unwrap/polarity_evidence.hpp"
 
@@ -17,7 +18,8 @@ struct DecodeWorkspace::Buffers {
   PhaseMaps phase;
   LinkMaps links;
   FloodMaps flood;
-  CodeSteps steps;  ///< of mode M
+  LeastCutsWork cuts;  ///< of patterns without a code
+  CodeSteps steps;     ///< of mode M
   PieceList pieces;
   PolarityEvidence polarity_evidence;
   MicroEvidence micro_evidence;

@@ -66,7 +66,9 @@ struct DecodedBurst {
   Map<PixelReject> reject;  ///< kNone exactly where the patch has depth
   std::array<std::size_t, kPixelRejects> counts{};  ///< pixels per PixelReject; sums to the image
   SurfacePatch patch;
-  RelativeSurface relative;  ///< what is kRelative and large enough for the model to judge; empty unless accepted
+  /// What is kRelative and large enough for the model to judge. Empty unless accepted; of a pattern without a code also
+  /// filled with kNoCode, by three frames: all that such a burst can tell.
+  RelativeSurface relative;
   DecodeDiagnostics diagnostics;
 
   [[nodiscard]] bool accepted() const noexcept { return verdict == BurstVerdict::kAccepted; }

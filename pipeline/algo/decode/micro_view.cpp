@@ -21,6 +21,8 @@ void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
   place_samples(columns, in_.maps.phase_rad.height(), out);
   GridRows rate(known != nullptr ? known->rate_grid() : Grid{}, columns);
   GridRows light(known != nullptr ? known->light_grid() : Grid{}, columns);
+  GridRows rate_change(known != nullptr ? known->rate_change_grid() : Grid{}, columns);
+  GridRows light_change(known != nullptr ? known->light_change_grid() : Grid{}, columns);
   // One gain for all: that of a block takes up half of what light does there.
   const std::vector<float> gain(width, in_.blocks.gain);
   std::vector<float> rows(kRowValues * width);
@@ -29,7 +31,10 @@ void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
     if (v % kPixelStep != 0) return;
     const std::size_t at = static_cast<std::size_t>(v) * width;
     CodeRow row = code_row_of(in_.blocks, in_.code, in_.third_rad, at, cosine, sine);
-    if (known != nullptr) row.motion_rad = rate.row(v), row.light = light.row(v);
+    if (known != nullptr) {
+      row.motion_rad = rate.row(v), row.light = light.row(v);
+      row.motion_change_rad = rate_change.row(v), row.light_change = light_change.row(v);
+    }
     row.gain = gain.data();
     code_residual_row(in_.maps, row, at, width, {r, r + width, r + 2 * width, r + 3 * width});
     for (std::size_t u = 0; u < width; ++u)
@@ -54,10 +59,13 @@ void MicroView::make_images(const MotionField* known, MotionImages& out) {
   const Grid blocks{b.block_motion_rad.data(), b.columns, b.rows, b.block_px};
   GridRows rate(known != nullptr ? known->rate_grid() : blocks, width);
   GridRows light(known != nullptr ? known->light_grid() : Grid{}, width);
+  GridRows rate_change(known != nullptr ? known->rate_change_grid() : Grid{}, width);
+  GridRows light_change(known != nullptr ? known->light_change_grid() : Grid{}, width);
   for (int v = 0; v < height; v += 2) {
     const std::size_t at = in_.maps.phase_rad.index(0, v);
     CodeRow row{};
     row.motion_rad = rate.row(v), row.light = light.row(v), row.black_dn = b.black_dn;
+    row.motion_change_rad = rate_change.row(v), row.light_change = light_change.row(v);
     mid_burst_row(in_.maps, row, at, columns, out.phase.data(), out.row.data());
     for (float& a : out.row) a -= b.black_dn;
     thin(out.row), thin(out.phase);
@@ -86,6 +94,8 @@ bool stands_still(const MicroMotion& blocks, float negligible_rad) {
 void spread_motion(const MotionField& field, MicroMotion& out) {
   interpolate_grid(field.rate_grid(), out.pixel_motion_rad);
   interpolate_grid(field.light_grid(), out.pixel_light);
+  interpolate_grid(field.rate_change_grid(), out.pixel_motion_change_rad);
+  interpolate_grid(field.light_change_grid(), out.pixel_light_change);
 }
 
 }  // namespace enamel::algo

@@ -75,9 +75,12 @@ class Fitter {
     out_.block_motion_rad.assign(blocks, 0.0F);
     out_.block_sigma_rad.assign(blocks, config_.motion_prior_rad);
     out_.work.block_gain.assign(blocks, 1.0F);
-    for (Map<float>* map : {&out_.pixel_motion_rad, &out_.pixel_gain, &out_.pixel_light})
+    for (Map<float>* map : {&out_.pixel_motion_rad, &out_.pixel_gain})
       if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
-    std::fill(out_.pixel_light.pixels().begin(), out_.pixel_light.pixels().end(), 0.0F);
+    for (Map<float>* map : {&out_.pixel_light, &out_.pixel_motion_change_rad, &out_.pixel_light_change}) {
+      if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
+      std::fill(map->pixels().begin(), map->pixels().end(), 0.0F);
+    }
     spread();
   }
 
@@ -181,6 +184,7 @@ void undo_micro_motion(const MicroMotion& motion, PhaseMaps& maps) {
     CodeRow row{};
     row.order_cos = inside.data(), row.order_sin = none.data();
     row.motion_rad = &motion.pixel_motion_rad[at], row.light = &motion.pixel_light[at];
+    row.motion_change_rad = &motion.pixel_motion_change_rad[at], row.light_change = &motion.pixel_light_change[at];
     row.black_dn = motion.black_dn;
     undo_motion_row(row, at, width, maps);
   }

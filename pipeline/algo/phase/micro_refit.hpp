@@ -2,7 +2,8 @@
 // frame.
 //
 // Frame k is taken t_k = -3/2, -1/2, 1/2, 3/2 intervals after mid-burst; a phase that moves by eps an interval makes
-// the three phase frames A + B cos(phi + 2 pi j/3 + eps t), which three equations undo exactly where eps is known. The
+// the three phase frames A + B cos(phi + 2 pi j/3 + eps t), which three equations undo exactly where eps is known, and
+// its change eps', which adds eps' t^2/2, and how light changes, x = I / (1 + t g + t^2 g'/2). The
 // code frame, slot 1, is A + g B cos(r (Phi + eps t_1)) with r = 1 + 1/L and g what blur leaves of the finer fringe
 // beside the coarser. Mode M thus has a residual of its own, first order in eps (A_e, B_e, phi_e: what eps did to the
 // three-frame solution, per eps):
@@ -40,6 +41,8 @@ struct MicroMotion {
   float black_dn = 0;
   Map<float> pixel_motion_rad, pixel_gain;
   Map<float> pixel_light;  ///< dA/A of light above black per frame interval, the same of B; the fit leaves 0
+  /// Of eps per interval; d2A/A. Both belong to the surface and pass by with it; the fit leaves 0.
+  Map<float> pixel_motion_change_rad, pixel_light_change;
   int columns = 0, rows = 0, block_px = 32;
   std::vector<float> block_motion_rad, block_sigma_rad;  ///< row major; sigma: by noise and prior
 

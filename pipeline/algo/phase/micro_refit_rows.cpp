@@ -40,22 +40,30 @@ struct Pixel {
   float mean = 0, cosine = 0, sine = 0;
 };
 
+/// Of one pixel, per frame interval: eps and its change, dA/A and d2A/A.
+struct Change {
+  float rate, rate_change, growth, growth_change;
+
+  [[nodiscard, gnu::always_inline]] float light(float t) const { return 1 + t * growth + 0.5F * t * t * growth_change; }
+  [[nodiscard, gnu::always_inline]] float turned(float t) const { return t * rate + 0.5F * t * t * rate_change; }
+};
+
 /// The three-frame solution, above black, with each frame at its own time and under its own light.
-[[gnu::always_inline]] inline Pixel at_mid_burst(const Pixel& p, float motion_rad, float growth) {
+[[gnu::always_inline]] inline Pixel at_mid_burst(const Pixel& p, const Change& d) {
   const float half = p.mean - 0.5F * p.cosine;
-  const float i0 = (p.mean + p.cosine) / (1 + kFirstTime * growth);
-  const float i2 = (half - kHalfRoot3 * p.sine) / (1 + kSecondTime * growth);
-  const float i3 = (half + kHalfRoot3 * p.sine) / (1 + kThirdTime * growth);
-  const Turn a0 = turn_of(kFirstTime * motion_rad);
-  const Turn a1 = Turn{-0.5F, kHalfRoot3} * turn_of(kSecondTime * motion_rad);
-  const Turn a2 = Turn{-0.5F, -kHalfRoot3} * turn_of(kThirdTime * motion_rad);
+  const float i0 = (p.mean + p.cosine) / d.light(kFirstTime);
+  const float i2 = (half - kHalfRoot3 * p.sine) / d.light(kSecondTime);
+  const float i3 = (half + kHalfRoot3 * p.sine) / d.light(kThirdTime);
+  const Turn a0 = turn_of(d.turned(kFirstTime));
+  const Turn a1 = Turn{-0.5F, kHalfRoot3} * turn_of(d.turned(kSecondTime));
+  const Turn a2 = Turn{-0.5F, -kHalfRoot3} * turn_of(d.turned(kThirdTime));
   const float c1 = a0.cos - a1.cos, s1 = a1.sin - a0.sin, c2 = a0.cos - a2.cos, s2 = a2.sin - a0.sin;
   const float inverse = 1 / (c1 * s2 - s1 * c2);  // sqrt(27)/2 at rest, positive for any motion below a radian
   const float c = ((i0 - i2) * s2 - s1 * (i0 - i3)) * inverse, s = (c1 * (i0 - i3) - (i0 - i2) * c2) * inverse;
   return {i0 - c * a0.cos + s * a0.sin, c, s};
 }
 
-/// The code frame's model about a phase within its turn: cos and sin of r (Phi + eps t_1), with the second harmonic
+/// The code frame's model about a phase within its turn: cos and sin of r (Phi + turned), with the second harmonic
 /// B2/B of the projector, which also beats with three steps.
 struct CodeModel {
   Turn angle;
@@ -63,10 +71,10 @@ struct CodeModel {
   float modulation = 1;  ///< B of the fundamental over that of the three-frame solution
 };
 
-[[gnu::always_inline]] inline CodeModel code_model(Turn order, float inverse_ratio, float phase_rad, float motion_rad,
+[[gnu::always_inline]] inline CodeModel code_model(Turn order, float inverse_ratio, float phase_rad, float turned_rad,
                                                    float harmonic) {
   const Turn once = turn_of(phase_rad);
-  const float moved = (1 + inverse_ratio) * motion_rad * kCodeTime;
+  const float moved = (1 + inverse_ratio) * turned_rad;
   const Turn a = once * turn_of(phase_rad * inverse_ratio + moved) * order;
   const float cos3 = once.cos * (4 * once.cos * once.cos - 3);
   return {a, a.cos + harmonic * (2 * a.cos * a.cos - 1), 1 - harmonic * cos3};
@@ -78,14 +86,13 @@ struct Residual {
   float rest, by_motion, by_light, by_gain, by_alone, by_skew, modulation;
 };
 
-/// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order; growth: dA/A.
+/// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order.
 [[gnu::always_inline]] inline Residual code_residual(const Pixel& raw, float code, float phase_rad, Turn order,
-                                                     float motion_rad, float growth, float gain, float inverse_ratio,
-                                                     float harmonic) {
-  const Pixel p = at_mid_burst(raw, motion_rad, growth);
+                                                     const Change& d, float gain, float inverse_ratio, float harmonic) {
+  const Pixel p = at_mid_burst(raw, d);
   const float b3 = root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), c = p.cosine / b3, s = p.sine / b3;
   const float moved = phase_rad + wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
-  const CodeModel k = code_model(order, inverse_ratio, moved, motion_rad, harmonic);
+  const CodeModel k = code_model(order, inverse_ratio, moved, d.turned(kCodeTime), harmonic);
   const float b = b3 * k.modulation, gb = gain * b;
   // What frames that differ by f0, f2, f3 (over B) take from A, B cos and B sin, and that from the prediction.
   const auto slope = [&](float f0, float f2, float f3, float turned) {
@@ -99,7 +106,7 @@ struct Residual {
   const float by_motion = slope(-kFirstTime * s, -kSecondTime * s2, -kThirdTime * s3, kCodeTime);
   const float by_light = slope(kFirstTime * (part + c), kSecondTime * (part + c2), kThirdTime * (part + c3), 0) -
                          kCodeTime * (p.mean + gb * k.angle.cos);
-  const float code_frame = (raw.mean + code) / (1 + kCodeTime * growth);
+  const float code_frame = (raw.mean + code) / d.light(kCodeTime);
   return {code_frame - p.mean - gb * k.light,
           by_motion,
           by_light,
@@ -119,10 +126,12 @@ void add_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, f
   const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
   float* __restrict s0 = sums, * __restrict s1 = s0 + width, * __restrict s2 = s1 + width;
   float* __restrict s3 = s2 + width, * __restrict s4 = s3 + width;
+  const float* __restrict rate_change = row.motion_change_rad, * __restrict growth_change = row.light_change;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, rate[u],
-                                     light[u], gain[u], inverse_ratio, harmonic);
+    const Change d{rate[u], rate_change[u], light[u], growth_change[u]};
+    const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, d,
+                                     gain[u], inverse_ratio, harmonic);
     const bool used =
         (std::abs(k.rest) < limit * k.modulation) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
     const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), r = select(used, k.rest, 0);
@@ -142,10 +151,12 @@ void residual_loop(const PhaseMaps& m, const CodeRow& row, std::size_t at, std::
   const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
   float* __restrict rest = out.residual, * __restrict motion = out.by_motion;
   float* __restrict light = out.by_light, * __restrict growth = out.by_gain;
+  const float* __restrict rate_change = row.motion_change_rad, * __restrict growth_change = row.light_change;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, rate[u],
-                                     lit[u], gain[u], inverse_ratio, harmonic);
+    const Change d{rate[u], rate_change[u], lit[u], growth_change[u]};
+    const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, d,
+                                     gain[u], inverse_ratio, harmonic);
     rest[u] = k.rest;
     motion[u] = -k.by_motion;
     light[u] = -k.by_light;
@@ -162,11 +173,12 @@ void odd_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, f
   const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain, * __restrict light = row.light;
   const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
   float* __restrict out = sums;
+  const float* __restrict rate_change = row.motion_change_rad, * __restrict growth_change = row.light_change;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Pixel raw{mean[u] - black, cosine[u], sine[u]};
-    const Residual k =
-        code_residual(raw, code[u], phase[u], {oc[u], os[u]}, rate[u], light[u], gain[u], inverse_ratio, harmonic);
+    const Change d{rate[u], rate_change[u], light[u], growth_change[u]};
+    const Residual k = code_residual(raw, code[u], phase[u], {oc[u], os[u]}, d, gain[u], inverse_ratio, harmonic);
     const bool asked = (k.rest == k.rest) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);
     const bool used = (std::abs(k.rest) < limit * k.modulation) & asked;
     const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), y = select(used, -k.rest, 0);
@@ -188,10 +200,11 @@ void mid_burst_loop(const PhaseMaps& m, const CodeRow& row, std::size_t at, std:
   const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
   const float* __restrict phase = &m.phase_rad[at], * __restrict rate = row.motion_rad, * __restrict light = row.light;
   float* __restrict moved = phase_rad, * __restrict lit = mean_dn;
+  const float* __restrict rate_change = row.motion_change_rad, * __restrict growth_change = row.light_change;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Pixel raw{mean[u] - black, cosine[u], sine[u]};
-    const Pixel p = at_mid_burst(raw, rate[u], light[u]);
+    const Pixel p = at_mid_burst(raw, {rate[u], rate_change[u], light[u], growth_change[u]});
     moved[u] = phase[u] + wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
     lit[u] = p.mean + black;
   }
@@ -203,15 +216,16 @@ void undo_loop(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps&
   float* __restrict code = &m.code_dn[at], * __restrict modulation = &m.modulation_dn[at], * __restrict phase = &m.phase_rad[at];
   const float* __restrict rate = row.motion_rad, * __restrict light = row.light;
   const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
+  const float* __restrict rate_change = row.motion_change_rad, * __restrict growth_change = row.light_change;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const bool inside = oc[u] * oc[u] + os[u] * os[u] > 0.5F;
     const Pixel raw{mean[u] - black, cosine[u], sine[u]};
-    const float growth = light[u];
-    const Pixel p = at_mid_burst(raw, rate[u], growth);
+    const Change d{rate[u], rate_change[u], light[u], growth_change[u]};
+    const Pixel p = at_mid_burst(raw, d);
     const float step = wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
     phase[u] += select(inside, step, 0);
-    code[u] = select(inside, (raw.mean + code[u]) / (1 + kCodeTime * growth) - p.mean, code[u]);
+    code[u] = select(inside, (raw.mean + code[u]) / d.light(kCodeTime) - p.mean, code[u]);
     mean[u] = select(inside, p.mean + black, mean[u]);
     cosine[u] = select(inside, p.cosine, raw.cosine);
     sine[u] = select(inside, p.sine, raw.sine);
@@ -229,9 +243,11 @@ void join_loop(const CodeRow& row, const NoiseModel& model, float outlier_sigmas
   const float* __restrict mean = &m.mean_dn[at], * __restrict d = &m.code_dn[at], * __restrict modulation = &m.modulation_dn[at];
   float* __restrict phase = &m.phase_rad[at], * __restrict sigma = &m.sigma_rad[at];
   float* __restrict squares = missed;
+  const float* __restrict rate_change = row.motion_change_rad;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const CodeModel k = code_model({oc[u], os[u]}, inverse_ratio, phase[u], rate[u], harmonic);
+    const float turned = kCodeTime * rate[u] + 0.5F * kCodeTime * kCodeTime * rate_change[u];
+    const CodeModel k = code_model({oc[u], os[u]}, inverse_ratio, phase[u], turned, harmonic);
     const float gb = gain[u] * modulation[u] * k.modulation, off = d[u] - gb * k.light, slope = -gb * r * k.angle.sin;
     // The code frame's own noise, and that of A and B in what it is compared with.
     const float fitted = gain[u] * k.angle.cos;

@@ -15,9 +15,11 @@ struct CodeRow {
   const float* order_sin;
   const float* motion_rad;
   const float* gain;
-  const float* light;       ///< dA/A per frame interval
-  float inverse_ratio = 0;  ///< 1/L
-  float harmonic = 0;       ///< B2/B
+  const float* light;              ///< dA/A per frame interval
+  const float* motion_change_rad;  ///< of eps per frame interval
+  const float* light_change;       ///< d2A/A
+  float inverse_ratio = 0;         ///< 1/L
+  float harmonic = 0;              ///< B2/B
   float black_dn = 0;
 };
 

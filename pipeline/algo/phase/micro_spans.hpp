@@ -38,6 +38,8 @@ inline CodeRow code_row_of(const MicroMotion& motion, const MicroCode& code, flo
           &motion.pixel_motion_rad[at],
           &motion.pixel_gain[at],
           &motion.pixel_light[at],
+          &motion.pixel_motion_change_rad[at],
+          &motion.pixel_light_change[at],
           code.inverse_ratio,
           -third_rad,
           motion.black_dn};

@@ -38,12 +38,14 @@ class SouthRows {
   std::size_t width_;
 };
 
-/// A pixel of too much noise for depth still has a phase and a sigma: for a cut it is no hole to slip through.
+/// A pixel of too much noise for depth, or beside an edge, still has a phase and a sigma: for a cut it is no hole to
+/// slip through.
 void bridge_noise(const Map<PixelReject>& reject, Map<PixelReject>& out) {
   if (out.width() != reject.width() || out.height() != reject.height())
     out = Map<PixelReject>(reject.width(), reject.height());
-  std::transform(reject.pixels().begin(), reject.pixels().end(), out.pixels().begin(),
-                 [](PixelReject r) { return r == PixelReject::kNoisy ? PixelReject::kNone : r; });
+  std::transform(reject.pixels().begin(), reject.pixels().end(), out.pixels().begin(), [](PixelReject r) {
+    return r == PixelReject::kNoisy || r == PixelReject::kEdge ? PixelReject::kNone : r;
+  });
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct CutCosts {
   std::vector<std::int8_t> east_turn, south_turn;
   /// Of a cut between the pixel and its right / lower neighbour; 0 beside invalid pixels, kLeastCost … 255 elsewhere.
   std::vector<std::uint8_t> east_cost, south_cost;
-  Map<PixelReject> reject;  ///< the burst's, with noisy pixels as valid ones: their sigma says how little they weigh
+  Map<PixelReject> reject;  ///< the burst's, with noisy pixels and those at edges as valid ones
   std::vector<float> scratch;
 };
 

@@ -23,11 +23,11 @@ struct LeastCutsWork {  ///< kept between bursts; one thread's
   std::vector<std::uint8_t> marks;
 };
 
-/// Fills `out.turn` and `out.component` of every valid pixel and of those rejected for noise (kNoisy), which bridge
-/// what would else be holes: Phi = phase + 2 pi (turn + k), one k for each region of valid pixels that hangs together
-/// by its four neighbours. Components are the parts of it that hang together by links that are likelier on one surface
-/// than not and not cut: between two components of one region k is the same as far as the least cuts can tell.
-/// Deterministic. O(pixels), and the search of each residue.
+/// Fills `out.turn` and `out.component` of every valid pixel and of those rejected for noise or at edges (kNoisy,
+/// kEdge), which bridge what would else be holes: Phi = phase + 2 pi (turn + k), one k for each region of valid pixels
+/// that hangs together by its four neighbours. Components are the parts of it that hang together by links that are
+/// likelier on one surface than not and not cut: between two components of one region k is the same as far as the least
+/// cuts can tell. Deterministic. O(pixels), and the search of each residue.
 void unwrap_by_least_cuts(const PhaseMaps& phase, const Carrier& carrier, const CutConfig& config, LeastCutsWork& work,
                           FloodMaps& out);
 

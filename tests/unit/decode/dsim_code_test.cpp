@@ -198,5 +198,11 @@ TEST(DsimCode, the_second_slot_holds_where_the_last_collapses) {
   EXPECT_GT(wrong_micro_patches(8, 1.5, 0.15, 0.06), 10);
 }
 
+TEST(DsimCode, a_code_fringe_of_thirteen_twelfths_is_fragile) {
+  const double six = wrong_micro_patches(6, -0.5, 0.1, 0.1), twelve = wrong_micro_patches(12, -0.5, 0.1, 0.1);
+  EXPECT_LT(six, 0.3);
+  EXPECT_GT(twelve, 10 * six + 1);
+}
+
 }  // namespace
 }  // namespace enamel::algo
