@@ -34,6 +34,21 @@ void reject_undecided(const std::vector<Piece>& pieces, const OrderResult& order
   }
 }
 
+/// Beside a jump of whole fringes inside a run, where the phase goes on as if there were none: blur makes the
+/// pixels there see both sides, and the code places the jump to within a pixel.
+void reject_torn(const std::vector<Piece>& pieces, const OrderResult& orders, Map<PixelReject>& reject) {
+  constexpr std::int32_t kTorn_px = 2;  // one that blur mixes, one that the code may be off by
+  for (std::size_t k = 1; k < pieces.size(); ++k) {
+    const Piece &before = pieces[k - 1], &p = pieces[k];
+    const PieceOrder &a = orders.pieces[k - 1], &b = orders.pieces[k];
+    if (!p.joined || !a.decided || !b.decided || a.shift == b.shift) continue;
+    const std::int32_t first = std::max(before.begin, p.begin - kTorn_px), end = std::min(p.end, p.begin + kTorn_px);
+    for (std::int32_t u = first; u < end; ++u) {
+      if (reject(u, p.row) == PixelReject::kNone) reject(u, p.row) = PixelReject::kEdge;
+    }
+  }
+}
+
 void copy_measured(const PhaseMaps& from, PhaseMaps& to) {
   to.mean_dn = from.mean_dn, to.cosine_dn = from.cosine_dn, to.sine_dn = from.sine_dn;
   to.code_dn = from.code_dn, to.modulation_dn = from.modulation_dn, to.phase_rad = from.phase_rad;
@@ -89,6 +104,7 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodedBurst& out) 
   }
   make_spans(pieces, b.orders, b.spans);
   reject_undecided(pieces, b.orders, b.phase.reject);
+  reject_torn(pieces, b.orders, b.phase.reject);
   find_relative(pieces, b.orders.pieces, config_.order.min_region_px, b.orders.work.parent, out.relative);
   const double judged = b.orders.agreeing_px + b.orders.contradicting_px;
   diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;

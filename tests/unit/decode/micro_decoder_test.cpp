@@ -94,6 +94,14 @@ TEST(MicroDecoder, jumps_of_exactly_one_fringe_are_found_by_the_code) {
   EXPECT_GE(along.coverage(), 0.9);
 }
 
+TEST(MicroDecoder, pixels_beside_a_jump_that_the_phase_does_not_show_are_edges) {
+  const auto edges = [](const Outcome& o) { return o.burst.counts[static_cast<std::size_t>(PixelReject::kEdge)]; };
+  const double jump = test::fringe_jump_mm(wide_rig(), 50);
+  const auto height = static_cast<std::size_t>(wide_rig().camera.height);
+  EXPECT_GE(edges(decode([&](int u, int) { return u < 200 ? 50.0 : 50 - jump; }, noisy())), 3 * height);
+  EXPECT_EQ(edges(decode([](int, int) { return 50.0; }, noisy())), 0U);
+}
+
 TEST(MicroDecoder, small_isolated_patch_is_placed_where_the_polarity_code_gives_up) {
   test::SceneOptions o = noisy();
   o.light = [](int u, int v) { return (u < 200 || (u > 250 && u < 271 && v > 50 && v < 66)) ? 1.0 : 0.0; };
