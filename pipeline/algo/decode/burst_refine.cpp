@@ -4,6 +4,7 @@
 #include "pipeline/algo/decode/four_step_view.hpp"
 #include "pipeline/algo/decode/micro_gates.hpp"
 #include "pipeline/algo/decode/micro_view.hpp"
+#include "pipeline/algo/decode/motion_detail.hpp"
 #include "pipeline/algo/decode/relative_regions.hpp"
 #include "pipeline/algo/decode/ripple_depth.hpp"
 #include "pipeline/algo/decode/surface.hpp"
@@ -26,6 +27,8 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
       FourStepView view(b.phase, b.polarity, b.closure, *rays_, black, config_.rigid.max_residual);
       diag.rigid = fit_rigid_motion(view, b.phase, b.polarity.turn, *rays_, config_.motion_passes, config_.rigid,
                                     b.rigid, b.field);
+      if (diag.rigid.moved && config_.rigid.dense)
+        refine_motion(diag.rigid, b.rigid.images, *rays_, b.rigid.detail, b.field);
       if (diag.rigid.moved) diag.harmonic = b.field.shared;
     }
     const BurstErrors errors = diag.rigid.moved ? errors_of(b.field) : b.closure.errors();

@@ -265,7 +265,6 @@ RigidMotion fit_rigid_motion(MotionView& view, const PhaseMaps& maps, const Map<
     out.about_mm = static_cast<double>(2 / (1 / rays.near_mm + 1 / rays.far_mm));
     out.moved = true;
   }
-  if (config.dense) refine_motion(out, work.images, rays, work.detail, field);
   return out;
 }
 

@@ -31,7 +31,7 @@ struct RigidMotionConfig {
   double shift_prior_mm = 0.12;   ///< spread of a hand's shift per frame: 30 mm/s at 4 ms
   double turn_prior_rad = 0.004;  ///< and of its turn: 1 rad/s
   double shared_prior = 0.05;     ///< spread of the projector's B2/B, in mode M of the code frame's gain
-  bool dense = true;              ///< the motion found is spread over nodes twice as dense (motion_detail.hpp)
+  bool dense = true;              ///< mode T: the motion found is taken off by nodes twice as dense (motion_detail.hpp)
   std::size_t min_pixels = 600;   ///< of those asked, one in eight; fewer say nothing about six unknowns
   float min_block_pixels = 100;   ///< blocks with fewer are not asked whether anything moved
   float negligible_rad = 0.002F;  ///< a burst in which under a quarter of the blocks change faster counts as still
