@@ -37,7 +37,7 @@ struct PhaseRipple {
 };
 
 /// Of four-step phase, over spans that cover their half fringe from end to end: part of a fringe is not evenly spread.
-/// Every third row. From C and S, and phase_rad's small distance from their angle to first order: no trigonometry.
+/// Every third row. From C and S, turned by what phase_rad is off their angle: no trigonometry.
 [[nodiscard]] PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps);
 
 /// The same, the pixels of each span times its weight: how the moments go with something else that is known of a place.

@@ -35,10 +35,12 @@ void turn_loop(const float* cosine, const float* sine, const float* phase, const
     const float cos2 = (c - s) * (c + s) * inv2, sin2 = 2 * c * s * inv2;
     const float e = 4 * wrap_once(phases[j] - atan2_poly(s, c));
     const float cos4 = 2 * cos2 * cos2 - 1, sin4 = 2 * sin2 * cos2;
+    // Turned by 2 atan(e/2), whose sine and cosine need no root: a vector longer than 1 would grow in its powers.
+    const float half = 0.5F * e, inv = 1.0F / (1 + half * half), cos_e = (1 - half * half) * inv, sin_e = e * inv;
     const bool asked = weights[j] != 0;
     kept[j] = weights[j];
-    base_c[j] = select(asked, cos4 - e * sin4, 0);
-    base_s[j] = select(asked, sin4 + e * cos4, 0);
+    base_c[j] = select(asked, cos_e * cos4 - sin_e * sin4, 0);
+    base_s[j] = select(asked, cos_e * sin4 + sin_e * cos4, 0);
   }
 }
 

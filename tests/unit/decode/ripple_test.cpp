@@ -44,6 +44,25 @@ TEST(PhaseRipple, moments_of_half_a_fringe_are_no_calibration) {  // why only wh
   EXPECT_EQ(level(PhaseMoments{}).sine[0], 0);
 }
 
+/// Edges and glints leave pixels whose corrected phase is far from the angle of their C and S.
+TEST(PhaseRipple, pixels_far_from_their_angle_count_as_one_each) {
+  constexpr int kWidth = 480, kPeriod = 24;
+  PhaseMaps maps;
+  for (Map<float>* map : {&maps.cosine_dn, &maps.sine_dn, &maps.phase_rad}) *map = Map<float>(kWidth, 1);
+  for (int u = 0; u < kWidth; ++u) {
+    const double phi = 2 * std::numbers::pi * (u + 0.5) / kPeriod;
+    maps.cosine_dn(u, 0) = static_cast<float>(50 * std::cos(phi));
+    maps.sine_dn(u, 0) = static_cast<float>(50 * std::sin(phi));
+    maps.phase_rad(u, 0) = static_cast<float>(test::wrap_pi(phi + (u % 60 == 7 ? 1.5 : 0.0)));  // 8 of 480
+  }
+  const std::vector<CellSpan> spans{{0, 0, kWidth, 0, true}};
+  const PhaseRipple ripple = level(phase_moments(spans, maps));
+  for (std::size_t m = 0; m < kRippleTerms; ++m) {
+    const double most = 2 * 8.0 / kWidth / (2.0 * static_cast<double>(m + 1));  // all 8 the same way
+    EXPECT_LE(std::hypot(ripple.cosine[m], ripple.sine[m]), most + 1e-4) << m;
+  }
+}
+
 TEST(PhaseRipple, an_unsymmetric_ripple_of_four_terms_is_taken_out) {
   const auto error = [](double p) {
     return 0.02 * std::sin(4 * p + 0.3) + 0.014 * std::cos(8 * p + 2) + 0.003 * std::sin(12 * p);
