@@ -124,9 +124,15 @@ TEST(Live, InterruptEndsAScanWithItsFilesWritten) {
   SteadyClock clock;
   clock.sleep_for(seconds(6));
   scan->signal(SIGINT);
-  EXPECT_EQ(scan->wait(clock, seconds(60)).value_or(-1), 0) << read_file(tmp / "err").value_or("");
+  const int code = scan->wait(clock, seconds(60)).value_or(-1);
+  const auto bursts = report_of(tmp / "session")["bursts"];
+  // Whether the interrupt falls between two bursts or into one that is half received is chance; more than that one
+  // must not be missing, and the exit code says what the report says.
+  EXPECT_EQ(bursts["lost_on_wire"], 0) << bursts;
+  EXPECT_LE(bursts["incomplete"].get<int>(), 1) << bursts;
+  EXPECT_EQ(code, bursts["incomplete"] == 0 ? 0 : 4) << read_file(tmp / "err").value_or("");
   EXPECT_TRUE(fs::exists(tmp / "session/mesh.stl"));
-  expect_balanced(report_of(tmp / "session")["bursts"]);
+  expect_balanced(bursts);
 }
 
 TEST(Live, APacedReplayKeepsToRecordedTimeAndAccountsForWhatItSheds) {
