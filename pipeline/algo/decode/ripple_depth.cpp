@@ -16,7 +16,7 @@ constexpr double kLeastRest = 1e-3;  ///< share of d^4 that P1 and a constant le
 
 bool stands_clear(const PhaseRipple& ripple, double pixels) {
   for (std::size_t m = 0; m < kRippleTerms; ++m) {
-    const double noise = 1 / (2 * static_cast<double>(m + 1) * std::sqrt(2 * pixels));
+    const double noise = std::sqrt(amplitude_variance(m + 1, pixels));
     if (std::max(std::abs(ripple.cosine[m]), std::abs(ripple.sine[m])) > kClear * noise) return true;
   }
   return false;

@@ -93,11 +93,15 @@ PhaseRipple level(const PhaseMoments& moments, std::size_t terms) {
   return ripple;
 }
 
+double amplitude_variance(std::size_t m, double pixels) noexcept {
+  const auto order = static_cast<double>(m);
+  return pixels > 0 ? 1 / (8 * order * order * pixels) : 1;
+}
+
 PhaseRipple shrink(const PhaseRipple& ripple, const PhaseMoments& moments) {
   PhaseRipple out = ripple;
   for (std::size_t m = 0; m < kRippleTerms; ++m) {
-    const double order = static_cast<double>(m + 1);
-    const double variance = moments.pixels > 0 ? 1 / (8 * order * order * moments.pixels) : 1;
+    const double variance = amplitude_variance(m + 1, moments.pixels);
     for (double* a : {&out.cosine[m], &out.sine[m]}) *a *= *a * *a / (*a * *a + variance);
   }
   return out;

@@ -52,8 +52,11 @@ using WeighSpan = std::function<float(const CellSpan& span)>;
 /// terms <= kRippleTerms. No pixels: no ripple.
 [[nodiscard]] PhaseRipple level(const PhaseMoments& moments, std::size_t terms = kRippleTerms);
 
-/// Each term less what noise alone may show in so few pixels: times a^2/(a^2 + s^2), s = 1/(2 m sqrt(2 pixels)) for
-/// phases at random and four steps.
+/// Variance of an amplitude of term m = 1 … kRippleTerms that noise alone shows in so many pixels, for phases at random
+/// and four steps: 1/(2 m sqrt(2 pixels)) squared. 1 without pixels.
+[[nodiscard]] double amplitude_variance(std::size_t m, double pixels) noexcept;
+
+/// Each term less what noise alone may show in so few pixels: times a^2/(a^2 + amplitude_variance).
 [[nodiscard]] PhaseRipple shrink(const PhaseRipple& ripple, const PhaseMoments& moments);
 
 /// Subtracts the error. Phases may leave [-pi, pi) a little.
