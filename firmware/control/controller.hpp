@@ -22,8 +22,8 @@ namespace enamel::fw {
 
 struct ControllerConfig {
   /// Below the 3 s that the protocol promises: what is under way is still finished before the light goes off.
-  Nanoseconds lease{2'750'000'000};
-  Nanoseconds drain_timeout{150'000'000};
+  Nanoseconds lease{2'500'000'000};
+  Nanoseconds drain_timeout{450'000'000};  ///< for the burst under way: 24 ms, and what a busy machine adds
   Nanoseconds measure_timeout{10'000'000'000};
   Nanoseconds warmup_timeout{120'000'000'000};
   Nanoseconds flush_timeout{3'000'000'000};  ///< for the publisher to send what is queued when a source has ended

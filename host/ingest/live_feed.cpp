@@ -1,5 +1,8 @@
 #include "host/ingest/live_feed.hpp"
 
+#include <cstdint>
+#include <numeric>
+
 #include "protocol/base/log.hpp"
 
 namespace enamel::host {
@@ -7,8 +10,15 @@ namespace enamel::host {
 namespace {
 
 constexpr const char* kModule = "ingest";
+constexpr Nanoseconds kLongestClose{1'000'000'000};  ///< more than twice what a probe takes to finish a burst
 
 std::string words(const Error& error) { return error.message(); }
+
+/// The probe has stopped, and every burst that it began was sent or dropped.
+bool at_rest(const proto::Status& status) {
+  const auto dropped = std::accumulate(status.dropped.begin(), status.dropped.end(), std::uint64_t{0});
+  return status.state != proto::ProbeState::kScanning && status.bursts_begun == status.bursts_emitted + dropped;
+}
 
 }  // namespace
 
@@ -92,21 +102,21 @@ Result<void> LiveFeed::take_input() {
   return {};
 }
 
-// The final counters come after the last burst, and both by different topics: drain until they agree or a second
-// passed.
+// The probe finishes the burst under way before it stops, and the final counters come after it by another topic: wait
+// until they say that nothing is on its way any more, and then for what is late.
 void LiveFeed::close_session() {
   if (started_ && !ended_) {
     if (const auto reply = link_.command(proto::Opcode::kScanStop); !reply)
       log::warn(kModule, "{}", reply.error().detail);
   }
-  const HostTime deadline = clock_.now() + std::chrono::seconds(1);
+  const HostTime deadline = clock_.now() + kLongestClose;
   int quiet = 0;
   while (clock_.now() < deadline && quiet < 8) {
     link_.wait_data(config_.poll_period * 2);
     const auto before = link_.last_status() ? link_.last_status()->seq : 0;
     if (!take_input()) break;
     const auto& status = link_.last_status();
-    quiet = (status && status->seq == before) ? quiet + 1 : 0;
+    quiet = (status && status->seq == before && at_rest(*status)) ? quiet + 1 : 0;
   }
   static_cast<void>(link_.command(proto::Opcode::kSessionClose));
   static_cast<void>(take_input());
