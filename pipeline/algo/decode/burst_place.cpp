@@ -1,6 +1,7 @@
 // BurstDecoder's middle step: absolute fringe orders.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "pipeline/algo/decode/burst_gates.hpp"
@@ -49,9 +50,11 @@ void reject_torn(const std::vector<Piece>& pieces, const OrderResult& orders, Ma
   }
 }
 
-void copy_measured(const PhaseMaps& from, PhaseMaps& to) {
-  to.mean_dn = from.mean_dn, to.cosine_dn = from.cosine_dn, to.sine_dn = from.sine_dn;
-  to.code_dn = from.code_dn, to.modulation_dn = from.modulation_dn, to.phase_rad = from.phase_rad;
+/// Of what motion changes; the rest of `a` stays.
+void swap_measured(PhaseMaps& a, PhaseMaps& b) {
+  std::swap(a.mean_dn, b.mean_dn), std::swap(a.cosine_dn, b.cosine_dn), std::swap(a.sine_dn, b.sine_dn);
+  std::swap(a.code_dn, b.code_dn), std::swap(a.modulation_dn, b.modulation_dn);
+  std::swap(a.phase_rad, b.phase_rad);
 }
 
 }  // namespace
@@ -84,11 +87,11 @@ void BurstDecoder::label_less_motion(DecodeWorkspace::Buffers& b, DecodeDiagnost
   place_spans(b.spans, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
   fit_micro_motion(b.spans, b.polarity.turn, *micro_, 0, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
   if (std::abs(b.micro_motion.motion_rad) <= config_.harmless_motion_rad) return;
-  copy_measured(b.phase, b.measured);
-  undo_micro_motion(b.micro_motion, b.phase);
+  undo_micro_motion(b.micro_motion, b.phase, b.moved);
+  swap_measured(b.phase, b.moved);
   b.turned_code = turned_by(*micro_, code_turn_of(b.micro_motion.motion_rad, *micro_));
   label_by_code(b, diag.noise, b.turned_code);
-  copy_measured(b.measured, b.phase);
+  swap_measured(b.phase, b.moved);
 }
 
 /// Absolute orders of all pieces, and whether the code that they rest on is the rig's.

@@ -79,7 +79,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
       diag.rigid =
           fit_rigid_motion(view, b.phase, turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field);
       if (diag.rigid.moved) {
-        spread_motion(b.field, b.micro_motion);
+        b.micro_motion.surface = surface_motion(b.field);
         refit_micro_gain(b.spans, turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase,
                          b.micro_motion);
       }
@@ -89,8 +89,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     diag.code_shift_rad = odd.code_shift_rad, diag.odd_shift_rad = odd.odd_shift_rad, diag.unrest = odd.unrest;
     diag.closure_share = odd.explained_share;
     step("motion");
-    for (const auto* cells : {&b.spans, &b.relative_cells})
-      undo_micro_motion(*cells, turn, *micro_, b.micro_motion, b.phase);
+    undo_micro_motion(b.spans, b.relative_cells, b.micro_motion, b.phase);
     join_code_frame(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase);
     solve_micro_saturated({b.spans, *micro_, b.micro_motion, diag.third_rad, diag.noise, rays_->phase_mid_rad.data()},
                           config_.phase, b.phase, b.polarity.turn, b.filled);
