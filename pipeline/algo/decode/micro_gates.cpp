@@ -77,8 +77,7 @@ MicroOdd find_micro_odd(std::span<const CellSpan> spans, const Map<std::int16_t>
   BlockSums<kMicroOddSums> block_sums(turn.width(), turn.height(), kBlock_px, columns, sums);
   CodeRows rows(motion, maps);
   rows.expect(code, third_rad);
-  each_code_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
-    if (v % kRowStep != 0) return;
+  each_code_row(spans, turn, code, kRowStep, [&](std::int32_t v, const float* cosine, const float* sine) {
     add_micro_odd_row(rows.at(v, cosine, sine), noise, max_residual, block_sums.width(), block_sums.columns_of(v));
   });
   block_sums.finish();

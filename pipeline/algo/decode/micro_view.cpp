@@ -63,8 +63,7 @@ void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
   rows.expect(in_.code, in_.third_rad);
   Gathered gathered;
   std::vector<float> values;
-  each_code_row(in_.spans, in_.turn, in_.code, [&](std::int32_t v, const float* cosine, const float* sine) {
-    if (v % kPixelStep != 0) return;
+  each_code_row(in_.spans, in_.turn, in_.code, kPixelStep, [&](std::int32_t v, const float* cosine, const float* sine) {
     const std::size_t count = gathered.choose(out, width, v);
     if (count == 0) return;
     values.resize(4 * count);

@@ -80,8 +80,7 @@ class Fitter {
                                  out_.work.column_sums, out_.work.sums);
     CodeRows rows(out_, maps_);
     rows.expect(code_, third_rad_);
-    each_code_row(spans_, turn_, code_, [&](std::int32_t v, const float* cosine, const float* sine) {
-      if (v % row_step != 0) return;
+    each_code_row(spans_, turn_, code_, row_step, [&](std::int32_t v, const float* cosine, const float* sine) {
       add_refit_row(rows.at(v, cosine, sine), noise_, config_.max_residual, blocks.width(), blocks.columns_of(v));
     });
     blocks.finish();
@@ -186,7 +185,7 @@ void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& t
   std::vector<float> missed(width);
   CodeRows rows(motion, maps);
   rows.expect(code, third_rad);
-  each_code_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
+  each_code_row(spans, turn, code, 1, [&](std::int32_t v, const float* cosine, const float* sine) {
     PixelReject* reject = &maps.reject(0, v);
     join_code_row(rows.at(v, cosine, sine), noise, config.outlier_sigmas, width,
                   {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data()});

@@ -11,15 +11,19 @@
 
 namespace enamel::algo {
 
-/// Calls visit(v, order_cos, order_sin) for every row of the image that has spans, top down.
+/// Calls visit(v, order_cos, order_sin) for every row of the image that has spans and is a multiple of `step`, top down.
 template <class Visit>
-void each_code_row(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+void each_code_row(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code, int step,
                    const Visit& visit) {
   const auto width = static_cast<std::size_t>(turn.width());
   const int last = static_cast<int>(code.cosine.size()) - 1;
   std::vector<float> cosine(width), sine(width);
   for (std::size_t k = 0; k < spans.size();) {
     const std::int32_t row = spans[k].row;
+    if (row % step != 0) {
+      ++k;
+      continue;
+    }
     std::fill(cosine.begin(), cosine.end(), 0.0F);
     std::fill(sine.begin(), sine.end(), 0.0F);
     for (; k < spans.size() && spans[k].row == row; ++k) {

@@ -17,8 +17,8 @@ struct CodeSteps {
   Map<std::uint8_t> cut;  ///< 1: the code jumps between the pixel and its left neighbour
 
   struct Work {
-    std::vector<CodeSums> sums;
-    std::vector<float> misfit;
+    CodeSumRow sums, windows;
+    std::vector<float> most, misfit;
   } work;
 };
 
