@@ -66,7 +66,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     cells_of(out.relative, b.relative_cells);
     if (config_.correct_ripple) {
       diag.third_rad = estimate_third_harmonic(b.spans, b.phase).a1_rad;
-      for (const auto* cells : {&b.spans, &b.relative_cells}) correct_third_harmonic(*cells, diag.third_rad, b.phase);
+      correct_third_harmonic(b.spans, b.relative_cells, diag.third_rad, b.phase);
     }
     step("harmonic");
     if (!config_.correct_closure) return b.polarity.turn;

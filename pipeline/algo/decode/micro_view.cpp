@@ -20,32 +20,35 @@ class Gathered {
   /// From row v, as motion_samples.hpp places them; returns their number.
   std::size_t choose(const MotionSamples& samples, int width, int v) {
     const int columns = width / kNode_px, node_row = v / kNode_px;
-    columns_.clear();
+    first_.clear();
     auto node = std::lower_bound(samples.node.begin(), samples.node.end(), node_row * columns);
-    for (; node != samples.node.end() && *node / columns == node_row; ++node) {
-      for (int k = 0; k < kNode_px; k += kPixelStep)
-        columns_.push_back(*node % columns * kNode_px + v / kPixelStep % kPixelStep + k);
-    }
-    return columns_.size();
+    for (; node != samples.node.end() && *node / columns == node_row; ++node)
+      first_.push_back(*node % columns * kNode_px + v / kPixelStep % kPixelStep);
+    return kPerNode * first_.size();
   }
 
-  /// Valid until the next call. Modulation is left out.
+  /// Valid until the next call. What is 0 in a steady row is left out, and modulation.
   [[nodiscard]] CodeRow of(CodeRow row) {
-    values_.resize(kSources * columns_.size());
+    values_.resize(kSources * kPerNode * first_.size());
     float* next = values_.data();
     CodePixels& p = row.pixels;
-    p.modulation = nullptr;
-    for (auto* source : {&p.mean, &p.cosine, &p.sine, &p.code, &p.phase, &row.order_cos, &row.order_sin, &row.motion_rad,
-                         &row.gain, &row.light, &row.motion_change_rad, &row.light_change}) {
-      const float* from = std::exchange(*source, next);
-      for (const int column : columns_) *next++ = from[column];
-    }
+    const auto take = [&](const float*& source) {
+      const float* from = std::exchange(source, next);
+      for (const int column : first_) {
+        for (std::size_t k = 0; k < kPerNode; ++k) next[k] = from[static_cast<std::size_t>(column) + k * kPixelStep];
+        next += kPerNode;
+      }
+    };
+    for (auto* source : {&p.mean, &p.cosine, &p.sine, &p.code, &p.phase, &row.order_cos, &row.order_sin,
+                         &row.motion_rad, &row.gain})
+      take(*source);
+    if (!row.steady) take(row.light), take(row.motion_change_rad), take(row.light_change);
     return row;
   }
 
  private:
-  static constexpr std::size_t kSources = 12;
-  std::vector<int> columns_;
+  static constexpr std::size_t kSources = 12, kPerNode = kNode_px / kPixelStep;
+  std::vector<int> first_;  ///< of each node's pixels
   std::vector<float> values_;
 };
 

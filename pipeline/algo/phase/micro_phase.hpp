@@ -31,8 +31,10 @@ struct ThirdHarmonic {
 };
 [[nodiscard]] ThirdHarmonic estimate_third_harmonic(std::span<const CellSpan> spans, const PhaseMaps& maps);
 
-/// Subtracts a1 sin 3phi from phase_rad in the spans. Phases may leave [-pi, pi) a little.
-void correct_third_harmonic(std::span<const CellSpan> spans, float a1_rad, PhaseMaps& maps);
+/// Subtracts a1 sin 3phi from phase_rad in the spans of both lists, which are in the order of rows. Phases may leave
+/// [-pi, pi) a little.
+void correct_third_harmonic(std::span<const CellSpan> spans, std::span<const CellSpan> more, float a1_rad,
+                            PhaseMaps& maps);
 
 /// Phi = phase_rad + 2 pi turn in the spans; pixels outside keep what was there.
 void place_spans(std::span<const CellSpan> spans, int width, int height, Map<std::int16_t>& turn);

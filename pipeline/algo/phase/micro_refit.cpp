@@ -147,19 +147,12 @@ void refit_micro_gain(std::span<const CellSpan> spans, const Map<std::int16_t>& 
 
 void undo_micro_motion(std::span<const CellSpan> spans, std::span<const CellSpan> more, const MicroMotion& motion,
                        PhaseMaps& maps) {
-  const int height = maps.phase_rad.height();
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   CodeRows rows(motion, maps);
-  std::vector<float> inside(width), none(width, 0.0F);
-  for (std::int32_t v = 0; v < height; ++v) {
-    bool some = false;
-    std::fill(inside.begin(), inside.end(), 0.0F);
-    for (auto* list : {&spans, &more}) {
-      for (; !list->empty() && list->front().row == v; *list = list->subspan(1), some = true)
-        std::fill(inside.begin() + list->front().begin, inside.begin() + list->front().end, 1.0F);
-    }
-    if (some) undo_motion_row(rows.at(v, inside.data(), none.data()), width, moved_row(maps, v));
-  }
+  const std::vector<float> none(width, 0.0F);
+  each_inside_row(spans, more, maps.phase_rad.width(), maps.phase_rad.height(), [&](std::int32_t v, const float* inside) {
+    undo_motion_row(rows.at(v, inside, none.data()), width, moved_row(maps, v));
+  });
 }
 
 void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out) {

@@ -35,6 +35,23 @@ void each_code_row(std::span<const CellSpan> spans, const Map<std::int16_t>& tur
   }
 }
 
+/// Calls visit(v, inside) for every row that has spans of either list, top down; inside: 1 in them, else 0. Lists are in
+/// the order of rows.
+template <class Visit>
+void each_inside_row(std::span<const CellSpan> spans, std::span<const CellSpan> more, int width, int height,
+                     const Visit& visit) {
+  std::vector<float> inside(static_cast<std::size_t>(width));
+  for (std::int32_t v = 0; v < height; ++v) {
+    bool some = false;
+    std::fill(inside.begin(), inside.end(), 0.0F);
+    for (auto* list : {&spans, &more}) {
+      for (; !list->empty() && list->front().row == v; *list = list->subspan(1), some = true)
+        std::fill(inside.begin() + list->front().begin, inside.begin() + list->front().end, 1.0F);
+    }
+    if (some) visit(v, inside.data());
+  }
+}
+
 /// Rows of a burst's pixels with the motion, light and gain that they are seen under. One caller's; cheapest in order.
 class CodeRows {
  public:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pipeline/algo/unwrap/byte_runs.hpp"
 #include "pipeline/algo/unwrap/code_sum_rows.hpp"
 
 namespace enamel::algo {
@@ -53,19 +54,21 @@ void find_code_steps(const PhaseMaps& phase, const NoiseModel& noise, const Micr
   const TurnTable table(code);
   auto& work = out.work;
   work.misfit.assign(width, kNoJump);
+  work.asked.assign(width + kRunPadding, 1);  // what follows a row ends every run
   for (std::size_t v = 0; v < static_cast<std::size_t>(h); ++v) {
     const std::size_t at = v * width;
     code_sums_of_row(phase, noise, code, v, work.sums);
     unwrap_sums_row(&flood.turn[at], &flood.component[at], table, work.sums);
-    step_windows_row(work.sums, work.windows, work.most);
+    step_windows_row(work.sums, &flood.component[at], cost, work.windows, work.asked.data());
     bool jumps = false;
-    for (std::size_t u = kStepReach_px; u + kStepReach_px <= width; ++u) {
-      work.misfit[u] = kNoJump;
-      if (work.most[u] < cost || !one_component(flood, at + u - kStepReach_px, 2 * kStepReach_px)) continue;
+    for (std::size_t u = end_of_run(work.asked.data(), 0, 0); u < width; u = end_of_run(work.asked.data(), u + 1, 0)) {
+      if (!one_component(flood, at + u - kStepReach_px, 2 * kStepReach_px)) continue;
       work.misfit[u] = misfit_of_jump(work.windows, u, code, cost);
       jumps = jumps || work.misfit[u] < kNoJump;
     }
-    if (jumps) mark_best(work.misfit, &out.cut[at]);
+    if (!jumps) continue;
+    mark_best(work.misfit, &out.cut[at]);
+    std::fill(work.misfit.begin(), work.misfit.end(), kNoJump);
   }
 }
 

@@ -18,7 +18,8 @@ struct CodeSteps {
 
   struct Work {
     CodeSumRow sums, windows;
-    std::vector<float> most, misfit;
+    std::vector<float> misfit;
+    std::vector<std::uint8_t> asked;
   } work;
 };
 

@@ -1,8 +1,10 @@
 #include "pipeline/algo/unwrap/code_sum_rows.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 
+#include "pipeline/algo/phase/polar_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
 
@@ -68,18 +70,30 @@ void unwrap_loop(const std::int16_t* turns, const std::int32_t* components, cons
   }
 }
 
-void windows_loop(const CodeSumRow& sums, CodeSumRow& windows, float* most) {
+void windows_loop(const CodeSumRow& sums, const std::int32_t* components, float cost, CodeSumRow& windows,
+                  std::uint8_t* flags) {
   const Sums<const float> in(sums);
   const Sums<float> out(windows);
   const std::size_t width = sums.xx.size();
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width - kStepWindow_px + 1; ++u)
     out.put(u, in.at(u) + in.at(u + 1) + in.at(u + 2) + in.at(u + 3));
-  float* gain = most;
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = kStepReach_px; u < width - kStepReach_px + 1; ++u) {
-    const CodeSums left = out.at(u - kStepReach_px), right = out.at(u + kStepGap_px);
-    gain[u] = 0.5F * (explained(left) + explained(right) - explained(left + right));
+  const std::int32_t* __restrict component = components;
+  std::uint8_t* __restrict asked = flags;
+  std::array<std::int32_t, kPolarStretch> wide;  // a loop that mixes widths would not fit the registers
+  for (std::size_t from = 0; from < width; from += kPolarStretch) {
+    const std::size_t begin = std::max(from, kStepReach_px);
+    const std::size_t end = std::min(from + kPolarStretch, width - kStepReach_px + 1);
+    wide.fill(0);
+    ENAMEL_INDEPENDENT
+    for (std::size_t u = begin; u < end; ++u) {
+      const CodeSums left = out.at(u - kStepReach_px), right = out.at(u + kStepGap_px);
+      const float gain = 0.5F * (explained(left) + explained(right) - explained(left + right));
+      const std::int32_t first = component[u - kStepReach_px], last = component[u + kStepReach_px - 1];
+      wide[u - from] = static_cast<std::int32_t>((first >= 0) & (first == last)) & static_cast<std::int32_t>(!(gain < cost));
+    }
+    const std::size_t count = std::min(kPolarStretch, width - from);
+    for (std::size_t j = 0; j < count; ++j) asked[from + j] = static_cast<std::uint8_t>(wide[j]);
   }
 }
 
@@ -119,10 +133,10 @@ void unwrap_sums_row(const std::int16_t* turn, const std::int32_t* component, co
   HWY_DYNAMIC_DISPATCH(unwrap_loop)(turn, component, table, sums);
 }
 
-void step_windows_row(const CodeSumRow& sums, CodeSumRow& windows, std::vector<float>& most) {
+void step_windows_row(const CodeSumRow& sums, const std::int32_t* component, float cost, CodeSumRow& windows,
+                      std::uint8_t* asked) {
   windows.resize(sums.xx.size());
-  most.resize(sums.xx.size());
-  HWY_DYNAMIC_DISPATCH(windows_loop)(sums, windows, most.data());
+  HWY_DYNAMIC_DISPATCH(windows_loop)(sums, component, cost, windows, asked);
 }
 
 }  // namespace enamel::algo

@@ -44,8 +44,10 @@ struct TurnTable {
 /// component stay.
 void unwrap_sums_row(const std::int16_t* turn, const std::int32_t* component, const TurnTable& table, CodeSumRow& sums);
 
-/// Of kStepWindow_px pixels from each pixel on, and how much two independent fits left and right of the border left of
-/// pixel u explain beyond one, halved: no jump can do better. Defined for kStepReach_px <= u <= width - kStepReach_px.
-void step_windows_row(const CodeSumRow& sums, CodeSumRow& windows, std::vector<float>& most);
+/// Sums of kStepWindow_px pixels from each pixel on. asked: 1 at the pixels whose left border may hide a jump; 0 where
+/// the components at the windows' far ends differ, or where even two independent fits, than which no jump can do
+/// better, explain less than `cost` beyond one. It has kRunPadding bytes beyond the row, which stay as they are.
+void step_windows_row(const CodeSumRow& sums, const std::int32_t* component, float cost, CodeSumRow& windows,
+                      std::uint8_t* asked);
 
 }  // namespace enamel::algo

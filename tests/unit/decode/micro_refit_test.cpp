@@ -49,7 +49,7 @@ struct Refit {
     three = maps;
     place();
     const float third = estimate_third_harmonic(spans, maps).a1_rad;
-    correct_third_harmonic(spans, third, maps);
+    correct_third_harmonic(spans, {}, third, maps);
     fit_micro_motion(spans, turn, code, third, noise, {}, maps, motion);
     undo_micro_motion(spans, {}, motion, maps);
     join_code_frame(spans, turn, code, motion, third, noise, {}, maps);
