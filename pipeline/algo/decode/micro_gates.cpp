@@ -69,17 +69,16 @@ class Blocks {
 
 }  // namespace
 
-MicroOdd find_micro_odd(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+MicroOdd find_micro_odd(const Map<std::int16_t>& turn, const MicroCode& code,
                         const MicroMotion& motion, float third_rad, const NoiseModel& noise, float max_residual,
                         const PhaseMaps& maps) {
   std::vector<double> sums;
   std::vector<float> columns;
   BlockSums<kMicroOddSums> block_sums(turn.width(), turn.height(), kBlock_px, columns, sums);
-  CodeRows rows(motion, maps);
+  CodeRows rows(motion, maps, &turn);
   rows.expect(code, third_rad);
-  each_code_row(spans, turn, code, kRowStep, [&](std::int32_t v, const float* cosine, const float* sine) {
-    add_micro_odd_row(rows.at(v, cosine, sine), noise, max_residual, block_sums.width(), block_sums.columns_of(v));
-  });
+  for (int v = 0; v < turn.height(); v += kRowStep)
+    add_micro_odd_row(rows.at(v), noise, max_residual, block_sums.width(), block_sums.columns_of(v));
   block_sums.finish();
   Blocks blocks;
   for (std::size_t at = 0; at < sums.size(); at += kMicroOddSums) blocks.add(&sums[at]);

@@ -39,15 +39,14 @@ class Gathered {
         next += kPerNode;
       }
     };
-    for (auto* source : {&p.mean, &p.cosine, &p.sine, &p.code, &p.phase, &row.order_cos, &row.order_sin,
-                         &row.motion_rad, &row.gain})
+    for (auto* source : {&p.mean, &p.cosine, &p.sine, &p.code, &p.phase, &row.turn, &row.motion_rad, &row.gain})
       take(*source);
     if (!row.steady) take(row.light), take(row.motion_change_rad), take(row.light_change);
     return row;
   }
 
  private:
-  static constexpr std::size_t kSources = 12, kPerNode = kNode_px / kPixelStep;
+  static constexpr std::size_t kSources = 11, kPerNode = kNode_px / kPixelStep;
   std::vector<int> first_;  ///< of each node's pixels
   std::vector<float> values_;
 };
@@ -62,16 +61,17 @@ void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
   const int width = in_.maps.phase_rad.width();
   place_samples(width, in_.maps.phase_rad.height(), out);
   // One gain for all: that of a block takes up half of what light does there.
-  CodeRows rows(motion(known), {&in_.blocks.gain, 1, 1, in_.blocks.block_px}, in_.blocks.black_dn, in_.maps);
+  CodeRows rows(motion(known), {&in_.blocks.gain, 1, 1, in_.blocks.block_px}, in_.blocks.black_dn, in_.maps,
+                &in_.turn);
   rows.expect(in_.code, in_.third_rad);
   Gathered gathered;
   std::vector<float> values;
-  each_code_row(in_.spans, in_.turn, in_.code, kPixelStep, [&](std::int32_t v, const float* cosine, const float* sine) {
+  for (int v = 0; v < in_.maps.phase_rad.height(); v += kPixelStep) {
     const std::size_t count = gathered.choose(out, width, v);
-    if (count == 0) return;
+    if (count == 0) continue;
     values.resize(4 * count);
     float* r = values.data();
-    const CodeRow row = rows.at(v, cosine, sine);
+    const CodeRow row = rows.at(v);
     code_residual_row(gathered.of(row), count, {r, r + count, r + 2 * count, r + 3 * count});
     take_sample_row(in_.maps, v,
                     {.residual = r,
@@ -82,7 +82,7 @@ void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
                      .known_light = row.light,
                      .gathered = true},
                     in_.max_residual, out);
-  });
+  }
 }
 
 void MicroView::make_images(const MotionField* known, MotionImages& out) {
@@ -92,9 +92,9 @@ void MicroView::make_images(const MotionField* known, MotionImages& out) {
   out.light.resize(width, height);
   out.phase.resize(columns);
   out.row.resize(columns);
-  CodeRows rows(motion(known), {}, in_.blocks.black_dn, in_.maps);
+  CodeRows rows(motion(known), {}, in_.blocks.black_dn, in_.maps, nullptr);
   for (int v = 0; v < height; v += 2) {
-    sparse_mid_burst_row(rows.at(v, nullptr, nullptr), columns, out.phase.data(), out.row.data());
+    sparse_mid_burst_row(rows.at(v), columns, out.phase.data(), out.row.data());
     out.light.set_row(v / 2, out.row.data());
     sparse_inverse_depth_row(in_.maps, in_.turn, in_.rays, in_.maps.phase_rad.index(0, v), out.phase.data(),
                              out.row.data());

@@ -2,8 +2,6 @@
 // Private to algo/decode.
 #pragma once
 
-#include <span>
-
 #include "pipeline/algo/decode/motion_view.hpp"
 #include "pipeline/algo/phase/micro_refit.hpp"
 #include "pipeline/algo/triangulate/ray_depth.hpp"
@@ -11,7 +9,6 @@
 namespace enamel::algo {
 
 struct MicroViewInput {
-  std::span<const CellSpan> spans;
   const Map<std::int16_t>& turn;
   const MicroCode& code;
   float third_rad;

@@ -38,20 +38,24 @@ ThirdHarmonic estimate_third_harmonic(std::span<const CellSpan> spans, const Pha
   return out;
 }
 
-void correct_third_harmonic(std::span<const CellSpan> spans, std::span<const CellSpan> more, float a1_rad,
-                            PhaseMaps& maps) {
-  if (a1_rad == 0) return;
-  const int w = maps.phase_rad.width();
-  each_inside_row(spans, more, w, maps.phase_rad.height(), [&](std::int32_t v, const float* inside) {
-    correct_third_row(inside, a1_rad, maps.phase_rad.index(0, v), static_cast<std::size_t>(w), maps);
-  });
+void place_spans(std::span<const CellSpan> spans, std::span<const CellSpan> unplaced, int width, int height,
+                 Map<std::int16_t>& turn) {
+  if (turn.width() != width || turn.height() != height) turn = Map<std::int16_t>(width, height);
+  std::fill(turn.pixels().begin(), turn.pixels().end(), kNoTurn);
+  const auto fill = [&turn](const CellSpan& s, std::int16_t value) {
+    const auto first = turn.pixels().begin() + static_cast<std::ptrdiff_t>(turn.index(s.begin, s.row));
+    std::fill(first, first + (s.end - s.begin), value);
+  };
+  for (const CellSpan& s : unplaced) fill(s, kUnplacedTurn);
+  for (const CellSpan& s : spans) fill(s, static_cast<std::int16_t>(turn_of_cell(s.cell)));
 }
 
-void place_spans(std::span<const CellSpan> spans, int width, int height, Map<std::int16_t>& turn) {
-  if (turn.width() != width || turn.height() != height) turn = Map<std::int16_t>(width, height);
-  for (const CellSpan& s : spans) {
-    const auto first = turn.pixels().begin() + static_cast<std::ptrdiff_t>(turn.index(s.begin, s.row));
-    std::fill(first, first + (s.end - s.begin), static_cast<std::int16_t>(turn_of_cell(s.cell)));
+void correct_third_harmonic(const Map<std::int16_t>& turn, float a1_rad, PhaseMaps& maps) {
+  if (a1_rad == 0) return;
+  std::vector<float> turns(static_cast<std::size_t>(turn.width()));
+  for (int v = 0; v < turn.height(); ++v) {
+    take_turns(&turn(0, v), turns);
+    correct_third_row(turns.data(), a1_rad, turn.index(0, v), turns.size(), maps);
   }
 }
 

@@ -10,7 +10,7 @@ namespace enamel::algo {
 /// Sum of cos 3phi over the row's pixels whose `counted` is not 0.
 [[nodiscard]] double third_harmonic_row(const PhaseMaps& maps, const float* counted, std::size_t at, std::size_t width);
 
-/// Subtracts a1 sin 3phi where `inside` is 1; it is 0 elsewhere.
-void correct_third_row(const float* inside, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& maps);
+/// Subtracts a1 sin 3phi where there is a surface (CodeRow::turn).
+void correct_third_row(const float* turn, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& maps);
 
 }  // namespace enamel::algo

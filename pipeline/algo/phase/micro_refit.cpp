@@ -22,10 +22,9 @@ Step solve(const double* s, double gain_precision, double motion_precision) {
 
 class Fitter {
  public:
-  Fitter(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code, float third_rad,
-         const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out)
-      : spans_(spans),
-        turn_(turn),
+  Fitter(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+         const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out)
+      : turn_(turn),
         code_(code),
         third_rad_(third_rad),
         noise_(noise),
@@ -78,11 +77,10 @@ class Fitter {
   void sum(int row_step) {
     BlockSums<kRefitSums> blocks(maps_.phase_rad.width(), maps_.phase_rad.height(), config_.block_px,
                                  out_.work.column_sums, out_.work.sums);
-    CodeRows rows(out_, maps_);
+    CodeRows rows(out_, maps_, &turn_);
     rows.expect(code_, third_rad_);
-    each_code_row(spans_, turn_, code_, row_step, [&](std::int32_t v, const float* cosine, const float* sine) {
-      add_refit_row(rows.at(v, cosine, sine), noise_, config_.max_residual, blocks.width(), blocks.columns_of(v));
-    });
+    for (int v = 0; v < maps_.phase_rad.height(); v += row_step)
+      add_refit_row(rows.at(v), noise_, config_.max_residual, blocks.width(), blocks.columns_of(v));
     blocks.finish();
   }
 
@@ -114,7 +112,6 @@ class Fitter {
     return std::clamp(motion_rad, -config_.largest_motion_rad, config_.largest_motion_rad);
   }
 
-  std::span<const CellSpan> spans_;
   const Map<std::int16_t>& turn_;
   const MicroCode& code_;
   float third_rad_;
@@ -133,58 +130,53 @@ MovedRow moved_row(PhaseMaps& m, int v) {
 
 }  // namespace
 
-void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code,
                       float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
                       MicroMotion& out) {
-  Fitter(spans, turn, code, third_rad, noise, config, maps, out).run();
+  Fitter(turn, code, third_rad, noise, config, maps, out).run();
 }
 
-void refit_micro_gain(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code,
                       float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
                       MicroMotion& motion) {
-  Fitter(spans, turn, code, third_rad, noise, config, maps, motion).refit_gain();
+  Fitter(turn, code, third_rad, noise, config, maps, motion).refit_gain();
 }
 
-void undo_micro_motion(std::span<const CellSpan> spans, std::span<const CellSpan> more, const MicroMotion& motion,
-                       PhaseMaps& maps) {
-  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  CodeRows rows(motion, maps);
-  const std::vector<float> none(width, 0.0F);
-  each_inside_row(spans, more, maps.phase_rad.width(), maps.phase_rad.height(), [&](std::int32_t v, const float* inside) {
-    undo_motion_row(rows.at(v, inside, none.data()), width, moved_row(maps, v));
-  });
+void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion, PhaseMaps& maps) {
+  CodeRows rows(motion, maps, &turn);
+  for (int v = 0; v < turn.height(); ++v)
+    undo_motion_row(rows.at(v), static_cast<std::size_t>(turn.width()), moved_row(maps, v));
 }
 
 void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out) {
   const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
   for (auto* map : {&out.mean_dn, &out.cosine_dn, &out.sine_dn, &out.code_dn, &out.modulation_dn, &out.phase_rad})
     if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
-  const auto width = static_cast<std::size_t>(w);
-  CodeRows rows(motion, maps);
-  const std::vector<float> inside(width, 1.0F), none(width, 0.0F);
-  for (int v = 0; v < h; ++v)
-    undo_motion_row(rows.at(v, inside.data(), none.data()), width, moved_row(out, v));
+  CodeRows rows(motion, maps, nullptr);
+  for (int v = 0; v < h; ++v) undo_motion_row(rows.at(v), static_cast<std::size_t>(w), moved_row(out, v));
 }
 
 float code_turn_of(float motion_rad, const MicroCode& code) noexcept {
   return (1 + code.inverse_ratio) * kCodeTime * motion_rad;
 }
 
-void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+void join_code_frame(const Map<std::int16_t>& turn, const MicroCode& code,
                      const MicroMotion& motion, float third_rad, const NoiseModel& noise,
                      const MicroRefitConfig& config, PhaseMaps& maps) {
   const auto width = static_cast<std::size_t>(turn.width());
   const float torn = config.torn_sigmas * config.torn_sigmas;
   std::vector<float> missed(width);
-  CodeRows rows(motion, maps);
+  CodeRows rows(motion, maps, &turn);
   rows.expect(code, third_rad);
-  each_code_row(spans, turn, code, 1, [&](std::int32_t v, const float* cosine, const float* sine) {
+  for (int v = 0; v < turn.height(); ++v) {
     PixelReject* reject = &maps.reject(0, v);
-    join_code_row(rows.at(v, cosine, sine), noise, config.outlier_sigmas, width,
+    join_code_row(rows.at(v), noise, config.outlier_sigmas, width,
                   {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data()});
-    for (std::size_t u = 0; u < width; ++u)
-      if (missed[u] > torn && reject[u] == PixelReject::kNone) reject[u] = PixelReject::kEdge;
-  });
+    for (std::size_t u = 0; u < width; ++u) {
+      const bool edge = (missed[u] > torn) & (reject[u] == PixelReject::kNone);
+      reject[u] = edge ? PixelReject::kEdge : reject[u];
+    }
+  }
 }
 
 }  // namespace enamel::algo

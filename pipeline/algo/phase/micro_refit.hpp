@@ -12,10 +12,9 @@
 // phi with slope -g r B sin r Phi, which brings sigma from 0.816 to 0.726 sigma_n/B on average (algorithms.md §1).
 #pragma once
 
-#include <span>
+#include <cstdint>
 #include <vector>
 
-#include "pipeline/algo/phase/cell_span.hpp"
 #include "pipeline/algo/phase/grid_rows.hpp"
 #include "pipeline/algo/phase/micro_code.hpp"
 #include "pipeline/algo/phase/phase.hpp"
@@ -71,29 +70,28 @@ struct MicroMotion {
 /// The angle by which a motion of the phase turns the code frame, which was taken before mid-burst.
 [[nodiscard]] float code_turn_of(float motion_rad, const MicroCode& code) noexcept;
 
-/// maps: of compute_micro_phase and correct_third_harmonic, whose a1 is third_rad. turn: place_spans of the same spans.
-/// Without spans: no motion, g = 1.
-void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+/// maps: of compute_micro_phase and correct_third_harmonic, whose a1 is third_rad. turn: of place_spans. Without
+/// placed pixels: no motion, g = 1.
+void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code,
                       float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
                       MicroMotion& out);
 
 /// The gain of the blocks anew, under the motion and light of the surface: light changes what the code frame
 /// shows of the modulation as a gain would. maps: as for the fit.
-void refit_micro_gain(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code,
                       float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
                       MicroMotion& motion);
 
-/// Rewrites mean, cosine, sine, modulation, code and phase of the pixels of both lists of spans as they were at
-/// mid-burst. Lists are in the order of rows. Phases may leave [-pi, pi) a little; their turns stay.
-void undo_micro_motion(std::span<const CellSpan> spans, std::span<const CellSpan> more, const MicroMotion& motion,
-                       PhaseMaps& maps);
+/// Rewrites mean, cosine, sine, modulation, code and phase of all surfaces' pixels, placed or not, as they were at
+/// mid-burst. Phases may leave [-pi, pi) a little; their turns stay.
+void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion, PhaseMaps& maps);
 
 /// The same at all pixels, whether or not their order is known, into `out`, whose other maps stay as they are.
 void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out);
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
 /// outlier, keep their three-frame solution; those whose code is torn_sigmas off are rejected as edges.
-void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+void join_code_frame(const Map<std::int16_t>& turn, const MicroCode& code,
                      const MicroMotion& motion, float third_rad, const NoiseModel& noise,
                      const MicroRefitConfig& config, PhaseMaps& maps);
 

@@ -72,7 +72,12 @@ template <bool kSteady>
   return atan2_poly(to.sine * from.cosine - to.cosine * from.sine, to.cosine * from.cosine + to.sine * from.sine);
 }
 
-/// The code frame's model about a phase within its turn: cos and sin of r Phi + moved, with the second harmonic B2/B of
+/// What is the same for all pixels of a row.
+struct CodeWave {
+  float inverse_ratio, harmonic;
+};
+
+/// The code frame's model about a phase and its turn: cos and sin of r Phi + moved, with the second harmonic B2/B of
 /// the projector, which also beats with three steps.
 struct CodeModel {
   Turn angle;
@@ -80,18 +85,20 @@ struct CodeModel {
   float modulation;  ///< B of the fundamental over that of the three-frame solution
 };
 
-[[gnu::always_inline]] inline CodeModel code_model(Turn order, float inverse_ratio, float phase_rad, float moved_rad,
-                                                   float harmonic) {
+/// x less its nearest whole number, |x| < 2^22.
+[[gnu::always_inline]] inline float fraction(float x) {
+  constexpr float kWhole = 12582912;  // 1.5 * 2^23: the sum has no digits behind the point
+  return x - ((x + kWhole) - kWhole);
+}
+
+[[gnu::always_inline]] inline CodeModel code_model(float turn, float phase_rad, float moved_rad, CodeWave wave) {
+  const float harmonic = wave.harmonic;
   const Turn once = turn_of(phase_rad);
-  const Turn a = once + turn_of(phase_rad * inverse_ratio + moved_rad) + order;
+  const float beyond = phase_rad * wave.inverse_ratio + moved_rad;  // within half a turn and a little
+  const Turn a = once + turn_of(wrap_once(beyond + kTwoPiF * fraction(turn * wave.inverse_ratio)));
   const float cos3 = once.cos * (4 * once.cos * once.cos - 3);
   return {a, a.cos + harmonic * (2 * a.cos * a.cos - 1), 1 - harmonic * cos3};
 }
-
-/// What is the same for all pixels of a row.
-struct CodeWave {
-  float inverse_ratio, harmonic;
-};
 
 /// What the code frame shows beyond the prediction of the other three, about the motion and gain assumed, and its slope
 /// over each of them. In DN; light: of dA/A; alone: of a phase that the code frame has for itself; skew: see kSkew.
@@ -101,14 +108,14 @@ struct Residual {
 
 /// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order.
 template <bool kSteady>
-[[gnu::always_inline]] inline Residual code_residual(const Pixel& raw, float code, float phase_rad, Turn order,
+[[gnu::always_inline]] inline Residual code_residual(const Pixel& raw, float code, float phase_rad, float turn,
                                                      const PixelChange& d, float gain, CodeWave wave) {
   const Lights lights = lights_of<kSteady>(d);
   const Pixel p = at_mid_burst(raw, lights, turns_of<kSteady>(d));
   const float b3 = root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), in_b = 1 / b3;
   const float c = p.cosine * in_b, s = p.sine * in_b, r = 1 + wave.inverse_ratio;
   const float turned = kSteady ? kCodeTime * d.rate : d.turned(kCodeTime);
-  const CodeModel k = code_model(order, wave.inverse_ratio, phase_rad + ahead(raw, p), r * turned, wave.harmonic);
+  const CodeModel k = code_model(turn, phase_rad + ahead(raw, p), r * turned, wave);
   const float b = b3 * k.modulation, by_swelling = -gain * k.angle.cos, by_turning = gain * r * k.angle.sin;
   // What frames that differ by f0, f2, f3 take from A, B cos and B sin, and that from the prediction.
   const auto slope = [&](float f0, float f2, float f3) {
@@ -133,7 +140,7 @@ template <bool kSteady>
 struct Row {
   const float *mean, *cosine, *sine, *code, *modulation, *phase;
   const float *rate, *gain, *light, *rate_change, *light_change;
-  const float *order_cos, *order_sin;
+  const float* turn;
   float black_dn;
   CodeWave wave;
 
@@ -149,8 +156,7 @@ struct Row {
         light(r.light),
         rate_change(r.motion_change_rad),
         light_change(r.light_change),
-        order_cos(r.order_cos),
-        order_sin(r.order_sin),
+        turn(r.turn),
         black_dn(r.black_dn),
         wave{r.inverse_ratio, r.harmonic} {}
 
@@ -160,12 +166,10 @@ struct Row {
     if constexpr (kSteady) return {rate[u], 0, 0, 0};
     return {rate[u], rate_change[u], light[u], light_change[u]};
   }
-  [[nodiscard, gnu::always_inline]] bool inside(std::size_t u) const {
-    return order_cos[u] * order_cos[u] + order_sin[u] * order_sin[u] > 0.5F;
-  }
+  [[nodiscard, gnu::always_inline]] bool placed(std::size_t u) const { return turn[u] > kUnplaced; }
   template <bool kSteady>
   [[nodiscard, gnu::always_inline]] Residual residual(std::size_t u) const {
-    return code_residual<kSteady>(raw(u), code[u], phase[u], {order_cos[u], order_sin[u]}, change<kSteady>(u), gain[u],
+    return code_residual<kSteady>(raw(u), code[u], phase[u], turn[u], change<kSteady>(u), gain[u],
                                   wave);
   }
 };
@@ -179,7 +183,7 @@ void add_pixels(const Row& in, const NoiseModel& model, float limit, std::size_t
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Residual k = row.residual<kSteady>(u);
-    const bool used = (std::abs(k.rest) < limit * k.modulation) & row.inside(u);  // false for NaN
+    const bool used = (std::abs(k.rest) < limit * k.modulation) & row.placed(u);  // false for NaN
     const float w = select(used, 1 / (kResidualVariance * noise.variance(row.mean[u])), 0);
     const float r = select(used, k.rest, 0), of_gain = w * k.by_gain, of_motion = w * k.by_motion;
     s0[u] += of_gain * k.by_gain;
@@ -202,7 +206,7 @@ void residuals(const Row& in, std::size_t count, const ResidualRow& out) {
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < count; ++u) {
     const Residual k = row.residual<kSteady>(u);
-    rest[u] = select(row.inside(u), k.rest, std::numeric_limits<float>::quiet_NaN());
+    rest[u] = select(row.placed(u), k.rest, std::numeric_limits<float>::quiet_NaN());
     motion[u] = -k.by_motion;
     light[u] = -k.by_light;
     growth[u] = -k.by_gain;
@@ -232,7 +236,7 @@ void odd_columns(const CodeRow& in, const NoiseModel& model, float limit, std::s
   for (std::size_t j = 0; j < count; ++j) {
     const std::size_t u = from + j;
     const Residual k = row.residual<kSteady>(u);
-    const bool known = (k.rest == k.rest) & row.inside(u);
+    const bool known = (k.rest == k.rest) & row.placed(u);
     const bool counts = (std::abs(k.rest) < limit * k.modulation) & known;
     alone[j] = k.by_alone, skew[j] = k.by_skew, motion[j] = k.by_motion, light[j] = k.by_light, gain[j] = k.by_gain;
     rest[j] = select(counts, -k.rest, 0);
@@ -295,7 +299,7 @@ void undo(const Row& in, std::size_t width, const MovedRow& out) {
   float *code = out.code, *modulation = out.modulation, *phase = out.phase;
   ENAMEL_INDEPENDENT  // what is written may be the row's own
       for (std::size_t u = 0; u < width; ++u) {
-    const bool inside = row.inside(u);
+    const bool inside = row.turn[u] > kNoSurface;
     const PixelChange d = row.change<kSteady>(u);
     const Lights lights = lights_of<kSteady>(d);
     const Pixel raw = row.raw(u), p = at_mid_burst(raw, lights, turns_of<kSteady>(d));
@@ -321,8 +325,7 @@ void join_loop(const CodeRow& in, const NoiseModel& model, float outlier_sigmas,
   ENAMEL_INDEPENDENT  // `phase` may be the row's own
       for (std::size_t u = 0; u < width; ++u) {
     const float turned = row.change<false>(u).turned(kCodeTime), was = row.phase[u], gain = row.gain[u];
-    const CodeModel k = code_model({row.order_cos[u], row.order_sin[u]}, row.wave.inverse_ratio, was, r * turned,
-                                   row.wave.harmonic);
+    const CodeModel k = code_model(row.turn[u], was, r * turned, row.wave);
     const float gb = gain * row.modulation[u] * k.modulation, off = row.code[u] - gb * k.light;
     const float slope = -gb * r * k.angle.sin;
     // The code frame's own noise, and that of A and B in what it is compared with.
@@ -331,8 +334,8 @@ void join_loop(const CodeRow& in, const NoiseModel& model, float outlier_sigmas,
                       noise.variance(row.mean[u]) * kThird * (1 + 2 * fitted * fitted);
     const float variance = sigma[u] * sigma[u], inverse = 1 / (own + slope * slope * variance);
     const float squares = off * off * inverse;
-    const bool inside = row.inside(u), joins = (squares < gate) & inside;  // false for NaN
-    missed[u] = select(inside, squares, 0);
+    const bool placed = row.placed(u), joins = (squares < gate) & placed;  // false for NaN
+    missed[u] = select(placed, squares, 0);
     const float share = select(joins, variance * slope * inverse, 0);
     phase[u] = was + share * select(joins, off, 0);
     sigma[u] = root(variance * (1 - share * slope));

@@ -7,6 +7,9 @@
 
 namespace enamel::algo {
 
+/// In place of a turn.
+inline constexpr float kUnplaced = -1000, kNoSurface = -2000;
+
 inline constexpr float kCodeTime = -0.5F;  ///< of slot 1, frame intervals after mid-burst
 
 /// Pixels side by side, as compute_micro_phase measured them.
@@ -24,8 +27,7 @@ struct CodePixels {
 /// What a row of pixels is seen under.
 struct CodeRow {
   CodePixels pixels;
-  const float* order_cos = nullptr;  ///< of the angle by which the pixel's order turns the code; both 0 outside spans
-  const float* order_sin = nullptr;
+  const float* turn = nullptr;  ///< Phi = phase + 2 pi turn; kUnplaced where the order is unknown, else kNoSurface
   const float* motion_rad = nullptr;
   const float* gain = nullptr;
   const float* light = nullptr;              ///< dA/A per frame interval
@@ -43,7 +45,7 @@ inline constexpr std::size_t kRefitSums = 5;  ///< gg, gm, mm, gR, mR with the s
 void add_refit_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width, float* sums);
 
 /// R of a row's pixels, and by how much it falls per unit of motion, of light and of gain. R is NaN without code and
-/// outside spans.
+/// without an order.
 struct ResidualRow {
   float *residual, *by_motion, *by_light, *by_gain;
 };
@@ -62,7 +64,7 @@ void add_micro_odd_row(const CodeRow& row, const NoiseModel& noise, float max_re
 /// code and orders are not read.
 void sparse_mid_burst_row(const CodeRow& row, std::size_t count, float* phase_rad, float* light_dn);
 
-/// A row's pixels as they were at mid-burst; those outside spans as they are. May be the row's own.
+/// A row's pixels as they were at mid-burst; those of no surface as they are. May be the row's own.
 struct MovedRow {
   float *mean, *cosine, *sine, *code, *modulation, *phase;
 };
@@ -70,7 +72,7 @@ void undo_motion_row(const CodeRow& row, std::size_t width, const MovedRow& out)
 
 struct JoinedRow {
   float *phase, *sigma;  ///< may be the row's own
-  float* missed;         ///< by how many sigmas the code is off its prediction, squared; 0 outside spans, NaN without
+  float* missed;         ///< by how many sigmas the code is off its prediction, squared; 0 without order, NaN without code
 };
 void join_code_row(const CodeRow& row, const NoiseModel& noise, float outlier_sigmas, std::size_t width,
                    const JoinedRow& out);

@@ -4,6 +4,7 @@
 #include "pipeline/algo/phase/frame_rows.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
 #include "pipeline/algo/phase/micro_phase_rows.hpp"
+#include "pipeline/algo/phase/micro_refit_rows.hpp"
 #include "pipeline/algo/phase/polar_rows.hpp"
 #include "pipeline/types/simd.hpp"
 
@@ -52,13 +53,13 @@ double third_sum(const PhaseMaps& m, const float* weight, std::size_t at, std::s
   return static_cast<double>(sums.of_pixel[0]);
 }
 
-void correct_loop(const float* mask, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& m) {
-  const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at], * __restrict inside = mask;
+void correct_loop(const float* turns, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& m) {
+  const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at], * __restrict turn = turns;
   float* __restrict phase = &m.phase_rad[at];
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const float c = cosine[u], s = sine[u], b2 = c * c + s * s + 1e-6F;
-    phase[u] -= select(inside[u] != 0, a1_rad * (s * (3 * c * c - s * s) / (b2 * root(b2))), 0);
+    phase[u] -= select(turn[u] > kNoSurface, a1_rad * (s * (3 * c * c - s * s) / (b2 * root(b2))), 0);
   }
 }
 
@@ -76,8 +77,8 @@ double third_harmonic_row(const PhaseMaps& maps, const float* weight, std::size_
   return HWY_DYNAMIC_DISPATCH(third_sum)(maps, weight, at, width);
 }
 
-void correct_third_row(const float* inside, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& maps) {
-  HWY_DYNAMIC_DISPATCH(correct_loop)(inside, a1_rad, at, width, maps);
+void correct_third_row(const float* turn, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& maps) {
+  HWY_DYNAMIC_DISPATCH(correct_loop)(turn, a1_rad, at, width, maps);
 }
 
 void compute_micro_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {

@@ -125,7 +125,7 @@ class Solver {
  public:
   Solver(const MicroSaturatedInput& in, const PhaseConfig& config, PhaseMaps& maps, Map<std::int16_t>& turn,
          std::vector<std::size_t>& solved)
-      : in_(in), config_(config), maps_(maps), turn_(turn), solved_(solved), rows_(in.motion, maps) {}
+      : in_(in), config_(config), maps_(maps), turn_(turn), solved_(solved), rows_(in.motion, maps, nullptr) {}
 
   /// The saturated run between pixels `last` and `next` of the image, both decided, of one row.
   void solve_run(std::size_t last, std::size_t next) {
@@ -150,7 +150,7 @@ class Solver {
   [[nodiscard]] Seen seen_at(std::size_t i) {
     const auto width = static_cast<std::size_t>(maps_.phase_rad.width());
     const auto v = static_cast<int>(i / width);
-    if (v != row_) row_ = v, seen_ = rows_.at(v, nullptr, nullptr);
+    if (v != row_) row_ = v, seen_ = rows_.at(v);
     const std::size_t u = i % width;
     return {seen_.motion_rad[u], seen_.gain[u], seen_.light[u]};
   }

@@ -1,62 +1,31 @@
-// Rows of a mode M burst with the angles by which their orders turn the code. Private to algo/phase and algo/decode.
+// Rows of a mode M burst with their orders and motion, and sums over blocks of them. Private to algo/phase and algo/decode.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
-#include <span>
 #include <vector>
 
+#include "pipeline/algo/phase/micro_phase.hpp"
 #include "pipeline/algo/phase/micro_refit.hpp"
 #include "pipeline/algo/phase/micro_refit_rows.hpp"
 
 namespace enamel::algo {
 
-/// Calls visit(v, order_cos, order_sin) for every row of the image that has spans and is a multiple of `step`, top down.
-template <class Visit>
-void each_code_row(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code, int step,
-                   const Visit& visit) {
-  const auto width = static_cast<std::size_t>(turn.width());
-  const int last = static_cast<int>(code.cosine.size()) - 1;
-  std::vector<float> cosine(width), sine(width);
-  for (std::size_t k = 0; k < spans.size();) {
-    const std::int32_t row = spans[k].row;
-    if (row % step != 0) {
-      ++k;
-      continue;
-    }
-    std::fill(cosine.begin(), cosine.end(), 0.0F);
-    std::fill(sine.begin(), sine.end(), 0.0F);
-    for (; k < spans.size() && spans[k].row == row; ++k) {
-      const auto order = static_cast<std::size_t>(std::clamp<int>(turn(spans[k].begin, row), 0, last));
-      std::fill(cosine.begin() + spans[k].begin, cosine.begin() + spans[k].end, code.cosine[order]);
-      std::fill(sine.begin() + spans[k].begin, sine.begin() + spans[k].end, code.sine[order]);
-    }
-    visit(row, cosine.data(), sine.data());
-  }
-}
-
-/// Calls visit(v, inside) for every row that has spans of either list, top down; inside: 1 in them, else 0. Lists are in
-/// the order of rows.
-template <class Visit>
-void each_inside_row(std::span<const CellSpan> spans, std::span<const CellSpan> more, int width, int height,
-                     const Visit& visit) {
-  std::vector<float> inside(static_cast<std::size_t>(width));
-  for (std::int32_t v = 0; v < height; ++v) {
-    bool some = false;
-    std::fill(inside.begin(), inside.end(), 0.0F);
-    for (auto* list : {&spans, &more}) {
-      for (; !list->empty() && list->front().row == v; *list = list->subspan(1), some = true)
-        std::fill(inside.begin() + list->front().begin, inside.begin() + list->front().end, 1.0F);
-    }
-    if (some) visit(v, inside.data());
-  }
+/// Of a row of place_spans, as CodeRow has them.
+inline void take_turns(const std::int16_t* turns, std::vector<float>& out) {
+  static_assert(kUnplaced == kUnplacedTurn && kNoSurface == kNoTurn);
+  for (std::size_t u = 0; u < out.size(); ++u) out[u] = static_cast<float>(turns[u]);
 }
 
 /// Rows of a burst's pixels with the motion, light and gain that they are seen under. One caller's; cheapest in order.
 class CodeRows {
  public:
-  CodeRows(const SurfaceMotion& motion, const Grid& gain, float black_dn, const PhaseMaps& maps)
+  /// turn: place_spans; null: all pixels are of a surface whose order does not matter.
+  CodeRows(const SurfaceMotion& motion, const Grid& gain, float black_dn, const PhaseMaps& maps,
+           const Map<std::int16_t>* turn)
       : maps_(maps),
+        turn_(turn),
+        row_turn_(static_cast<std::size_t>(maps.phase_rad.width()), kUnplaced),
         rate_(motion.rate_rad, maps.phase_rad.width()),
         gain_(gain, maps.phase_rad.width()),
         light_(motion.light, maps.phase_rad.width()),
@@ -65,8 +34,8 @@ class CodeRows {
         black_dn_(black_dn),
         steady_(motion.light.nodes == nullptr && motion.rate_change_rad.nodes == nullptr &&
                 motion.light_change.nodes == nullptr) {}
-  CodeRows(const MicroMotion& motion, const PhaseMaps& maps)
-      : CodeRows(motion.everywhere(), motion.gain_grid(), motion.black_dn, maps) {}
+  CodeRows(const MicroMotion& motion, const PhaseMaps& maps, const Map<std::int16_t>* turn)
+      : CodeRows(motion.everywhere(), motion.gain_grid(), motion.black_dn, maps, turn) {}
 
   /// The code frame's wave, for what compares with it; third_rad: a1 of micro_phase.hpp.
   void expect(const MicroCode& code, float third_rad) noexcept {
@@ -74,10 +43,10 @@ class CodeRows {
   }
 
   /// Valid until the next call.
-  [[nodiscard]] CodeRow at(int v, const float* order_cos, const float* order_sin) {
+  [[nodiscard]] CodeRow at(int v) {
+    if (turn_ != nullptr) take_turns(&(*turn_)(0, v), row_turn_);
     return {code_pixels(maps_, maps_.phase_rad.index(0, v)),
-            order_cos,
-            order_sin,
+            row_turn_.data(),
             rate_.row(v),
             gain_.row(v),
             light_.row(v),
@@ -91,6 +60,8 @@ class CodeRows {
 
  private:
   const PhaseMaps& maps_;
+  const Map<std::int16_t>* turn_;
+  std::vector<float> row_turn_;
   GridRows rate_, gain_, light_, rate_change_, light_change_;
   float inverse_ratio_ = 0, harmonic_ = 0, black_dn_;
   bool steady_;
