@@ -85,7 +85,10 @@ float BurstDecoder::label_by_code(DecodeWorkspace::Buffers& b, const NoiseModel&
 void BurstDecoder::label_less_motion(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag) const {
   make_spans(b.pieces.pieces, b.orders, b.spans);
   place_spans(b.spans, {}, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
-  fit_micro_motion(b.polarity.turn, *micro_, 0, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
+  MicroRefitConfig coarse = config_.micro_refit;
+  coarse.row_step *=
+      2;  // half the rows tell what turns the code by degrees; the phase is corrected by a fit of its own
+  fit_micro_motion(b.polarity.turn, *micro_, 0, diag.noise, coarse, b.phase, b.micro_motion);
   if (std::abs(b.micro_motion.motion_rad) <= config_.harmless_motion_rad) return;
   undo_micro_motion(b.micro_motion, b.phase, b.moved);
   swap_measured(b.phase, b.moved);

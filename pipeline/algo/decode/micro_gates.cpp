@@ -69,9 +69,8 @@ class Blocks {
 
 }  // namespace
 
-MicroOdd find_micro_odd(const Map<std::int16_t>& turn, const MicroCode& code,
-                        const MicroMotion& motion, float third_rad, const NoiseModel& noise, float max_residual,
-                        const PhaseMaps& maps) {
+MicroOdd find_micro_odd(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion,
+                        float third_rad, const NoiseModel& noise, float max_residual, const PhaseMaps& maps) {
   std::vector<double> sums;
   std::vector<float> columns;
   BlockSums<kMicroOddSums> block_sums(turn.width(), turn.height(), kBlock_px, columns, sums);

@@ -61,8 +61,7 @@ void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
   const int width = in_.maps.phase_rad.width();
   place_samples(width, in_.maps.phase_rad.height(), out);
   // One gain for all: that of a block takes up half of what light does there.
-  CodeRows rows(motion(known), {&in_.blocks.gain, 1, 1, in_.blocks.block_px}, in_.blocks.black_dn, in_.maps,
-                &in_.turn);
+  CodeRows rows(motion(known), {&in_.blocks.gain, 1, 1, in_.blocks.block_px}, in_.blocks.black_dn, in_.maps, &in_.turn);
   rows.expect(in_.code, in_.third_rad);
   Gathered gathered;
   std::vector<float> values;

@@ -24,13 +24,7 @@ class Fitter {
  public:
   Fitter(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
          const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out)
-      : turn_(turn),
-        code_(code),
-        third_rad_(third_rad),
-        noise_(noise),
-        config_(config),
-        maps_(maps),
-        out_(out) {
+      : turn_(turn), code_(code), third_rad_(third_rad), noise_(noise), config_(config), maps_(maps), out_(out) {
     columns_ = (maps.phase_rad.width() + config.block_px - 1) / config.block_px;
     rows_ = (maps.phase_rad.height() + config.block_px - 1) / config.block_px;
   }
@@ -124,21 +118,18 @@ class Fitter {
 
 MovedRow moved_row(PhaseMaps& m, int v) {
   const std::size_t at = m.phase_rad.index(0, v);
-  return {&m.mean_dn[at],       &m.cosine_dn[at], &m.sine_dn[at], &m.code_dn[at],
-          &m.modulation_dn[at], &m.phase_rad[at]};
+  return {&m.mean_dn[at], &m.cosine_dn[at], &m.sine_dn[at], &m.code_dn[at], &m.modulation_dn[at], &m.phase_rad[at]};
 }
 
 }  // namespace
 
-void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code,
-                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
-                      MicroMotion& out) {
+void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out) {
   Fitter(turn, code, third_rad, noise, config, maps, out).run();
 }
 
-void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code,
-                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
-                      MicroMotion& motion) {
+void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& motion) {
   Fitter(turn, code, third_rad, noise, config, maps, motion).refit_gain();
 }
 
@@ -160,9 +151,8 @@ float code_turn_of(float motion_rad, const MicroCode& code) noexcept {
   return (1 + code.inverse_ratio) * kCodeTime * motion_rad;
 }
 
-void join_code_frame(const Map<std::int16_t>& turn, const MicroCode& code,
-                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
-                     const MicroRefitConfig& config, PhaseMaps& maps) {
+void join_code_frame(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion, float third_rad,
+                     const NoiseModel& noise, const MicroRefitConfig& config, PhaseMaps& maps) {
   const auto width = static_cast<std::size_t>(turn.width());
   const float torn = config.torn_sigmas * config.torn_sigmas;
   std::vector<float> missed(width);

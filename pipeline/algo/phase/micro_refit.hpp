@@ -72,15 +72,13 @@ struct MicroMotion {
 
 /// maps: of compute_micro_phase and correct_third_harmonic, whose a1 is third_rad. turn: of place_spans. Without
 /// placed pixels: no motion, g = 1.
-void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code,
-                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
-                      MicroMotion& out);
+void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out);
 
 /// The gain of the blocks anew, under the motion and light of the surface: light changes what the code frame
 /// shows of the modulation as a gain would. maps: as for the fit.
-void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code,
-                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
-                      MicroMotion& motion);
+void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& motion);
 
 /// Rewrites mean, cosine, sine, modulation, code and phase of all surfaces' pixels, placed or not, as they were at
 /// mid-burst. Phases may leave [-pi, pi) a little; their turns stay.
@@ -91,8 +89,7 @@ void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMa
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
 /// outlier, keep their three-frame solution; those whose code is torn_sigmas off are rejected as edges.
-void join_code_frame(const Map<std::int16_t>& turn, const MicroCode& code,
-                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
-                     const MicroRefitConfig& config, PhaseMaps& maps);
+void join_code_frame(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion, float third_rad,
+                     const NoiseModel& noise, const MicroRefitConfig& config, PhaseMaps& maps);
 
 }  // namespace enamel::algo

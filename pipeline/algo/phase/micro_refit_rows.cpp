@@ -169,8 +169,7 @@ struct Row {
   [[nodiscard, gnu::always_inline]] bool placed(std::size_t u) const { return turn[u] > kUnplaced; }
   template <bool kSteady>
   [[nodiscard, gnu::always_inline]] Residual residual(std::size_t u) const {
-    return code_residual<kSteady>(raw(u), code[u], phase[u], turn[u], change<kSteady>(u), gain[u],
-                                  wave);
+    return code_residual<kSteady>(raw(u), code[u], phase[u], turn[u], change<kSteady>(u), gain[u], wave);
   }
 };
 
@@ -183,7 +182,7 @@ void add_pixels(const Row& in, const NoiseModel& model, float limit, std::size_t
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const Residual k = row.residual<kSteady>(u);
-    const bool used = (std::abs(k.rest) < limit * k.modulation) & row.placed(u);  // false for NaN
+    const bool placed = row.placed(u), used = (std::abs(k.rest) < limit * k.modulation) & placed;  // false for NaN
     const float w = select(used, 1 / (kResidualVariance * noise.variance(row.mean[u])), 0);
     const float r = select(used, k.rest, 0), of_gain = w * k.by_gain, of_motion = w * k.by_motion;
     s0[u] += of_gain * k.by_gain;
@@ -236,7 +235,7 @@ void odd_columns(const CodeRow& in, const NoiseModel& model, float limit, std::s
   for (std::size_t j = 0; j < count; ++j) {
     const std::size_t u = from + j;
     const Residual k = row.residual<kSteady>(u);
-    const bool known = (k.rest == k.rest) & row.placed(u);
+    const bool placed = row.placed(u), known = (k.rest == k.rest) & placed;
     const bool counts = (std::abs(k.rest) < limit * k.modulation) & known;
     alone[j] = k.by_alone, skew[j] = k.by_skew, motion[j] = k.by_motion, light[j] = k.by_light, gain[j] = k.by_gain;
     rest[j] = select(counts, -k.rest, 0);
@@ -317,7 +316,8 @@ void undo_loop(const CodeRow& row, std::size_t width, const MovedRow& out) {
   (row.steady ? undo<true> : undo<false>)(Row(row), width, out);
 }
 
-void join_loop(const CodeRow& in, const NoiseModel& model, float outlier_sigmas, std::size_t width, const JoinedRow& out) {
+void join_loop(const CodeRow& in, const NoiseModel& model, float outlier_sigmas, std::size_t width,
+               const JoinedRow& out) {
   const NoiseModel noise = model;  // copies cannot alias what is written
   const Row row(in);
   const float r = 1 + row.wave.inverse_ratio, gate = outlier_sigmas * outlier_sigmas;
@@ -330,8 +330,8 @@ void join_loop(const CodeRow& in, const NoiseModel& model, float outlier_sigmas,
     const float slope = -gb * r * k.angle.sin;
     // The code frame's own noise, and that of A and B in what it is compared with.
     const float fitted = gain * k.angle.cos;
-    const float own = noise.variance(row.mean[u] + gb * k.light) +
-                      noise.variance(row.mean[u]) * kThird * (1 + 2 * fitted * fitted);
+    const float own =
+        noise.variance(row.mean[u] + gb * k.light) + noise.variance(row.mean[u]) * kThird * (1 + 2 * fitted * fitted);
     const float variance = sigma[u] * sigma[u], inverse = 1 / (own + slope * slope * variance);
     const float squares = off * off * inverse;
     const bool placed = row.placed(u), joins = (squares < gate) & placed;  // false for NaN

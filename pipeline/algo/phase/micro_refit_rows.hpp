@@ -20,8 +20,7 @@ struct CodePixels {
 
 /// All of the row that begins at `at`.
 [[nodiscard]] inline CodePixels code_pixels(const PhaseMaps& m, std::size_t at) {
-  return {&m.mean_dn[at],       &m.cosine_dn[at], &m.sine_dn[at], &m.code_dn[at],
-          &m.modulation_dn[at], &m.phase_rad[at]};
+  return {&m.mean_dn[at], &m.cosine_dn[at], &m.sine_dn[at], &m.code_dn[at], &m.modulation_dn[at], &m.phase_rad[at]};
 }
 
 /// What a row of pixels is seen under.
@@ -72,7 +71,7 @@ void undo_motion_row(const CodeRow& row, std::size_t width, const MovedRow& out)
 
 struct JoinedRow {
   float *phase, *sigma;  ///< may be the row's own
-  float* missed;         ///< by how many sigmas the code is off its prediction, squared; 0 without order, NaN without code
+  float* missed;  ///< by how many sigmas the code is off its prediction, squared; 0 without order, NaN without code
 };
 void join_code_row(const CodeRow& row, const NoiseModel& noise, float outlier_sigmas, std::size_t width,
                    const JoinedRow& out);

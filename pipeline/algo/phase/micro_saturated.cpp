@@ -158,7 +158,8 @@ class Solver {
   static bool alike(double a, double b) { return a > kLeastShare * b && b > kLeastShare * a; }
 
   void solve_pixel(std::size_t i, const Unknowns& near) {
-    const Pixel pixel(in_, maps_, seen_at(i), i, static_cast<double>(config_.saturation * in_.noise.full_scale_dn), near);
+    const Pixel pixel(in_, maps_, seen_at(i), i, static_cast<double>(config_.saturation * in_.noise.full_scale_dn),
+                      near);
     Unknowns x = near;
     if (!pixel.usable() || !pixel.solve(x)) return;
     const double sigma = pixel.sigma_rad(x);

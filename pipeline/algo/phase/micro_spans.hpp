@@ -1,4 +1,5 @@
-// Rows of a mode M burst with their orders and motion, and sums over blocks of them. Private to algo/phase and algo/decode.
+// Rows of a mode M burst with their orders and motion, and sums over blocks of them. Private to algo/phase and
+// algo/decode.
 #pragma once
 
 #include <algorithm>

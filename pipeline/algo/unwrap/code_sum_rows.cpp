@@ -50,8 +50,8 @@ void sums_loop(const PhaseMaps& phase, const NoiseModel& noise, float inverse_ra
     const bool known = d[u] == d[u];
     const float weight = select(known, 1, 0) / (noise_of_code * model.variance(mean[u]));
     const float seen = select(known, d[u], 0);
-    o.put(u, {weight * x * x, weight * x * y, weight * y * y, weight * x * seen, weight * y * seen,
-              weight * seen * seen});
+    o.put(u,
+          {weight * x * x, weight * x * y, weight * y * y, weight * x * seen, weight * y * seen, weight * seen * seen});
   }
 }
 
@@ -90,7 +90,8 @@ void windows_loop(const CodeSumRow& sums, const std::int32_t* components, float 
       const CodeSums left = out.at(u - kStepReach_px), right = out.at(u + kStepGap_px);
       const float gain = 0.5F * (explained(left) + explained(right) - explained(left + right));
       const std::int32_t first = component[u - kStepReach_px], last = component[u + kStepReach_px - 1];
-      wide[u - from] = static_cast<std::int32_t>((first >= 0) & (first == last)) & static_cast<std::int32_t>(!(gain < cost));
+      wide[u - from] =
+          static_cast<std::int32_t>((first >= 0) & (first == last)) & static_cast<std::int32_t>(!(gain < cost));
     }
     const std::size_t count = std::min(kPolarStretch, width - from);
     for (std::size_t j = 0; j < count; ++j) asked[from + j] = static_cast<std::uint8_t>(wide[j]);
