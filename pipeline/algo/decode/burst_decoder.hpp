@@ -50,9 +50,10 @@ struct DecodeConfig {
   double max_repeated_share = 0.9;            ///< of lit pixels at which two frames are the same picture
   double max_unplaced_repeated_share = 0.6;   ///< mode M: with more and no order found, the frames are to blame, ...
   double min_unplaced_direction_share = 0.8;  ///< ... and with less of this
-  float max_odd_shift_rad = 0.1F;     ///< of one frame against the others: bends the phase by a quarter of it, and ...
-  float max_odd_over_unrest = 1.8F;   ///< ... stands out from what light and texture did during the burst
-  float harmless_motion_rad = 0.05F;  ///< mode M: with more a frame, orders are asked again without the motion
+  float max_odd_shift_rad = 0.1F;      ///< of one frame against the others: bends the phase by a quarter of it, and ...
+  float max_odd_over_unrest = 1.8F;    ///< ... stands out from what light and texture did during the burst
+  float harmless_motion_rad = 0.05F;   ///< mode M: with more a frame, orders are asked again without the motion
+  double clear_code_agreement = 0.97;  ///< mode M: ... and with less they are, without the light that passed by, too
   double max_motion_rad = 0.32;   ///< mean of a burst, a frame: 0.3 (algorithms.md §9) and what it may be measured off
   double min_moving_share = 0.8;  ///< of pixels that close under a motion, for frames that do not close at rest
   double least_fast_motion_rad = 0.15;  ///< ... and this motion at least: with less it is not what spoils a burst
@@ -108,7 +109,7 @@ class BurstDecoder {
   BurstVerdict place(DecodeWorkspace& workspace, DecodedBurst& out) const;
   void label(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise) const;
   float label_by_code(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise, const MicroCode& seen) const;
-  void label_less_motion(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
+  bool label_less_motion(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
   const Map<std::int16_t>& refine(DecodeWorkspace& workspace, DecodedBurst& out) const;
 
   std::shared_ptr<const RayDepth> rays_;

@@ -1,10 +1,12 @@
 // BurstDecoder's middle step: absolute fringe orders.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/decode_buffers.hpp"
+#include "pipeline/algo/decode/micro_view.hpp"
 #include "pipeline/algo/decode/relative_regions.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
 
@@ -49,9 +51,17 @@ void reject_torn(const std::vector<Piece>& pieces, const OrderResult& orders, Ma
   }
 }
 
-void copy_measured(const PhaseMaps& from, PhaseMaps& to) {
-  to.mean_dn = from.mean_dn, to.cosine_dn = from.cosine_dn, to.sine_dn = from.sine_dn;
-  to.code_dn = from.code_dn, to.modulation_dn = from.modulation_dn, to.phase_rad = from.phase_rad;
+double judged_px(const OrderResult& orders) { return orders.agreeing_px + orders.contradicting_px; }
+
+bool unclear(const OrderResult& orders, const DecodeConfig& config) {
+  return orders.agreeing_px < config.clear_code_agreement * judged_px(orders);
+}
+
+/// Of what motion changes; the rest of `a` stays.
+void swap_measured(PhaseMaps& a, PhaseMaps& b) {
+  std::swap(a.mean_dn, b.mean_dn), std::swap(a.cosine_dn, b.cosine_dn), std::swap(a.sine_dn, b.sine_dn);
+  std::swap(a.code_dn, b.code_dn), std::swap(a.modulation_dn, b.modulation_dn);
+  std::swap(a.phase_rad, b.phase_rad);
 }
 
 }  // namespace
@@ -77,18 +87,29 @@ float BurstDecoder::label_by_code(DecodeWorkspace::Buffers& b, const NoiseModel&
   return turn;
 }
 
-/// Motion ripples the phase and turns the code, so that pieces of one surface seem to differ. The orders found in spite
-/// of it show the motion; without it they are found again. The phase stays as it was measured.
-void BurstDecoder::label_less_motion(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag) const {
+/// Motion ripples the phase and turns the code, so that pieces of one surface seem to differ, and light that changes as
+/// the surface passes by is taken for code. The orders found in spite of it show the motion; without it they are found
+/// again. The phase stays as it was measured. Returns whether they were asked again.
+bool BurstDecoder::label_less_motion(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag) const {
   make_spans(b.pieces.pieces, b.orders, b.spans);
-  place_spans(b.spans, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
-  fit_micro_motion(b.spans, b.polarity.turn, *micro_, 0, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
-  if (std::abs(b.micro_motion.motion_rad) <= config_.harmless_motion_rad) return;
-  copy_measured(b.phase, b.measured);
-  undo_micro_motion(b.micro_motion, b.phase);
+  place_spans(b.spans, {}, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
+  MicroRefitConfig coarse = config_.micro_refit;
+  coarse.row_step *= 2;  // half the rows tell what turns the code by degrees; the phase has a fit of its own
+  fit_micro_motion(b.polarity.turn, *micro_, 0, diag.noise, coarse, b.phase, b.micro_motion);
+  if (unclear(b.orders, config_) && config_.motion_passes > 0) {
+    MicroView view({b.polarity.turn, *micro_, 0, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual});
+    if (fit_rigid_motion(view, b.phase, b.polarity.turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field)
+            .moved)
+      b.micro_motion.surface = surface_motion(b.field);
+  }
+  const bool light = b.micro_motion.surface.light.nodes != nullptr;
+  if (!light && std::abs(b.micro_motion.motion_rad) <= config_.harmless_motion_rad) return false;
+  undo_micro_motion(b.micro_motion, b.phase, b.moved);
+  swap_measured(b.phase, b.moved);
   b.turned_code = turned_by(*micro_, code_turn_of(b.micro_motion.motion_rad, *micro_));
   label_by_code(b, diag.noise, b.turned_code);
-  copy_measured(b.measured, b.phase);
+  swap_measured(b.phase, b.moved);
+  return true;
 }
 
 /// Absolute orders of all pieces, and whether the code that they rest on is the rig's.
@@ -98,7 +119,8 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodedBurst& out) 
   const auto& pieces = b.pieces.pieces;
   if (micro_) {
     diag.code_turn_rad = label_by_code(b, diag.noise, *micro_);
-    if (config_.correct_closure) label_less_motion(b, diag);
+    // More orders show the motion better, which once more brings more of them.
+    if (config_.correct_closure && label_less_motion(b, diag) && unclear(b.orders, config_)) label_less_motion(b, diag);
   } else {
     label(b, diag.noise);
   }
@@ -106,7 +128,7 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodedBurst& out) 
   reject_undecided(pieces, b.orders, b.phase.reject);
   reject_torn(pieces, b.orders, b.phase.reject);
   find_relative(pieces, b.orders.pieces, config_.order.min_region_px, b.orders.work.parent, out.relative);
-  const double judged = b.orders.agreeing_px + b.orders.contradicting_px;
+  const double judged = judged_px(b.orders);
   diag.code_agreement = judged > 0 ? b.orders.agreeing_px / judged : 0;
   diag.torn_share =
       b.orders.seams > 0 ? static_cast<double>(b.orders.torn_seams) / static_cast<double>(b.orders.seams) : 0;

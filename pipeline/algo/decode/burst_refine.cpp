@@ -62,36 +62,33 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     if (workspace.on_step) workspace.on_step(name);
   };
   if (micro_) {
-    place_spans(b.spans, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
     cells_of(out.relative, b.relative_cells);
+    place_spans(b.spans, b.relative_cells, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
     if (config_.correct_ripple) {
       diag.third_rad = estimate_third_harmonic(b.spans, b.phase).a1_rad;
-      for (const auto* cells : {&b.spans, &b.relative_cells}) correct_third_harmonic(*cells, diag.third_rad, b.phase);
+      correct_third_harmonic(b.polarity.turn, diag.third_rad, b.phase);
     }
     step("harmonic");
     if (!config_.correct_closure) return b.polarity.turn;
     const auto& turn = b.polarity.turn;
-    fit_micro_motion(b.spans, turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
+    fit_micro_motion(turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
     diag.motion_rad = b.micro_motion.motion_rad;
     if (config_.motion_passes > 0 && !stands_still(b.micro_motion, config_.rigid.negligible_rad)) {
-      MicroView view(
-          {b.spans, turn, *micro_, diag.third_rad, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual});
+      MicroView view({turn, *micro_, diag.third_rad, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual});
       diag.rigid =
           fit_rigid_motion(view, b.phase, turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field);
       if (diag.rigid.moved) {
-        spread_motion(b.field, b.micro_motion);
-        refit_micro_gain(b.spans, turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase,
-                         b.micro_motion);
+        b.micro_motion.surface = surface_motion(b.field);
+        refit_micro_gain(turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
       }
     }
-    const MicroOdd odd = find_micro_odd(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise,
+    const MicroOdd odd = find_micro_odd(turn, *micro_, b.micro_motion, diag.third_rad, diag.noise,
                                         config_.micro_refit.max_residual, b.phase);
     diag.code_shift_rad = odd.code_shift_rad, diag.odd_shift_rad = odd.odd_shift_rad, diag.unrest = odd.unrest;
     diag.closure_share = odd.explained_share;
     step("motion");
-    for (const auto* cells : {&b.spans, &b.relative_cells})
-      undo_micro_motion(*cells, turn, *micro_, b.micro_motion, b.phase);
-    join_code_frame(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase);
+    undo_micro_motion(turn, b.micro_motion, b.phase);
+    join_code_frame(turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase);
     solve_micro_saturated({b.spans, *micro_, b.micro_motion, diag.third_rad, diag.noise, rays_->phase_mid_rad.data()},
                           config_.phase, b.phase, b.polarity.turn, b.filled);
     for (const std::size_t i : b.filled) {

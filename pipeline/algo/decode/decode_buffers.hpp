@@ -32,7 +32,7 @@ struct DecodeWorkspace::Buffers {
   RigidMotionWork rigid;
   MotionField field;
   MicroMotion micro_motion;
-  PhaseMaps measured;     ///< of mode M: what `phase` was before the motion was taken off for the code's sake
+  PhaseMaps moved;        ///< of mode M: `phase` less the motion, for the code's sake; sigma and mask are unused
   MicroCode turned_code;  ///< as that motion shows it
   std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame
   std::vector<std::size_t> filled;        ///< the same of mode M

@@ -69,28 +69,18 @@ class Blocks {
 
 }  // namespace
 
-MicroOdd find_micro_odd(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                        const MicroMotion& motion, float third_rad, const NoiseModel& noise, float max_residual,
-                        const PhaseMaps& maps) {
-  const auto width = static_cast<std::size_t>(turn.width());
-  const std::size_t across = (width + kBlock_px - 1) / kBlock_px;
-  const std::size_t down = (static_cast<std::size_t>(turn.height()) + kBlock_px - 1) / kBlock_px;
-  std::vector<double> sums(across * down * kMicroOddSums, 0.0);
-  std::vector<float> columns(kMicroOddSums * width);
-  each_code_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
-    if (v % kRowStep != 0) return;
-    const std::size_t at = static_cast<std::size_t>(v) * width;
-    std::fill(columns.begin(), columns.end(), 0.0F);
-    add_micro_odd_row(maps, code_row_of(motion, code, third_rad, at, cosine, sine), noise, max_residual, at, width,
-                      columns.data());
-    double* row = &sums[static_cast<std::size_t>(v / kBlock_px) * across * kMicroOddSums];
-    for (std::size_t k = 0; k < kMicroOddSums; ++k) {
-      for (std::size_t u = 0; u < width; ++u)
-        row[u / kBlock_px * kMicroOddSums + k] += static_cast<double>(columns[k * width + u]);
-    }
-  });
+MicroOdd find_micro_odd(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion,
+                        float third_rad, const NoiseModel& noise, float max_residual, const PhaseMaps& maps) {
+  std::vector<double> sums;
+  std::vector<float> columns;
+  BlockSums<kMicroOddSums> block_sums(turn.width(), turn.height(), kBlock_px, columns, sums);
+  CodeRows rows(motion, maps, &turn);
+  rows.expect(code, third_rad);
+  for (int v = 0; v < turn.height(); v += kRowStep)
+    add_micro_odd_row(rows.at(v), noise, max_residual, block_sums.width(), block_sums.columns_of(v));
+  block_sums.finish();
   Blocks blocks;
-  for (std::size_t k = 0; k < across * down; ++k) blocks.add(&sums[k * kMicroOddSums]);
+  for (std::size_t at = 0; at < sums.size(); at += kMicroOddSums) blocks.add(&sums[at]);
   return blocks.result();
 }
 

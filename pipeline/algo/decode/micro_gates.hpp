@@ -1,8 +1,6 @@
 // Whether the four frames of a mode M burst belong together. Private to algo/decode.
 #pragma once
 
-#include <span>
-
 #include "pipeline/algo/phase/micro_refit.hpp"
 
 namespace enamel::algo {
@@ -21,8 +19,8 @@ struct MicroOdd {
 
 /// maps and motion: those of fit_micro_motion, before undo_micro_motion; the motion is about to be taken out, so only
 /// what it leaves counts.
-[[nodiscard]] MicroOdd find_micro_odd(std::span<const CellSpan> spans, const Map<std::int16_t>& turn,
-                                      const MicroCode& code, const MicroMotion& motion, float third_rad,
-                                      const NoiseModel& noise, float max_residual, const PhaseMaps& maps);
+[[nodiscard]] MicroOdd find_micro_odd(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion,
+                                      float third_rad, const NoiseModel& noise, float max_residual,
+                                      const PhaseMaps& maps);
 
 }  // namespace enamel::algo

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "pipeline/algo/decode/surface.hpp"
 #include "pipeline/algo/phase/micro_spans.hpp"
@@ -9,68 +11,92 @@
 namespace enamel::algo {
 namespace {
 
-constexpr std::size_t kRowValues = 4;       ///< residual and its columns of eps, light, gain
 constexpr float kInformed_rad = 0.005F;     ///< sigma of a block's eps that can be asked whether it moved
 constexpr float kSignificantSigmas = 2.0F;  ///< of a block's eps
 
+/// The sampled pixels of a row, brought together.
+class Gathered {
+ public:
+  /// From row v, as motion_samples.hpp places them; returns their number.
+  std::size_t choose(const MotionSamples& samples, int width, int v) {
+    const int columns = width / kNode_px, node_row = v / kNode_px;
+    first_.clear();
+    auto node = std::lower_bound(samples.node.begin(), samples.node.end(), node_row * columns);
+    for (; node != samples.node.end() && *node / columns == node_row; ++node)
+      first_.push_back(*node % columns * kNode_px + v / kPixelStep % kPixelStep);
+    return kPerNode * first_.size();
+  }
+
+  /// Valid until the next call. What is 0 in a steady row is left out, and modulation.
+  [[nodiscard]] CodeRow of(CodeRow row) {
+    values_.resize(kSources * kPerNode * first_.size());
+    float* next = values_.data();
+    CodePixels& p = row.pixels;
+    const auto take = [&](const float*& source) {
+      const float* from = std::exchange(source, next);
+      for (const int column : first_) {
+        for (std::size_t k = 0; k < kPerNode; ++k) next[k] = from[static_cast<std::size_t>(column) + k * kPixelStep];
+        next += kPerNode;
+      }
+    };
+    for (auto* source : {&p.mean, &p.cosine, &p.sine, &p.code, &p.phase, &row.turn, &row.motion_rad, &row.gain})
+      take(*source);
+    if (!row.steady) take(row.light), take(row.motion_change_rad), take(row.light_change);
+    return row;
+  }
+
+ private:
+  static constexpr std::size_t kSources = 11, kPerNode = kNode_px / kPixelStep;
+  std::vector<int> first_;  ///< of each node's pixels
+  std::vector<float> values_;
+};
+
 }  // namespace
 
+SurfaceMotion MicroView::motion(const MotionField* known) const {
+  return known != nullptr ? surface_motion(*known) : in_.blocks.everywhere();
+}
+
 void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
-  const int columns = in_.maps.phase_rad.width();
-  const auto width = static_cast<std::size_t>(columns);
-  place_samples(columns, in_.maps.phase_rad.height(), out);
-  GridRows rate(known != nullptr ? known->rate_grid() : Grid{}, columns);
-  GridRows light(known != nullptr ? known->light_grid() : Grid{}, columns);
-  GridRows rate_change(known != nullptr ? known->rate_change_grid() : Grid{}, columns);
-  GridRows light_change(known != nullptr ? known->light_change_grid() : Grid{}, columns);
+  const int width = in_.maps.phase_rad.width();
+  place_samples(width, in_.maps.phase_rad.height(), out);
   // One gain for all: that of a block takes up half of what light does there.
-  const std::vector<float> gain(width, in_.blocks.gain);
-  std::vector<float> rows(kRowValues * width);
-  float* r = rows.data();
-  each_code_row(in_.spans, in_.turn, in_.code, [&](std::int32_t v, const float* cosine, const float* sine) {
-    if (v % kPixelStep != 0) return;
-    const std::size_t at = static_cast<std::size_t>(v) * width;
-    CodeRow row = code_row_of(in_.blocks, in_.code, in_.third_rad, at, cosine, sine);
-    if (known != nullptr) {
-      row.motion_rad = rate.row(v), row.light = light.row(v);
-      row.motion_change_rad = rate_change.row(v), row.light_change = light_change.row(v);
-    }
-    row.gain = gain.data();
-    code_residual_row(in_.maps, row, at, width, {r, r + width, r + 2 * width, r + 3 * width});
-    for (std::size_t u = 0; u < width; ++u)
-      if (cosine[u] == 0 && sine[u] == 0) r[u] = std::nanf("");
-    take_sample_row(in_.maps, v, {r, r + width, r + 2 * width, r + 3 * width, row.motion_rad, row.light, 0, 1},
+  CodeRows rows(motion(known), {&in_.blocks.gain, 1, 1, in_.blocks.block_px}, in_.blocks.black_dn, in_.maps, &in_.turn);
+  rows.expect(in_.code, in_.third_rad);
+  Gathered gathered;
+  std::vector<float> values;
+  for (int v = 0; v < in_.maps.phase_rad.height(); v += kPixelStep) {
+    const std::size_t count = gathered.choose(out, width, v);
+    if (count == 0) continue;
+    values.resize(4 * count);
+    float* r = values.data();
+    const CodeRow row = rows.at(v);
+    code_residual_row(gathered.of(row), count, {r, r + count, r + 2 * count, r + 3 * count});
+    take_sample_row(in_.maps, v,
+                    {.residual = r,
+                     .rate = r + count,
+                     .light = r + 2 * count,
+                     .shared = r + 3 * count,
+                     .known_rate = row.motion_rad,
+                     .known_light = row.light,
+                     .gathered = true},
                     in_.max_residual, out);
-  });
+  }
 }
 
 void MicroView::make_images(const MotionField* known, MotionImages& out) {
   const int width = in_.maps.phase_rad.width(), height = in_.maps.phase_rad.height();
-  const auto columns = static_cast<std::size_t>(width);
+  const auto columns = static_cast<std::size_t>(width + 1) / 2;
   out.inverse_depth.resize(width, height);
   out.light.resize(width, height);
   out.phase.resize(columns);
   out.row.resize(columns);
-  const std::size_t half = (columns + 1) / 2;
-  const auto thin = [half](std::vector<float>& row) {
-    for (std::size_t k = 0; k < half; ++k) row[k] = row[2 * k];
-  };
-  const MicroMotion& b = in_.blocks;
-  const Grid blocks{b.block_motion_rad.data(), b.columns, b.rows, b.block_px};
-  GridRows rate(known != nullptr ? known->rate_grid() : blocks, width);
-  GridRows light(known != nullptr ? known->light_grid() : Grid{}, width);
-  GridRows rate_change(known != nullptr ? known->rate_change_grid() : Grid{}, width);
-  GridRows light_change(known != nullptr ? known->light_change_grid() : Grid{}, width);
+  CodeRows rows(motion(known), {}, in_.blocks.black_dn, in_.maps, nullptr);
   for (int v = 0; v < height; v += 2) {
-    const std::size_t at = in_.maps.phase_rad.index(0, v);
-    CodeRow row{};
-    row.motion_rad = rate.row(v), row.light = light.row(v), row.black_dn = b.black_dn;
-    row.motion_change_rad = rate_change.row(v), row.light_change = light_change.row(v);
-    mid_burst_row(in_.maps, row, at, columns, out.phase.data(), out.row.data());
-    for (float& a : out.row) a -= b.black_dn;
-    thin(out.row), thin(out.phase);
+    sparse_mid_burst_row(rows.at(v), columns, out.phase.data(), out.row.data());
     out.light.set_row(v / 2, out.row.data());
-    sparse_inverse_depth_row(in_.maps, in_.turn, in_.rays, at, out.phase.data(), out.row.data());
+    sparse_inverse_depth_row(in_.maps, in_.turn, in_.rays, in_.maps.phase_rad.index(0, v), out.phase.data(),
+                             out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }
@@ -91,11 +117,8 @@ bool stands_still(const MicroMotion& blocks, float negligible_rad) {
   return seen > 0 && 4 * moving < seen;
 }
 
-void spread_motion(const MotionField& field, MicroMotion& out) {
-  interpolate_grid(field.rate_grid(), out.pixel_motion_rad);
-  interpolate_grid(field.light_grid(), out.pixel_light);
-  interpolate_grid(field.rate_change_grid(), out.pixel_motion_change_rad);
-  interpolate_grid(field.light_change_grid(), out.pixel_light_change);
+SurfaceMotion surface_motion(const MotionField& field) noexcept {
+  return {field.rate_grid(), field.light_grid(), field.rate_change_grid(), field.light_change_grid()};
 }
 
 }  // namespace enamel::algo

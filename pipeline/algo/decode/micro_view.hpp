@@ -2,8 +2,6 @@
 // Private to algo/decode.
 #pragma once
 
-#include <span>
-
 #include "pipeline/algo/decode/motion_view.hpp"
 #include "pipeline/algo/phase/micro_refit.hpp"
 #include "pipeline/algo/triangulate/ray_depth.hpp"
@@ -11,7 +9,6 @@
 namespace enamel::algo {
 
 struct MicroViewInput {
-  std::span<const CellSpan> spans;
   const Map<std::int16_t>& turn;
   const MicroCode& code;
   float third_rad;
@@ -31,6 +28,7 @@ class MicroView final : public MotionView {
   [[nodiscard]] float block_rate(int u, int v) const override;
 
  private:
+  [[nodiscard]] SurfaceMotion motion(const MotionField* known) const;
   MicroViewInput in_;
 };
 
@@ -38,7 +36,7 @@ class MicroView final : public MotionView {
 /// than negligible_rad and twice their own uncertainty.
 [[nodiscard]] bool stands_still(const MicroMotion& blocks, float negligible_rad);
 
-/// Motion and light of every pixel by the field, for undo_micro_motion.
-void spread_motion(const MotionField& field, MicroMotion& out);
+/// The field as micro_refit.hpp takes it. Borrowed.
+[[nodiscard]] SurfaceMotion surface_motion(const MotionField& field) noexcept;
 
 }  // namespace enamel::algo

@@ -53,11 +53,13 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float bla
 void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float max_residual, MotionSamples& out) {
   const int columns = maps.phase_rad.width() / kNode_px, node_row = v / kNode_px, line = v % kNode_px / kPixelStep;
   auto node = std::lower_bound(out.node.begin(), out.node.end(), node_row * columns);
+  std::size_t asked = 0;
   for (; node != out.node.end() && *node / columns == node_row; ++node) {
     const int left = *node % columns * kNode_px + v / kPixelStep % kPixelStep;
-    for (int k = 0; k < kNode_px / kPixelStep; ++k) {
+    for (int k = 0; k < kNode_px / kPixelStep; ++k, ++asked) {
       const int column = left + k * kPixelStep;
-      const auto u = static_cast<std::size_t>((column - row.first) / row.step), x = static_cast<std::size_t>(column);
+      const auto x = static_cast<std::size_t>(column);
+      const auto u = row.gathered ? asked : static_cast<std::size_t>((column - row.first) / row.step);
       const std::size_t i = maps.phase_rad.index(column, v);
       const float limit = max_residual * maps.modulation_dn[i];
       if (maps.reject[i] != PixelReject::kNone || !(std::abs(row.residual[u]) < limit)) continue;

@@ -46,6 +46,7 @@ struct SampleRow {
   const float *residual, *rate, *light, *shared;
   const float *known_rate, *known_light;  ///< of all pixels
   int first = 0, step = 1;                ///< the others are of columns first, first + step, ...
+  bool gathered = false;                  ///< or of the sampled pixels alone, in their order
 };
 
 /// Those of row v, where it is sampled; max_residual: of B.

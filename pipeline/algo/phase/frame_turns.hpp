@@ -1,4 +1,5 @@
-// How motion and light change a pixel from frame to frame of a burst, for loops over rows. Private to algo/phase.
+// How motion and light change a pixel from frame to frame of a burst, for loops over rows of either mode. Private to
+// algo/phase.
 #pragma once
 
 #include "pipeline/algo/phase/poly_trig.hpp"
@@ -10,6 +11,7 @@ struct PixelChange {
   float rate, rate_change, growth, growth_change;
 
   [[nodiscard, gnu::always_inline]] float light(float t) const { return 1 + t * growth + 0.5F * t * t * growth_change; }
+  [[nodiscard, gnu::always_inline]] float turned(float t) const { return t * rate + 0.5F * t * t * rate_change; }
 };
 
 struct Turn {

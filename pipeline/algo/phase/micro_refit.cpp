@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/phase/micro_spans.hpp"
 
 namespace enamel::algo {
@@ -23,16 +22,9 @@ Step solve(const double* s, double gain_precision, double motion_precision) {
 
 class Fitter {
  public:
-  Fitter(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code, float third_rad,
-         const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out)
-      : spans_(spans),
-        turn_(turn),
-        code_(code),
-        third_rad_(third_rad),
-        noise_(noise),
-        config_(config),
-        maps_(maps),
-        out_(out) {
+  Fitter(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+         const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out)
+      : turn_(turn), code_(code), third_rad_(third_rad), noise_(noise), config_(config), maps_(maps), out_(out) {
     columns_ = (maps.phase_rad.width() + config.block_px - 1) / config.block_px;
     rows_ = (maps.phase_rad.height() + config.block_px - 1) / config.block_px;
   }
@@ -44,66 +36,46 @@ class Fitter {
       sum(config_.row_step << (config_.passes - 1 - pass));
       advance_burst();
       if (pass + 1 < config_.passes) {
-        std::fill(out_.work.block_gain.begin(), out_.work.block_gain.end(), out_.gain);
+        std::fill(out_.block_gain.begin(), out_.block_gain.end(), out_.gain);
         std::fill(out_.block_motion_rad.begin(), out_.block_motion_rad.end(), out_.motion_rad);
       } else {
         advance_blocks();
       }
-      spread();
     }
   }
 
   void refit_gain() {
     sum(config_.row_step);
     const double to_burst = static_cast<double>(out_.gain), pg = 1 / square(config_.gain_prior);
-    for (std::size_t k = 0; k < out_.work.block_gain.size(); ++k) {
-      float& gain = out_.work.block_gain[k];
+    for (std::size_t k = 0; k < out_.block_gain.size(); ++k) {
+      float& gain = out_.block_gain[k];
       const double* s = &out_.work.sums[k * kRefitSums];
       gain += static_cast<float>((pg * (to_burst - static_cast<double>(gain)) - s[3]) / (s[0] + pg));
     }
-    spread_gain();
   }
 
  private:
   static double square(float x) { return static_cast<double>(x) * static_cast<double>(x); }
 
   void reset() {
-    const int w = maps_.phase_rad.width(), h = maps_.phase_rad.height();
     const auto blocks = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
     out_.motion_rad = 0, out_.gain = 1, out_.black_dn = noise_.black_dn;
     out_.columns = columns_, out_.rows = rows_, out_.block_px = config_.block_px;
     out_.block_motion_rad.assign(blocks, 0.0F);
     out_.block_sigma_rad.assign(blocks, config_.motion_prior_rad);
-    out_.work.block_gain.assign(blocks, 1.0F);
-    for (Map<float>* map : {&out_.pixel_motion_rad, &out_.pixel_gain})
-      if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
-    for (Map<float>* map : {&out_.pixel_light, &out_.pixel_motion_change_rad, &out_.pixel_light_change}) {
-      if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
-      std::fill(map->pixels().begin(), map->pixels().end(), 0.0F);
-    }
-    spread();
+    out_.block_gain.assign(blocks, 1.0F);
+    out_.surface = {};
   }
 
   /// Each pass asks twice as many rows as the one before: the first finds the burst's motion, the last the blocks'.
   void sum(int row_step) {
-    const auto width = static_cast<std::size_t>(maps_.phase_rad.width()),
-               block_px = static_cast<std::size_t>(config_.block_px);
-    out_.work.sums.assign(out_.work.block_gain.size() * kRefitSums, 0.0);
-    auto& columns = out_.work.column_sums;
-    each_code_row(spans_, turn_, code_, [&](std::int32_t v, const float* cosine, const float* sine) {
-      if (v % row_step != 0) return;
-      const std::size_t at = static_cast<std::size_t>(v) * width;
-      columns.assign(kRefitSums * width, 0.0F);
-      add_refit_row(maps_, code_row_of(out_, code_, third_rad_, at, cosine, sine), noise_, config_.max_residual, at,
-                    width, columns.data());
-      double* row =
-          &out_.work
-               .sums[static_cast<std::size_t>(v / config_.block_px) * static_cast<std::size_t>(columns_) * kRefitSums];
-      for (std::size_t k = 0; k < kRefitSums; ++k) {
-        for (std::size_t u = 0; u < width; ++u)
-          row[(u / block_px) * kRefitSums + k] += static_cast<double>(columns[k * width + u]);
-      }
-    });
+    BlockSums<kRefitSums> blocks(maps_.phase_rad.width(), maps_.phase_rad.height(), config_.block_px,
+                                 out_.work.column_sums, out_.work.sums);
+    CodeRows rows(out_, maps_, &turn_);
+    rows.expect(code_, third_rad_);
+    for (int v = 0; v < maps_.phase_rad.height(); v += row_step)
+      add_refit_row(rows.at(v), noise_, config_.max_residual, blocks.width(), blocks.columns_of(v));
+    blocks.finish();
   }
 
   void advance_burst() {
@@ -117,8 +89,8 @@ class Fitter {
   /// Each block's step, held to the burst's new values by the priors.
   void advance_blocks() {
     const double pg = 1 / square(config_.gain_prior), pm = 1 / square(config_.motion_prior_rad);
-    for (std::size_t k = 0; k < out_.work.block_gain.size(); ++k) {
-      float &gain = out_.work.block_gain[k], &motion = out_.block_motion_rad[k];
+    for (std::size_t k = 0; k < out_.block_gain.size(); ++k) {
+      float &gain = out_.block_gain[k], &motion = out_.block_motion_rad[k];
       const double to_gain = static_cast<double>(out_.gain - gain),
                    to_motion = static_cast<double>(out_.motion_rad - motion);
       double* s = &out_.work.sums[k * kRefitSums];
@@ -134,16 +106,6 @@ class Fitter {
     return std::clamp(motion_rad, -config_.largest_motion_rad, config_.largest_motion_rad);
   }
 
-  void spread() {
-    interpolate_grid({out_.block_motion_rad.data(), columns_, rows_, config_.block_px}, out_.pixel_motion_rad);
-    spread_gain();
-  }
-
-  void spread_gain() {
-    interpolate_grid({out_.work.block_gain.data(), columns_, rows_, config_.block_px}, out_.pixel_gain);
-  }
-
-  std::span<const CellSpan> spans_;
   const Map<std::int16_t>& turn_;
   const MicroCode& code_;
   float third_rad_;
@@ -154,61 +116,57 @@ class Fitter {
   int columns_ = 0, rows_ = 0;
 };
 
+MovedRow moved_row(PhaseMaps& m, int v) {
+  const std::size_t at = m.phase_rad.index(0, v);
+  return {&m.mean_dn[at], &m.cosine_dn[at], &m.sine_dn[at], &m.code_dn[at], &m.modulation_dn[at], &m.phase_rad[at]};
+}
+
 }  // namespace
 
-void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
-                      MicroMotion& out) {
-  Fitter(spans, turn, code, third_rad, noise, config, maps, out).run();
+void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out) {
+  Fitter(turn, code, third_rad, noise, config, maps, out).run();
 }
 
-void refit_micro_gain(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
-                      MicroMotion& motion) {
-  Fitter(spans, turn, code, third_rad, noise, config, maps, motion).refit_gain();
+void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& motion) {
+  Fitter(turn, code, third_rad, noise, config, maps, motion).refit_gain();
 }
 
-void undo_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                       const MicroMotion& motion, PhaseMaps& maps) {
-  const auto width = static_cast<std::size_t>(turn.width());
-  each_code_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
-    const std::size_t at = static_cast<std::size_t>(v) * width;
-    undo_motion_row(code_row_of(motion, code, 0, at, cosine, sine), at, width, maps);
-  });
+void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion, PhaseMaps& maps) {
+  CodeRows rows(motion, maps, &turn);
+  for (int v = 0; v < turn.height(); ++v)
+    undo_motion_row(rows.at(v), static_cast<std::size_t>(turn.width()), moved_row(maps, v));
 }
 
-void undo_micro_motion(const MicroMotion& motion, PhaseMaps& maps) {
-  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  const std::vector<float> inside(width, 1.0F), none(width, 0.0F);
-  for (std::size_t at = 0; at < maps.phase_rad.size(); at += width) {
-    CodeRow row{};
-    row.order_cos = inside.data(), row.order_sin = none.data();
-    row.motion_rad = &motion.pixel_motion_rad[at], row.light = &motion.pixel_light[at];
-    row.motion_change_rad = &motion.pixel_motion_change_rad[at], row.light_change = &motion.pixel_light_change[at];
-    row.black_dn = motion.black_dn;
-    undo_motion_row(row, at, width, maps);
-  }
+void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out) {
+  const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
+  for (auto* map : {&out.mean_dn, &out.cosine_dn, &out.sine_dn, &out.code_dn, &out.modulation_dn, &out.phase_rad})
+    if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
+  CodeRows rows(motion, maps, nullptr);
+  for (int v = 0; v < h; ++v) undo_motion_row(rows.at(v), static_cast<std::size_t>(w), moved_row(out, v));
 }
 
 float code_turn_of(float motion_rad, const MicroCode& code) noexcept {
   return (1 + code.inverse_ratio) * kCodeTime * motion_rad;
 }
 
-void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
-                     const MicroRefitConfig& config, PhaseMaps& maps) {
+void join_code_frame(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion, float third_rad,
+                     const NoiseModel& noise, const MicroRefitConfig& config, PhaseMaps& maps) {
   const auto width = static_cast<std::size_t>(turn.width());
   const float torn = config.torn_sigmas * config.torn_sigmas;
   std::vector<float> missed(width);
-  each_code_row(spans, turn, code, [&](std::int32_t v, const float* cosine, const float* sine) {
-    const std::size_t at = static_cast<std::size_t>(v) * width;
-    join_code_row(code_row_of(motion, code, third_rad, at, cosine, sine), noise, config.outlier_sigmas, at, width, maps,
-                  missed.data());
+  CodeRows rows(motion, maps, &turn);
+  rows.expect(code, third_rad);
+  for (int v = 0; v < turn.height(); ++v) {
+    PixelReject* reject = &maps.reject(0, v);
+    join_code_row(rows.at(v), noise, config.outlier_sigmas, width,
+                  {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data()});
     for (std::size_t u = 0; u < width; ++u) {
-      PixelReject& why = maps.reject[at + u];
-      if (missed[u] > torn && why == PixelReject::kNone) why = PixelReject::kEdge;
+      const bool edge = (missed[u] > torn) & (reject[u] == PixelReject::kNone);
+      reject[u] = edge ? PixelReject::kEdge : reject[u];
     }
-  });
+  }
 }
 
 }  // namespace enamel::algo

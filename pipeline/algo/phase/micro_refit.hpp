@@ -12,10 +12,10 @@
 // phi with slope -g r B sin r Phi, which brings sigma from 0.816 to 0.726 sigma_n/B on average (algorithms.md §1).
 #pragma once
 
-#include <span>
+#include <cstdint>
 #include <vector>
 
-#include "pipeline/algo/phase/cell_span.hpp"
+#include "pipeline/algo/phase/grid_rows.hpp"
 #include "pipeline/algo/phase/micro_code.hpp"
 #include "pipeline/algo/phase/phase.hpp"
 
@@ -34,52 +34,62 @@ struct MicroRefitConfig {
   float torn_sigmas = 8;
 };
 
-/// Motion and gain for the burst, its blocks, and at each pixel, bilinear between blocks.
+/// What a rigid motion does to every pixel, beside what the blocks of micro_refit.hpp tell. Borrowed.
+struct SurfaceMotion {
+  Grid rate_rad;                       ///< eps, in place of the blocks'
+  Grid light;                          ///< dA/A of light above black per frame interval, the same of B
+  Grid rate_change_rad, light_change;  ///< of eps per interval; d2A/A: both belong to the surface and pass by with it
+};
+
+/// Motion and gain for the burst and its blocks; between their middles bilinear.
 struct MicroMotion {
   float motion_rad = 0;  ///< eps
   float gain = 1;        ///< g
   float black_dn = 0;
-  Map<float> pixel_motion_rad, pixel_gain;
-  Map<float> pixel_light;  ///< dA/A of light above black per frame interval, the same of B; the fit leaves 0
-  /// Of eps per interval; d2A/A. Both belong to the surface and pass by with it; the fit leaves 0.
-  Map<float> pixel_motion_change_rad, pixel_light_change;
   int columns = 0, rows = 0, block_px = 32;
-  std::vector<float> block_motion_rad, block_sigma_rad;  ///< row major; sigma: by noise and prior
+  std::vector<float> block_motion_rad, block_sigma_rad, block_gain;  ///< row major; sigma: by noise and prior
+  SurfaceMotion surface;                                             ///< the fit leaves none
+
+  /// What holds at every pixel. Valid while this and what `surface` borrows live.
+  [[nodiscard]] SurfaceMotion everywhere() const noexcept {
+    return surface.rate_rad.nodes != nullptr ? surface : SurfaceMotion{grid_of(block_motion_rad), {}, {}, {}};
+  }
+  [[nodiscard]] Grid gain_grid() const noexcept { return grid_of(block_gain); }
 
   struct Work {
     std::vector<double> sums;
     std::vector<float> column_sums;
-    std::vector<float> block_gain;
   } work;
+
+ private:
+  [[nodiscard]] Grid grid_of(const std::vector<float>& values) const noexcept {
+    return {values.data(), columns, rows, block_px};
+  }
 };
 
 /// The angle by which a motion of the phase turns the code frame, which was taken before mid-burst.
 [[nodiscard]] float code_turn_of(float motion_rad, const MicroCode& code) noexcept;
 
-/// maps: of compute_micro_phase and correct_third_harmonic, whose a1 is third_rad. turn: place_spans of the same spans.
-/// Without spans: no motion, g = 1.
-void fit_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
-                      MicroMotion& out);
+/// maps: of compute_micro_phase and correct_third_harmonic, whose a1 is third_rad. turn: of place_spans. Without
+/// placed pixels: no motion, g = 1.
+void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out);
 
-/// The gain of the blocks anew, under the motion and light that its pixels are given: light changes what the code frame
+/// The gain of the blocks anew, under the motion and light of the surface: light changes what the code frame
 /// shows of the modulation as a gain would. maps: as for the fit.
-void refit_micro_gain(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                      float third_rad, const NoiseModel& noise, const MicroRefitConfig& config, const PhaseMaps& maps,
-                      MicroMotion& motion);
+void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& motion);
 
-/// Rewrites mean, cosine, sine, modulation, code and phase of the spans' pixels as they were at mid-burst. Phases may
-/// leave [-pi, pi) a little; their turns stay.
-void undo_micro_motion(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                       const MicroMotion& motion, PhaseMaps& maps);
+/// Rewrites mean, cosine, sine, modulation, code and phase of all surfaces' pixels, placed or not, as they were at
+/// mid-burst. Phases may leave [-pi, pi) a little; their turns stay.
+void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion, PhaseMaps& maps);
 
-/// The same at all pixels, whether or not their order is known.
-void undo_micro_motion(const MicroMotion& motion, PhaseMaps& maps);
+/// The same at all pixels, whether or not their order is known, into `out`, whose other maps stay as they are.
+void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out);
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
 /// outlier, keep their three-frame solution; those whose code is torn_sigmas off are rejected as edges.
-void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
-                     const MicroRefitConfig& config, PhaseMaps& maps);
+void join_code_frame(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion, float third_rad,
+                     const NoiseModel& noise, const MicroRefitConfig& config, PhaseMaps& maps);
 
 }  // namespace enamel::algo

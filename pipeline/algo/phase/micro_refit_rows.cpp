@@ -1,8 +1,12 @@
 #include "pipeline/algo/phase/micro_refit_rows.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
+#include "pipeline/algo/phase/frame_turns.hpp"
+#include "pipeline/algo/phase/polar_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
 
@@ -22,9 +26,7 @@ constexpr float kFirstSkew = 0.26726124F, kSecondSkew = -0.80178373F, kThirdSkew
 /// Variance of R over that of a frame: the code frame, A/3, and 2/3 each of the parts of B cos and B sin, on average.
 constexpr float kResidualVariance = 2.1F;
 
-struct Turn {
-  float cos = 1, sin = 0;
-};
+constexpr Turn kThirdTurn{-0.5F, kHalfRoot3};
 
 /// |a| <= pi and a little: by the half angle, which the polynomials cover.
 [[gnu::always_inline]] inline Turn turn_of(float a) {
@@ -32,50 +34,68 @@ struct Turn {
   return {1 - 2 * s * s, 2 * s * c};
 }
 
-[[gnu::always_inline]] inline Turn operator*(Turn a, Turn b) {
-  return {a.cos * b.cos - a.sin * b.sin, a.sin * b.cos + a.cos * b.sin};
+/// A pixel above black.
+struct Pixel {
+  float mean, cosine, sine;
+};
+
+/// What each frame is multiplied by to have the light of mid-burst.
+struct Lights {
+  float of_first = 1, of_code = 1, of_second = 1, of_third = 1;
+};
+
+/// kSteady: light stays as it is.
+template <bool kSteady>
+[[gnu::always_inline]] inline Lights lights_of(const PixelChange& d) {
+  if constexpr (kSteady) return {};
+  const float l0 = d.light(kFirstTime), l1 = d.light(kCodeTime), l2 = d.light(kSecondTime), l3 = d.light(kThirdTime);
+  const float early = l0 * l1, late = l2 * l3, inverse = 1 / (early * late);  // one division for four
+  const float of_early = inverse * late, of_late = inverse * early;
+  return {of_early * l1, of_early * l0, of_late * l3, of_late * l2};
 }
 
-struct Pixel {
-  float mean = 0, cosine = 0, sine = 0;
-};
-
-/// Of one pixel, per frame interval: eps and its change, dA/A and d2A/A.
-struct Change {
-  float rate, rate_change, growth, growth_change;
-
-  [[nodiscard, gnu::always_inline]] float light(float t) const { return 1 + t * growth + 0.5F * t * t * growth_change; }
-  [[nodiscard, gnu::always_inline]] float turned(float t) const { return t * rate + 0.5F * t * t * rate_change; }
-};
-
-/// The three-frame solution, above black, with each frame at its own time and under its own light.
-[[gnu::always_inline]] inline Pixel at_mid_burst(const Pixel& p, const Change& d) {
+/// The three-frame solution with each frame at its own time and under its own light.
+[[gnu::always_inline]] inline Pixel at_mid_burst(const Pixel& p, const Lights& light, const Turns& t) {
   const float half = p.mean - 0.5F * p.cosine;
-  const float i0 = (p.mean + p.cosine) / d.light(kFirstTime);
-  const float i2 = (half - kHalfRoot3 * p.sine) / d.light(kSecondTime);
-  const float i3 = (half + kHalfRoot3 * p.sine) / d.light(kThirdTime);
-  const Turn a0 = turn_of(d.turned(kFirstTime));
-  const Turn a1 = Turn{-0.5F, kHalfRoot3} * turn_of(d.turned(kSecondTime));
-  const Turn a2 = Turn{-0.5F, -kHalfRoot3} * turn_of(d.turned(kThirdTime));
+  const float i0 = (p.mean + p.cosine) * light.of_first;
+  const float i2 = (half - kHalfRoot3 * p.sine) * light.of_second;
+  const float i3 = (half + kHalfRoot3 * p.sine) * light.of_third;
+  const Turn a0 = t.a0, a1 = kThirdTurn + t.a2, a2 = -kThirdTurn + t.a3;
   const float c1 = a0.cos - a1.cos, s1 = a1.sin - a0.sin, c2 = a0.cos - a2.cos, s2 = a2.sin - a0.sin;
   const float inverse = 1 / (c1 * s2 - s1 * c2);  // sqrt(27)/2 at rest, positive for any motion below a radian
   const float c = ((i0 - i2) * s2 - s1 * (i0 - i3)) * inverse, s = (c1 * (i0 - i3) - (i0 - i2) * c2) * inverse;
   return {i0 - c * a0.cos + s * a0.sin, c, s};
 }
 
-/// The code frame's model about a phase within its turn: cos and sin of r (Phi + turned), with the second harmonic
-/// B2/B of the projector, which also beats with three steps.
-struct CodeModel {
-  Turn angle;
-  float light = 0;       ///< over g B
-  float modulation = 1;  ///< B of the fundamental over that of the three-frame solution
+/// By how much the phase of `to` is ahead of that of `from`.
+[[gnu::always_inline]] inline float ahead(const Pixel& from, const Pixel& to) {
+  return atan2_poly(to.sine * from.cosine - to.cosine * from.sine, to.cosine * from.cosine + to.sine * from.sine);
+}
+
+/// What is the same for all pixels of a row.
+struct CodeWave {
+  float inverse_ratio, harmonic;
 };
 
-[[gnu::always_inline]] inline CodeModel code_model(Turn order, float inverse_ratio, float phase_rad, float turned_rad,
-                                                   float harmonic) {
+/// The code frame's model about a phase and its turn: cos and sin of r Phi + moved, with the second harmonic B2/B of
+/// the projector, which also beats with three steps.
+struct CodeModel {
+  Turn angle;
+  float light;       ///< over g B
+  float modulation;  ///< B of the fundamental over that of the three-frame solution
+};
+
+/// x less its nearest whole number, |x| < 2^22.
+[[gnu::always_inline]] inline float fraction(float x) {
+  constexpr float kWhole = 12582912;  // 1.5 * 2^23: the sum has no digits behind the point
+  return x - ((x + kWhole) - kWhole);
+}
+
+[[gnu::always_inline]] inline CodeModel code_model(float turn, float phase_rad, float moved_rad, CodeWave wave) {
+  const float harmonic = wave.harmonic;
   const Turn once = turn_of(phase_rad);
-  const float moved = (1 + inverse_ratio) * turned_rad;
-  const Turn a = once * turn_of(phase_rad * inverse_ratio + moved) * order;
+  const float beyond = phase_rad * wave.inverse_ratio + moved_rad;  // within half a turn and a little
+  const Turn a = once + turn_of(wrap_once(beyond + kTwoPiF * fraction(turn * wave.inverse_ratio)));
   const float cos3 = once.cos * (4 * once.cos * once.cos - 3);
   return {a, a.cos + harmonic * (2 * a.cos * a.cos - 1), 1 - harmonic * cos3};
 }
@@ -87,178 +107,237 @@ struct Residual {
 };
 
 /// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order.
-[[gnu::always_inline]] inline Residual code_residual(const Pixel& raw, float code, float phase_rad, Turn order,
-                                                     const Change& d, float gain, float inverse_ratio, float harmonic) {
-  const Pixel p = at_mid_burst(raw, d);
-  const float b3 = root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), c = p.cosine / b3, s = p.sine / b3;
-  const float moved = phase_rad + wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
-  const CodeModel k = code_model(order, inverse_ratio, moved, d.turned(kCodeTime), harmonic);
-  const float b = b3 * k.modulation, gb = gain * b;
-  // What frames that differ by f0, f2, f3 (over B) take from A, B cos and B sin, and that from the prediction.
-  const auto slope = [&](float f0, float f2, float f3, float turned) {
+template <bool kSteady>
+[[gnu::always_inline]] inline Residual code_residual(const Pixel& raw, float code, float phase_rad, float turn,
+                                                     const PixelChange& d, float gain, CodeWave wave) {
+  const Lights lights = lights_of<kSteady>(d);
+  const Pixel p = at_mid_burst(raw, lights, turns_of<kSteady>(d));
+  const float b3 = root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), in_b = 1 / b3;
+  const float c = p.cosine * in_b, s = p.sine * in_b, r = 1 + wave.inverse_ratio;
+  const float turned = kSteady ? kCodeTime * d.rate : d.turned(kCodeTime);
+  const CodeModel k = code_model(turn, phase_rad + ahead(raw, p), r * turned, wave);
+  const float b = b3 * k.modulation, by_swelling = -gain * k.angle.cos, by_turning = gain * r * k.angle.sin;
+  // What frames that differ by f0, f2, f3 take from A, B cos and B sin, and that from the prediction.
+  const auto slope = [&](float f0, float f2, float f3) {
     const float da = -kThird * (f0 + f2 + f3), dc = -kThird * (2 * f0 - f2 - f3), ds = -kInvRoot3 * (f3 - f2);
-    const float turning = c * ds - s * dc, swelling = c * dc + s * ds;
-    return -b * da - gb * swelling * k.angle.cos + gb * (1 + inverse_ratio) * k.angle.sin * (turning + turned);
+    return -da + by_swelling * (c * dc + s * ds) + by_turning * (c * ds - s * dc);
   };
-  const float c2 = -0.5F * c - kHalfRoot3 * s, c3 = -0.5F * c + kHalfRoot3 * s;  // cos of the other two frames
-  const float s2 = -0.5F * s + kHalfRoot3 * c, s3 = -0.5F * s - kHalfRoot3 * c;
-  const float part = p.mean / b;  // A/B
-  const float by_motion = slope(-kFirstTime * s, -kSecondTime * s2, -kThirdTime * s3, kCodeTime);
-  const float by_light = slope(kFirstTime * (part + c), kSecondTime * (part + c2), kThirdTime * (part + c3), 0) -
-                         kCodeTime * (p.mean + gb * k.angle.cos);
-  const float code_frame = (raw.mean + code) / d.light(kCodeTime);
-  return {code_frame - p.mean - gb * k.light,
-          by_motion,
-          by_light,
-          -b * k.light,
-          gb * (1 + inverse_ratio) * k.angle.sin,
-          slope(-kFirstSkew * s, -kSecondSkew * s2, -kThirdSkew * s3, 0),
-          b};
+  const float c0 = b * c, s0 = b * s;  // B cos and B sin of the three frames
+  const float c2 = -0.5F * c0 - kHalfRoot3 * s0, c3 = -0.5F * c0 + kHalfRoot3 * s0;
+  const float s2 = -0.5F * s0 + kHalfRoot3 * c0, s3 = -0.5F * s0 - kHalfRoot3 * c0;
+  const float by_alone = b * by_turning;
+  return {.rest = (raw.mean + code) * lights.of_code - p.mean - gain * b * k.light,
+          .by_motion = slope(-kFirstTime * s0, -kSecondTime * s2, -kThirdTime * s3) + kCodeTime * by_alone,
+          .by_light = slope(kFirstTime * (p.mean + c0), kSecondTime * (p.mean + c2), kThirdTime * (p.mean + c3)) -
+                      kCodeTime * (p.mean - b * by_swelling),
+          .by_gain = -b * k.light,
+          .by_alone = by_alone,
+          .by_skew = slope(-kFirstSkew * s0, -kSecondSkew * s2, -kThirdSkew * s3),
+          .modulation = b};
 }
 
-void add_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, float limit, std::size_t at,
-              std::size_t width, float* sums) {
-  const NoiseModel noise = model;  // a copy cannot alias what is written
-  const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic, black = row.black_dn;
-  const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
-  const float* __restrict code = &m.code_dn[at], * __restrict phase = &m.phase_rad[at];
-  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain, * __restrict light = row.light;
-  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
+/// A row's pixels, in each loop's own copy, which cannot alias what it writes.
+struct Row {
+  const float *mean, *cosine, *sine, *code, *modulation, *phase;
+  const float *rate, *gain, *light, *rate_change, *light_change;
+  const float* turn;
+  float black_dn;
+  CodeWave wave;
+
+  explicit Row(const CodeRow& r)
+      : mean(r.pixels.mean),
+        cosine(r.pixels.cosine),
+        sine(r.pixels.sine),
+        code(r.pixels.code),
+        modulation(r.pixels.modulation),
+        phase(r.pixels.phase),
+        rate(r.motion_rad),
+        gain(r.gain),
+        light(r.light),
+        rate_change(r.motion_change_rad),
+        light_change(r.light_change),
+        turn(r.turn),
+        black_dn(r.black_dn),
+        wave{r.inverse_ratio, r.harmonic} {}
+
+  [[nodiscard, gnu::always_inline]] Pixel raw(std::size_t u) const { return {mean[u] - black_dn, cosine[u], sine[u]}; }
+  template <bool kSteady>
+  [[nodiscard, gnu::always_inline]] PixelChange change(std::size_t u) const {
+    if constexpr (kSteady) return {rate[u], 0, 0, 0};
+    return {rate[u], rate_change[u], light[u], light_change[u]};
+  }
+  [[nodiscard, gnu::always_inline]] bool placed(std::size_t u) const { return turn[u] > kUnplaced; }
+  template <bool kSteady>
+  [[nodiscard, gnu::always_inline]] Residual residual(std::size_t u) const {
+    return code_residual<kSteady>(raw(u), code[u], phase[u], turn[u], change<kSteady>(u), gain[u], wave);
+  }
+};
+
+template <bool kSteady>
+void add_pixels(const Row& in, const NoiseModel& model, float limit, std::size_t width, float* sums) {
+  const NoiseModel noise = model;  // copies cannot alias what is written
+  const Row row = in;
   float* __restrict s0 = sums, * __restrict s1 = s0 + width, * __restrict s2 = s1 + width;
   float* __restrict s3 = s2 + width, * __restrict s4 = s3 + width;
-  const float* __restrict rate_change = row.motion_change_rad, * __restrict growth_change = row.light_change;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const Change d{rate[u], rate_change[u], light[u], growth_change[u]};
-    const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, d,
-                                     gain[u], inverse_ratio, harmonic);
-    const bool used =
-        (std::abs(k.rest) < limit * k.modulation) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);  // false for NaN
-    const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), r = select(used, k.rest, 0);
-    s0[u] += w * k.by_gain * k.by_gain;
-    s1[u] += w * k.by_gain * k.by_motion;
-    s2[u] += w * k.by_motion * k.by_motion;
-    s3[u] += w * k.by_gain * r;
-    s4[u] += w * k.by_motion * r;
+    const Residual k = row.residual<kSteady>(u);
+    const bool placed = row.placed(u), used = (std::abs(k.rest) < limit * k.modulation) & placed;  // false for NaN
+    const float w = select(used, 1 / (kResidualVariance * noise.variance(row.mean[u])), 0);
+    const float r = select(used, k.rest, 0), of_gain = w * k.by_gain, of_motion = w * k.by_motion;
+    s0[u] += of_gain * k.by_gain;
+    s1[u] += of_gain * k.by_motion;
+    s2[u] += of_motion * k.by_motion;
+    s3[u] += of_gain * r;
+    s4[u] += of_motion * r;
   }
 }
 
-void residual_loop(const PhaseMaps& m, const CodeRow& row, std::size_t at, std::size_t width, const ResidualRow& out) {
-  const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic, black = row.black_dn;
-  const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
-  const float* __restrict code = &m.code_dn[at], * __restrict phase = &m.phase_rad[at];
-  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain, * __restrict lit = row.light;
-  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
+void add_loop(const CodeRow& row, const NoiseModel& noise, float limit, std::size_t width, float* sums) {
+  (row.steady ? add_pixels<true> : add_pixels<false>)(Row(row), noise, limit, width, sums);
+}
+
+template <bool kSteady>
+void residuals(const Row& in, std::size_t count, const ResidualRow& out) {
+  const Row row = in;
   float* __restrict rest = out.residual, * __restrict motion = out.by_motion;
   float* __restrict light = out.by_light, * __restrict growth = out.by_gain;
-  const float* __restrict rate_change = row.motion_change_rad, * __restrict growth_change = row.light_change;
   ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const Change d{rate[u], rate_change[u], lit[u], growth_change[u]};
-    const Residual k = code_residual({mean[u] - black, cosine[u], sine[u]}, code[u], phase[u], {oc[u], os[u]}, d,
-                                     gain[u], inverse_ratio, harmonic);
-    rest[u] = k.rest;
+  for (std::size_t u = 0; u < count; ++u) {
+    const Residual k = row.residual<kSteady>(u);
+    rest[u] = select(row.placed(u), k.rest, std::numeric_limits<float>::quiet_NaN());
     motion[u] = -k.by_motion;
     light[u] = -k.by_light;
     growth[u] = -k.by_gain;
   }
 }
 
-void odd_loop(const PhaseMaps& m, const CodeRow& row, const NoiseModel& model, float limit, std::size_t at,
-              std::size_t width, float* sums) {
+void residual_loop(const CodeRow& row, std::size_t count, const ResidualRow& out) {
+  (row.steady ? residuals<true> : residuals<false>)(Row(row), count, out);
+}
+
+/// Columns of the odd frame's unknowns, the residual and its weight, a stretch at a time; their products follow in
+/// loops of their own, which the registers hold.
+struct OddStretch {
+  std::array<std::array<float, kPolarStretch>, kOddColumns + 1> x;  ///< the last: the residual
+  std::array<float, kPolarStretch> weight, asked, used;
+};
+
+template <bool kSteady>
+void odd_columns(const CodeRow& in, const NoiseModel& model, float limit, std::size_t from, std::size_t count,
+                 OddStretch& out) {
   const NoiseModel noise = model;
-  const float inverse_ratio = row.inverse_ratio, harmonic = row.harmonic, black = row.black_dn;
-  const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
-  const float* __restrict code = &m.code_dn[at], * __restrict phase = &m.phase_rad[at];
-  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain, * __restrict light = row.light;
-  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
-  float* __restrict out = sums;
-  const float* __restrict rate_change = row.motion_change_rad, * __restrict growth_change = row.light_change;
+  const Row row(in);
+  float* __restrict alone = out.x[0].data(), * __restrict skew = out.x[1].data(), * __restrict motion = out.x[2].data();
+  float* __restrict light = out.x[3].data(), * __restrict gain = out.x[4].data(), * __restrict rest = out.x[5].data();
+  float* __restrict weight = out.weight.data(), * __restrict asked = out.asked.data(), * __restrict used = out.used.data();
   ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const Pixel raw{mean[u] - black, cosine[u], sine[u]};
-    const Change d{rate[u], rate_change[u], light[u], growth_change[u]};
-    const Residual k = code_residual(raw, code[u], phase[u], {oc[u], os[u]}, d, gain[u], inverse_ratio, harmonic);
-    const bool asked = (k.rest == k.rest) & (oc[u] * oc[u] + os[u] * os[u] > 0.5F);
-    const bool used = (std::abs(k.rest) < limit * k.modulation) & asked;
-    const float w = select(used, 1 / (kResidualVariance * noise.variance(mean[u])), 0), y = select(used, -k.rest, 0);
-    const std::array<float, kOddColumns> x = {k.by_alone, k.by_skew, k.by_motion, k.by_light, k.by_gain};
-    std::size_t to = u;
+  for (std::size_t j = 0; j < count; ++j) {
+    const std::size_t u = from + j;
+    const Residual k = row.residual<kSteady>(u);
+    const bool placed = row.placed(u), known = (k.rest == k.rest) & placed;
+    const bool counts = (std::abs(k.rest) < limit * k.modulation) & known;
+    alone[j] = k.by_alone, skew[j] = k.by_skew, motion[j] = k.by_motion, light[j] = k.by_light, gain[j] = k.by_gain;
+    rest[j] = select(counts, -k.rest, 0);
+    weight[j] = select(counts, 1 / (kResidualVariance * noise.variance(row.mean[u])), 0);
+    asked[j] = select(known, 1, 0);
+    used[j] = select(counts, 1, 0);
+  }
+}
+
+void add_product(const float* a, const float* b, const float* weights, std::size_t count, float* sums) {
+  const float* __restrict x = a, * __restrict y = b, * __restrict w = weights;
+  float* __restrict sum = sums;
+  ENAMEL_INDEPENDENT  // x and y may be one
+      for (std::size_t j = 0; j < count; ++j) sum[j] += w[j] * x[j] * y[j];
+}
+
+void add_to(const float* values, std::size_t count, float* sums) {
+  const float* __restrict x = values;
+  float* __restrict sum = sums;
+  for (std::size_t j = 0; j < count; ++j) sum[j] += x[j];
+}
+
+void odd_loop(const CodeRow& row, const NoiseModel& noise, float limit, std::size_t width, float* sums) {
+  OddStretch stretch;
+  for (std::size_t from = 0; from < width; from += kPolarStretch) {
+    const std::size_t count = std::min(kPolarStretch, width - from);
+    (row.steady ? odd_columns<true> : odd_columns<false>)(row, noise, limit, from, count, stretch);
+    float* to = sums + from;
     for (std::size_t i = 0; i < kOddColumns; ++i) {
-      for (std::size_t j = i; j < kOddColumns; ++j, to += width) out[to] += w * x[i] * x[j];
-      out[to] += w * x[i] * y;
-      to += width;
+      for (std::size_t j = i; j <= kOddColumns; ++j, to += width)
+        add_product(stretch.x[i].data(), stretch.x[j].data(), stretch.weight.data(), count, to);
     }
-    out[to] += select(asked, 1, 0);
-    out[to + width] += select(used, 1, 0);
+    add_to(stretch.asked.data(), count, to);
+    add_to(stretch.used.data(), count, to + width);
   }
 }
 
-void mid_burst_loop(const PhaseMaps& m, const CodeRow& row, std::size_t at, std::size_t width, float* phase_rad,
-                    float* mean_dn) {
-  const float black = row.black_dn;
-  const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
-  const float* __restrict phase = &m.phase_rad[at], * __restrict rate = row.motion_rad, * __restrict light = row.light;
-  float* __restrict moved = phase_rad, * __restrict lit = mean_dn;
-  const float* __restrict rate_change = row.motion_change_rad, * __restrict growth_change = row.light_change;
+template <bool kSteady>
+void mid_burst(const Row& in, std::size_t count, float* phase_rad, float* light_dn) {
+  const Row row = in;
+  float* __restrict moved = phase_rad, * __restrict lit = light_dn;
   ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const Pixel raw{mean[u] - black, cosine[u], sine[u]};
-    const Pixel p = at_mid_burst(raw, {rate[u], rate_change[u], light[u], growth_change[u]});
-    moved[u] = phase[u] + wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
-    lit[u] = p.mean + black;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t u = 2 * k;
+    const PixelChange d = row.change<kSteady>(u);
+    const Pixel raw = row.raw(u), p = at_mid_burst(raw, lights_of<kSteady>(d), turns_of<kSteady>(d));
+    moved[k] = row.phase[u] + ahead(raw, p);
+    lit[k] = p.mean;
   }
 }
 
-void undo_loop(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps& m) {
-  const float black = row.black_dn;
-  float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
-  float* __restrict code = &m.code_dn[at], * __restrict modulation = &m.modulation_dn[at], * __restrict phase = &m.phase_rad[at];
-  const float* __restrict rate = row.motion_rad, * __restrict light = row.light;
-  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
-  const float* __restrict rate_change = row.motion_change_rad, * __restrict growth_change = row.light_change;
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const bool inside = oc[u] * oc[u] + os[u] * os[u] > 0.5F;
-    const Pixel raw{mean[u] - black, cosine[u], sine[u]};
-    const Change d{rate[u], rate_change[u], light[u], growth_change[u]};
-    const Pixel p = at_mid_burst(raw, d);
-    const float step = wrap_once(atan2_poly(p.sine, p.cosine) - atan2_poly(raw.sine, raw.cosine));
-    phase[u] += select(inside, step, 0);
-    code[u] = select(inside, (raw.mean + code[u]) / d.light(kCodeTime) - p.mean, code[u]);
-    mean[u] = select(inside, p.mean + black, mean[u]);
+void mid_burst_loop(const CodeRow& row, std::size_t count, float* phase_rad, float* light_dn) {
+  (row.steady ? mid_burst<true> : mid_burst<false>)(Row(row), count, phase_rad, light_dn);
+}
+
+template <bool kSteady>
+void undo(const Row& in, std::size_t width, const MovedRow& out) {
+  const Row row = in;
+  float *mean = out.mean, *cosine = out.cosine, *sine = out.sine;
+  float *code = out.code, *modulation = out.modulation, *phase = out.phase;
+  ENAMEL_INDEPENDENT  // what is written may be the row's own
+      for (std::size_t u = 0; u < width; ++u) {
+    const bool inside = row.turn[u] > kNoSurface;
+    const PixelChange d = row.change<kSteady>(u);
+    const Lights lights = lights_of<kSteady>(d);
+    const Pixel raw = row.raw(u), p = at_mid_burst(raw, lights, turns_of<kSteady>(d));
+    const float seen = row.code[u], at_code = (raw.mean + seen) * lights.of_code - p.mean;
+    phase[u] = row.phase[u] + select(inside, ahead(raw, p), 0);
+    code[u] = select(inside, at_code, seen);
+    mean[u] = select(inside, p.mean + row.black_dn, row.mean[u]);
     cosine[u] = select(inside, p.cosine, raw.cosine);
     sine[u] = select(inside, p.sine, raw.sine);
-    modulation[u] = select(inside, root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), modulation[u]);
+    modulation[u] = select(inside, root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), row.modulation[u]);
   }
 }
 
-void join_loop(const CodeRow& row, const NoiseModel& model, float outlier_sigmas, std::size_t at, std::size_t width,
-               PhaseMaps& m, float* missed) {
-  const NoiseModel noise = model;  // a copy cannot alias what is written
-  const float inverse_ratio = row.inverse_ratio, r = 1 + inverse_ratio, harmonic = row.harmonic;
-  const float gate = outlier_sigmas * outlier_sigmas;
-  const float* __restrict rate = row.motion_rad, * __restrict gain = row.gain;
-  const float* __restrict oc = row.order_cos, * __restrict os = row.order_sin;
-  const float* __restrict mean = &m.mean_dn[at], * __restrict d = &m.code_dn[at], * __restrict modulation = &m.modulation_dn[at];
-  float* __restrict phase = &m.phase_rad[at], * __restrict sigma = &m.sigma_rad[at];
-  float* __restrict squares = missed;
-  const float* __restrict rate_change = row.motion_change_rad;
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const float turned = kCodeTime * rate[u] + 0.5F * kCodeTime * kCodeTime * rate_change[u];
-    const CodeModel k = code_model({oc[u], os[u]}, inverse_ratio, phase[u], turned, harmonic);
-    const float gb = gain[u] * modulation[u] * k.modulation, off = d[u] - gb * k.light, slope = -gb * r * k.angle.sin;
+void undo_loop(const CodeRow& row, std::size_t width, const MovedRow& out) {
+  (row.steady ? undo<true> : undo<false>)(Row(row), width, out);
+}
+
+void join_loop(const CodeRow& in, const NoiseModel& model, float outlier_sigmas, std::size_t width,
+               const JoinedRow& out) {
+  const NoiseModel noise = model;  // copies cannot alias what is written
+  const Row row(in);
+  const float r = 1 + row.wave.inverse_ratio, gate = outlier_sigmas * outlier_sigmas;
+  float *phase = out.phase, *sigma = out.sigma, *missed = out.missed;
+  ENAMEL_INDEPENDENT  // `phase` may be the row's own
+      for (std::size_t u = 0; u < width; ++u) {
+    const float turned = row.change<false>(u).turned(kCodeTime), was = row.phase[u], gain = row.gain[u];
+    const CodeModel k = code_model(row.turn[u], was, r * turned, row.wave);
+    const float gb = gain * row.modulation[u] * k.modulation, off = row.code[u] - gb * k.light;
+    const float slope = -gb * r * k.angle.sin;
     // The code frame's own noise, and that of A and B in what it is compared with.
-    const float fitted = gain[u] * k.angle.cos;
+    const float fitted = gain * k.angle.cos;
     const float own =
-        noise.variance(mean[u] + gb * k.light) + noise.variance(mean[u]) * kThird * (1 + 2 * fitted * fitted);
-    const float variance = sigma[u] * sigma[u], total = own + slope * slope * variance;
-    const bool inside = oc[u] * oc[u] + os[u] * os[u] > 0.5F;
-    const bool joins = (off * off < gate * total) & inside;  // false for NaN
-    squares[u] = select(inside, off * off / total, 0);
-    const float share = select(joins, variance * slope / total, 0);
-    phase[u] += share * select(joins, off, 0);
+        noise.variance(row.mean[u] + gb * k.light) + noise.variance(row.mean[u]) * kThird * (1 + 2 * fitted * fitted);
+    const float variance = sigma[u] * sigma[u], inverse = 1 / (own + slope * slope * variance);
+    const float squares = off * off * inverse;
+    const bool placed = row.placed(u), joins = (squares < gate) & placed;  // false for NaN
+    missed[u] = select(placed, squares, 0);
+    const float share = select(joins, variance * slope * inverse, 0);
+    phase[u] = was + share * select(joins, off, 0);
     sigma[u] = root(variance * (1 - share * slope));
   }
 }
@@ -276,33 +355,30 @@ HWY_EXPORT(mid_burst_loop);
 HWY_EXPORT(undo_loop);
 HWY_EXPORT(join_loop);
 
-void add_refit_row(const PhaseMaps& maps, const CodeRow& row, const NoiseModel& noise, float max_residual,
-                   std::size_t at, std::size_t width, float* sums) {
-  HWY_DYNAMIC_DISPATCH(add_loop)(maps, row, noise, max_residual, at, width, sums);
+void add_refit_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width, float* sums) {
+  HWY_DYNAMIC_DISPATCH(add_loop)(row, noise, max_residual, width, sums);
 }
 
-void code_residual_row(const PhaseMaps& maps, const CodeRow& row, std::size_t at, std::size_t width,
-                       const ResidualRow& out) {
-  HWY_DYNAMIC_DISPATCH(residual_loop)(maps, row, at, width, out);
+void code_residual_row(const CodeRow& row, std::size_t count, const ResidualRow& out) {
+  HWY_DYNAMIC_DISPATCH(residual_loop)(row, count, out);
 }
 
-void add_micro_odd_row(const PhaseMaps& maps, const CodeRow& row, const NoiseModel& noise, float max_residual,
-                       std::size_t at, std::size_t width, float* sums) {
-  HWY_DYNAMIC_DISPATCH(odd_loop)(maps, row, noise, max_residual, at, width, sums);
+void add_micro_odd_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width,
+                       float* sums) {
+  HWY_DYNAMIC_DISPATCH(odd_loop)(row, noise, max_residual, width, sums);
 }
 
-void mid_burst_row(const PhaseMaps& maps, const CodeRow& row, std::size_t at, std::size_t width, float* phase_rad,
-                   float* mean_dn) {
-  HWY_DYNAMIC_DISPATCH(mid_burst_loop)(maps, row, at, width, phase_rad, mean_dn);
+void sparse_mid_burst_row(const CodeRow& row, std::size_t count, float* phase_rad, float* light_dn) {
+  HWY_DYNAMIC_DISPATCH(mid_burst_loop)(row, count, phase_rad, light_dn);
 }
 
-void undo_motion_row(const CodeRow& row, std::size_t at, std::size_t width, PhaseMaps& maps) {
-  HWY_DYNAMIC_DISPATCH(undo_loop)(row, at, width, maps);
+void undo_motion_row(const CodeRow& row, std::size_t width, const MovedRow& out) {
+  HWY_DYNAMIC_DISPATCH(undo_loop)(row, width, out);
 }
 
-void join_code_row(const CodeRow& row, const NoiseModel& noise, float outlier_sigmas, std::size_t at, std::size_t width,
-                   PhaseMaps& maps, float* missed) {
-  HWY_DYNAMIC_DISPATCH(join_loop)(row, noise, outlier_sigmas, at, width, maps, missed);
+void join_code_row(const CodeRow& row, const NoiseModel& noise, float outlier_sigmas, std::size_t width,
+                   const JoinedRow& out) {
+  HWY_DYNAMIC_DISPATCH(join_loop)(row, noise, outlier_sigmas, width, out);
 }
 
 }  // namespace enamel::algo

@@ -1,5 +1,11 @@
+#include <algorithm>
+#include <array>
+
 #include "pipeline/algo/phase/frame_rows.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
+#include "pipeline/algo/phase/micro_phase_rows.hpp"
+#include "pipeline/algo/phase/micro_refit_rows.hpp"
+#include "pipeline/algo/phase/polar_rows.hpp"
 #include "pipeline/types/simd.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -22,6 +28,41 @@ void solve_micro(const BurstView& view, const NoiseModel& noise, const PhaseConf
   });
 }
 
+struct ThirdSums {
+  alignas(64) std::array<float, kPolarStretch> of_pixel;
+};
+
+void third_loop(const PhaseMaps& m, const float* weights, std::size_t at, std::size_t count, ThirdSums& out) {
+  const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at], * __restrict weight = weights;
+  float* __restrict sum = out.of_pixel.data();
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < count; ++u) {
+    const float c = cosine[u], s = sine[u], b2 = c * c + s * s + 1e-6F;
+    sum[u] += select(weight[u] != 0, c * (c * c - 3 * s * s) / (b2 * root(b2)), 0);
+  }
+}
+
+/// Stretches of a row are added up side by side first.
+double third_sum(const PhaseMaps& m, const float* weight, std::size_t at, std::size_t width) {
+  ThirdSums sums;
+  sums.of_pixel.fill(0);
+  for (std::size_t from = 0; from < width; from += kPolarStretch)
+    third_loop(m, weight + from, at + from, std::min(kPolarStretch, width - from), sums);
+  for (std::size_t half = kPolarStretch / 2; half > 0; half /= 2)
+    for (std::size_t j = 0; j < half; ++j) sums.of_pixel[j] += sums.of_pixel[j + half];
+  return static_cast<double>(sums.of_pixel[0]);
+}
+
+void correct_loop(const float* turns, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& m) {
+  const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at], * __restrict turn = turns;
+  float* __restrict phase = &m.phase_rad[at];
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const float c = cosine[u], s = sine[u], b2 = c * c + s * s + 1e-6F;
+    phase[u] -= select(turn[u] > kNoSurface, a1_rad * (s * (3 * c * c - s * s) / (b2 * root(b2))), 0);
+  }
+}
+
 }  // namespace enamel::algo::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -29,6 +70,16 @@ HWY_AFTER_NAMESPACE();
 namespace enamel::algo {
 
 HWY_EXPORT(solve_micro);
+HWY_EXPORT(third_sum);
+HWY_EXPORT(correct_loop);
+
+double third_harmonic_row(const PhaseMaps& maps, const float* weight, std::size_t at, std::size_t width) {
+  return HWY_DYNAMIC_DISPATCH(third_sum)(maps, weight, at, width);
+}
+
+void correct_third_row(const float* turn, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& maps) {
+  HWY_DYNAMIC_DISPATCH(correct_loop)(turn, a1_rad, at, width, maps);
+}
 
 void compute_micro_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {
   HWY_DYNAMIC_DISPATCH(solve_micro)(view, noise, config, maps);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/algo/phase/micro_refit_rows.hpp"
+#include "pipeline/algo/phase/micro_spans.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 
 namespace enamel::algo {
@@ -39,14 +39,20 @@ struct Unknowns {
   double mean = 0, modulation = 0, phase = 0;  ///< A above black, B, Phi
 };
 
+/// What motion does to a pixel, and the gain of its code frame (MicroMotion).
+struct Seen {
+  float rate_rad = 0, gain = 1, light = 0;
+};
+
 /// One pixel's two phase frames and its code frame.
 class Pixel {
  public:
-  Pixel(const MicroSaturatedInput& in, const PhaseMaps& m, std::size_t i, double saturated_dn, const Unknowns& near)
+  Pixel(const MicroSaturatedInput& in, const PhaseMaps& m, const Seen& seen, std::size_t i, double saturated_dn,
+        const Unknowns& near)
       : in_(in),
-        rate_(static_cast<double>(in.motion.pixel_motion_rad[i])),
-        gain_(static_cast<double>(in.motion.pixel_gain[i])),
-        growth_(static_cast<double>(in.motion.pixel_light[i]) * near.modulation / std::max(near.mean, 1.0)) {
+        rate_(static_cast<double>(seen.rate_rad)),
+        gain_(static_cast<double>(seen.gain)),
+        growth_(static_cast<double>(seen.light) * near.modulation / std::max(near.mean, 1.0)) {
     const auto a = static_cast<double>(m.mean_dn[i]), c = static_cast<double>(m.cosine_dn[i]);
     const auto s = static_cast<double>(m.sine_dn[i]);
     const std::array<double, 4> dn = {a + c, a + static_cast<double>(m.code_dn[i]), a - 0.5 * c - kHalfRoot3 * s,
@@ -119,7 +125,7 @@ class Solver {
  public:
   Solver(const MicroSaturatedInput& in, const PhaseConfig& config, PhaseMaps& maps, Map<std::int16_t>& turn,
          std::vector<std::size_t>& solved)
-      : in_(in), config_(config), maps_(maps), turn_(turn), solved_(solved) {}
+      : in_(in), config_(config), maps_(maps), turn_(turn), solved_(solved), rows_(in.motion, maps, nullptr) {}
 
   /// The saturated run between pixels `last` and `next` of the image, both decided, of one row.
   void solve_run(std::size_t last, std::size_t next) {
@@ -140,10 +146,20 @@ class Solver {
             static_cast<double>(maps_.phase_rad[i]) + kTwoPi * turn_[i]};
   }
 
+  /// Runs come in the order of rows.
+  [[nodiscard]] Seen seen_at(std::size_t i) {
+    const auto width = static_cast<std::size_t>(maps_.phase_rad.width());
+    const auto v = static_cast<int>(i / width);
+    if (v != row_) row_ = v, seen_ = rows_.at(v);
+    const std::size_t u = i % width;
+    return {seen_.motion_rad[u], seen_.gain[u], seen_.light[u]};
+  }
+
   static bool alike(double a, double b) { return a > kLeastShare * b && b > kLeastShare * a; }
 
   void solve_pixel(std::size_t i, const Unknowns& near) {
-    const Pixel pixel(in_, maps_, i, static_cast<double>(config_.saturation * in_.noise.full_scale_dn), near);
+    const Pixel pixel(in_, maps_, seen_at(i), i, static_cast<double>(config_.saturation * in_.noise.full_scale_dn),
+                      near);
     Unknowns x = near;
     if (!pixel.usable() || !pixel.solve(x)) return;
     const double sigma = pixel.sigma_rad(x);
@@ -171,6 +187,9 @@ class Solver {
   PhaseMaps& maps_;
   Map<std::int16_t>& turn_;
   std::vector<std::size_t>& solved_;
+  CodeRows rows_;
+  CodeRow seen_;
+  int row_ = -1;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "pipeline/algo/phase/cell_span.hpp"
 #include "pipeline/algo/phase/micro_refit.hpp"
 
 namespace enamel::algo {

@@ -17,8 +17,9 @@ struct CodeSteps {
   Map<std::uint8_t> cut;  ///< 1: the code jumps between the pixel and its left neighbour
 
   struct Work {
-    std::vector<CodeSums> sums;
+    CodeSumRow sums, windows;
     std::vector<float> misfit;
+    std::vector<std::uint8_t> asked;
   } work;
 };
 

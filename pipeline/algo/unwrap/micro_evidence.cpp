@@ -23,35 +23,6 @@ constexpr std::int32_t kEndTrim_px = 2;  ///< a few pixels already tell: one tha
 
 }  // namespace
 
-void code_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const MicroCode& code, std::size_t row,
-                      std::vector<CodeSums>& out) {
-  const auto width = static_cast<std::size_t>(phase.phase_rad.width());
-  const std::size_t at = row * width;
-  out.resize(width);
-  const float* __restrict phi = &phase.phase_rad[at], * __restrict cosine = &phase.cosine_dn[at];
-  const float* __restrict sine = &phase.sine_dn[at], * __restrict d = &phase.code_dn[at];
-  const float* __restrict mean = &phase.mean_dn[at];
-  CodeSums* __restrict o = out.data();
-  const NoiseModel model = noise;
-  const float inverse_ratio = code.inverse_ratio, step = 1 + inverse_ratio;
-  // var(D - Re(w z)): the code frame's own, A's third of it and at most phi's 2/3 (times the code's slope).
-  const float noise_of_code = 1 + 1.0F / 3 + 2.0F / 3 * step * step;
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const float t = phi[u] * inverse_ratio, ct = cos_poly(t), st = sin_poly(t);
-    const float x = cosine[u] * ct - sine[u] * st, y = -(cosine[u] * st + sine[u] * ct);
-    const bool known = d[u] == d[u];
-    const float weight = select(known, 1, 0) / (noise_of_code * model.variance(mean[u]));
-    const float seen = select(known, d[u], 0);
-    o[u].xx = weight * x * x;
-    o[u].xy = weight * x * y;
-    o[u].yy = weight * y * y;
-    o[u].xd = weight * x * seen;
-    o[u].yd = weight * y * seen;
-    o[u].dd = weight * seen * seen;
-  }
-}
-
 CodePhasor phasor_of(const CodeSums& sums, float outlier_cost) {
   const double a = static_cast<double>(sums.xx) + kRidge, b = static_cast<double>(sums.xy),
                d = static_cast<double>(sums.yy) + kRidge;
@@ -93,13 +64,13 @@ void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, con
     }
     const PieceCore core = core_of(pieces, k, kEndTrim_px);
     CodeSums s;
-    for (std::int32_t u = core.begin; u < core.end; ++u) {
-      const CodeSums& pixel = row_[static_cast<std::size_t>(u)];
-      s.xx += pixel.xx;
-      s.xy += pixel.xy;
-      s.yy += pixel.yy;
-      s.xd += pixel.xd;
-      s.yd += pixel.yd;
+    for (auto u = static_cast<std::size_t>(core.begin); u < static_cast<std::size_t>(std::max(core.begin, core.end));
+         ++u) {
+      s.xx += row_.xx[u];
+      s.xy += row_.xy[u];
+      s.yy += row_.yy[u];
+      s.xd += row_.xd[u];
+      s.yd += row_.yd[u];
     }
     said_[k] = phasor_of(s, outlier_cost);
   }

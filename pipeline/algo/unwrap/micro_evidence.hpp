@@ -29,9 +29,17 @@ struct CodePhasor {
   bool sharp = false;  ///< noise alone leaves z to within the spread that blur and motion give it
 };
 
+/// Of the pixels of a row, one array a sum.
+struct CodeSumRow {
+  std::vector<float> xx, xy, yy, xd, yd, dd;
+
+  void resize(std::size_t width);
+  [[nodiscard]] CodeSums at(std::size_t u) const { return {xx[u], xy[u], yy[u], xd[u], yd[u], dd[u]}; }
+};
+
 /// Sums of each pixel of one row; `out` has the row's width. Pixels without code have zeros.
 void code_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const MicroCode& code, std::size_t row,
-                      std::vector<CodeSums>& out);
+                      CodeSumRow& out);
 
 /// The covariance is that of noise and of what blur, motion and harmonics do to z, about independent of the order.
 [[nodiscard]] CodePhasor phasor_of(const CodeSums& sums, float outlier_cost);
@@ -66,7 +74,7 @@ class MicroEvidence final : public CodeEvidence {
   const MicroCode* code_ = nullptr;
   float mean_turn_rad_ = 0;
   std::vector<CodePhasor> said_;
-  std::vector<CodeSums> row_;
+  CodeSumRow row_;
 };
 
 }  // namespace enamel::algo

@@ -148,11 +148,11 @@ class Patches {
   [[nodiscard]] int best_evidence(int lowest) const {
     const MicroCode code = make_micro_code(rig_.patterns, rig_.projector).value();
     std::array<CodeSums, 3> sums{};  // by turn within the patch: the decoder's pieces end at a wrap
-    std::vector<CodeSums> row;
+    CodeSumRow row;
     for (std::size_t i = 0; i < maps_.phase_rad.size(); ++i) {
       const auto n = static_cast<std::size_t>(n_);
       if (i % n == 0) code_sums_of_row(maps_, noise_, code, i / n, row);
-      const CodeSums& pixel = row[i % n];
+      const CodeSums pixel = row.at(i % n);
       CodeSums& s = sums[static_cast<std::size_t>(turn_within(i) + 1)];
       s.xx += pixel.xx, s.xy += pixel.xy, s.yy += pixel.yy, s.xd += pixel.xd, s.yd += pixel.yd;
     }

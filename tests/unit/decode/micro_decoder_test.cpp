@@ -135,6 +135,34 @@ TEST(MicroDecoder, motion_turns_the_code_and_leaves_the_orders_right) {
   }
 }
 
+/// A plane of uneven brightness that passes by along the fringes, by so many px a frame: its phase stays, its light
+/// does not.
+DecodedBurst painted_plane_passing(double px_per_frame, const BurstDecoder& by) {
+  test::FrameSet frames;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double passed_px = px_per_frame * (static_cast<double>(k) - 1.5);
+    test::SceneOptions o = noisy();
+    o.seed = k + 1;
+    o.light = [&](int u, int v) {
+      return 0.75 + 0.12 * std::sin((v + passed_px) / 20.0) + 0.12 * std::sin(u / 25.0 + (v + passed_px) / 40.0);
+    };
+    const auto at = test::render(wide_rig(), test::flat(48), o);
+    if (k == 0) frames = at.frames;
+    frames.frames[k] = at.frames.frames[k];
+  }
+  return by.decode(frames.view());
+}
+
+TEST(MicroDecoder, orders_are_found_where_the_light_of_a_painted_surface_passes_by) {
+  const DecodedBurst burst = painted_plane_passing(14, decoder());
+  ASSERT_TRUE(burst.accepted()) << name_of(burst.verdict) << " " << burst.diagnostics.code_agreement;
+  EXPECT_GT(burst.diagnostics.code_agreement, 0.97);
+  DecodeConfig once;
+  once.clear_code_agreement = 0;
+  const DecodedBurst blind = painted_plane_passing(14, BurstDecoder::make(wide_rig(), once).value());
+  EXPECT_LT(blind.diagnostics.code_agreement, 0.95) << "negative control: light is taken for code";
+}
+
 TEST(MicroDecoder, second_harmonic_is_undone) {
   test::SceneOptions o;
   o.harmonic = 0.02;

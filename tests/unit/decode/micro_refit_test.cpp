@@ -49,10 +49,10 @@ struct Refit {
     three = maps;
     place();
     const float third = estimate_third_harmonic(spans, maps).a1_rad;
-    correct_third_harmonic(spans, third, maps);
-    fit_micro_motion(spans, turn, code, third, noise, {}, maps, motion);
-    undo_micro_motion(spans, turn, code, motion, maps);
-    join_code_frame(spans, turn, code, motion, third, noise, {}, maps);
+    correct_third_harmonic(turn, third, maps);
+    fit_micro_motion(turn, code, third, noise, {}, maps, motion);
+    undo_micro_motion(turn, motion, maps);
+    join_code_frame(turn, code, motion, third, noise, {}, maps);
   }
 
   [[nodiscard]] double rms_of(const PhaseMaps& m, bool over_sigma = false) const {
@@ -94,7 +94,7 @@ struct Refit {
       }
       spans[first].whole = spans.back().whole = false;
     }
-    place_spans(spans, kWidth, kHeight, turn);
+    place_spans(spans, {}, kWidth, kHeight, turn);
   }
 };
 
