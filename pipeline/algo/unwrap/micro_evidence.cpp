@@ -91,7 +91,7 @@ void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, con
       row = pieces[k].row;
       code_sums_of_row(phase, noise, code, static_cast<std::size_t>(row), row_);
     }
-    const PieceCore core = core_of(pieces, k, kEndTrim_px);
+    const PieceCore core = core_of(pieces, k, kEndTrim_px, phase.phase_rad.width());
     CodeSums s;
     for (std::int32_t u = core.begin; u < core.end; ++u) {
       const CodeSums& pixel = row_[static_cast<std::size_t>(u)];
