@@ -143,10 +143,11 @@ void prepare(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flo
 
 }  // namespace
 
-PieceCore core_of(const std::vector<Piece>& pieces, std::size_t k, std::int32_t trim_px) noexcept {
+PieceCore core_of(const std::vector<Piece>& pieces, std::size_t k, std::int32_t trim_px, std::int32_t width) noexcept {
   const Piece& p = pieces[k];
-  const bool last_of_run = k + 1 == pieces.size() || !pieces[k + 1].joined || pieces[k + 1].kink;
-  return {p.begin + (p.joined && !p.kink ? 0 : trim_px), p.end - (last_of_run ? trim_px : 0)};
+  const bool begins = p.begin > 0 && (!p.joined || p.kink);
+  const bool ends = p.end < width && (k + 1 == pieces.size() || !pieces[k + 1].joined || pieces[k + 1].kink);
+  return {p.begin + (begins ? trim_px : 0), p.end - (ends ? trim_px : 0)};
 }
 
 void find_pieces(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const PhaseBounds& bounds,

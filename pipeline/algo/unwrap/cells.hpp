@@ -31,11 +31,13 @@ struct Piece {
 };
 
 /// The part of a piece whose code is trusted, less trim_px at a run's ends, where blur and motion mix frames of two
-/// surfaces or of light and shadow. Empty when end <= begin.
+/// surfaces or of light and shadow; nothing at the borders of a picture `width` wide, where the view ends and not the
+/// surface. Empty when end <= begin.
 struct PieceCore {
   std::int32_t begin = 0, end = 0;
 };
-[[nodiscard]] PieceCore core_of(const std::vector<Piece>& pieces, std::size_t k, std::int32_t trim_px) noexcept;
+[[nodiscard]] PieceCore core_of(const std::vector<Piece>& pieces, std::size_t k, std::int32_t trim_px,
+                                std::int32_t width) noexcept;
 
 /// Phase at the two ends of the depth range, per pixel, rad, absolute.
 struct PhaseBounds {

@@ -62,7 +62,7 @@ void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, con
       row = pieces[k].row;
       code_sums_of_row(phase, noise, code, static_cast<std::size_t>(row), row_);
     }
-    const PieceCore core = core_of(pieces, k, kEndTrim_px);
+    const PieceCore core = core_of(pieces, k, kEndTrim_px, phase.phase_rad.width());
     CodeSums s;
     for (auto u = static_cast<std::size_t>(core.begin); u < static_cast<std::size_t>(std::max(core.begin, core.end));
          ++u) {

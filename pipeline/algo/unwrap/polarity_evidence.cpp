@@ -39,7 +39,7 @@ void PolarityEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, 
       row = pieces[k].row;
       polarity_columns(phase, noise, static_cast<std::size_t>(row) * width, width, columns_.data());
     }
-    said_[k] = say(columns_.data(), core_of(pieces, k, kEndTrim_px));
+    said_[k] = say(columns_.data(), core_of(pieces, k, kEndTrim_px, phase.phase_rad.width()));
   }
   if (signs.informative) price_polarity(outlier_cost, said_.size(), said_.data());
 }

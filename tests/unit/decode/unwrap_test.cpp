@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/algo/unwrap/cells.hpp"
 #include "pipeline/algo/unwrap/flood.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
@@ -82,6 +83,17 @@ TEST(Unwrap, jump_of_exactly_one_fringe_across_the_fringes_is_found_by_the_code)
       rig, [&](int u, int) { return u < 200 ? 50.0 : 50 - jump; }, noisy());
   EXPECT_LE(static_cast<double>(r.wrong), 0.01 * static_cast<double>(r.lit));
   EXPECT_GE(static_cast<double>(r.valid), 0.8 * static_cast<double>(r.lit));
+}
+
+TEST(Unwrap, code_is_trusted_to_the_border_of_the_picture_and_not_to_the_end_of_a_run) {
+  std::vector<Piece> pieces(2);
+  pieces[0].begin = 0, pieces[0].end = 20;
+  pieces[1].begin = 30, pieces[1].end = 50;
+  EXPECT_EQ(core_of(pieces, 0, 2, 50).begin, 0);
+  EXPECT_EQ(core_of(pieces, 0, 2, 50).end, 18);
+  EXPECT_EQ(core_of(pieces, 1, 2, 50).begin, 32);
+  EXPECT_EQ(core_of(pieces, 1, 2, 50).end, 50);
+  EXPECT_EQ(core_of(pieces, 1, 2, 51).end, 48);
 }
 
 TEST(Unwrap, isolated_patch_with_enough_code_is_placed) {
