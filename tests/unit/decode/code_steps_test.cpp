@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "pipeline/algo/phase/micro_phase.hpp"
 #include "tests/unit/decode/synthetic.hpp"
@@ -78,6 +81,32 @@ TEST(CodeSteps, a_surface_without_jumps_is_not_cut) {
     CodeSteps steps;
     find_code_steps(s.phase, s.noise, s.code, s.flood, 6.9F, steps);
     for (const std::uint8_t cut : steps.cut.pixels()) ASSERT_EQ(cut, 0) << noise;
+  }
+}
+
+/// Four pixels are lost to an edge on either side, but not to the image's border.
+TEST(MicroEvidence, a_narrow_piece_at_the_images_border_is_heard) {
+  constexpr int kOrder = 20, kCandidates = 5, kNarrow_px = 4;
+  const Seen s = see(0, 0.02);
+  const auto piece = [&](int begin) {
+    Piece p;
+    p.row = kHeight / 2, p.begin = begin, p.end = begin + kNarrow_px, p.component = 0;
+    p.cell = 2 * s.flood.turn(begin, p.row) - (s.phase.phase_rad(begin, p.row) < 0 ? 1 : 0);
+    return p;
+  };
+  const std::vector<Piece> pieces = {piece(0), piece(kWidth / 2), piece(kWidth - kNarrow_px)};
+  MicroEvidence evidence;
+  evidence.measure(s.phase, s.noise, pieces, s.code, 4.6F);
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    std::array<float, kCandidates> nats{};
+    evidence.costs(k, pieces[k].cell + 2 * (kOrder - 2), nats);
+    const auto [least, most] = std::minmax_element(nats.begin(), nats.end());
+    if (k == 1) {
+      EXPECT_EQ(*least, *most);  // nothing of it is left
+    } else {
+      EXPECT_EQ(least - nats.begin(), 2) << k;
+      EXPECT_GT(*most - *least, 2) << k;
+    }
   }
 }
 
