@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -46,10 +47,23 @@ class UsbBench : public testing::Test {
     for (const std::string& probe : probes) argv.insert(argv.end(), {"--probe", probe});
     argv.emplace_back("--");
     argv.insert(argv.end(), command.begin(), command.end());
-    const Ran ran = test::run(argv, std::chrono::seconds(100));
-    BenchResult result{ran.code, ran.out + ran.err, nlohmann::json::parse(read(path("report.json")), nullptr, false)};
+    BenchResult result = run_once(argv);
+    for (int again = 2; again > 0 && emulation_broke(result); --again) result = run_once(argv);
     if (!result.report.is_object()) throw std::runtime_error("usb_bench left no report: " + result.output);
     return result;
+  }
+
+  /// umockdev's preload library ends the whole process when a device is unplugged in the moment in which it hands an
+  /// ioctl over (ECONNRESET). The emulation's own race: a kernel answers ENODEV there. Anything else is a failure.
+  [[nodiscard]] static bool emulation_broke(const BenchResult& result) {
+    return !result.report.is_object() &&
+           result.output.find("libumockdev-preload: Error communicating with ioctl socket") != std::string::npos;
+  }
+
+  [[nodiscard]] BenchResult run_once(const std::vector<std::string>& argv) const {
+    std::filesystem::remove(path("report.json"));  // of an earlier run
+    const Ran ran = test::run(argv, std::chrono::seconds(100));
+    return {ran.code, ran.out + ran.err, nlohmann::json::parse(read(path("report.json")), nullptr, false)};
   }
 
   KeyRing keys_;
