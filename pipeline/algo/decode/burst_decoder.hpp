@@ -53,7 +53,7 @@ struct DecodeConfig {
   float max_odd_shift_rad = 0.1F;      ///< of one frame against the others: bends the phase by a quarter of it, and ...
   float max_odd_over_unrest = 1.8F;    ///< ... stands out from what light and texture did during the burst
   float harmless_motion_rad = 0.05F;   ///< mode M: with more a frame, orders are asked again without the motion
-  double clear_code_agreement = 0.97;  ///< mode M: ... and with less they are, without the light that passed by, too
+  double clear_code_agreement = 0.97;  ///< mode M: with less, without the light that passed by as well
   double max_motion_rad = 0.32;   ///< mean of a burst, a frame: 0.3 (algorithms.md §9) and what it may be measured off
   double min_moving_share = 0.8;  ///< of pixels that close under a motion, for frames that do not close at rest
   double least_fast_motion_rad = 0.15;  ///< ... and this motion at least: with less it is not what spoils a burst
