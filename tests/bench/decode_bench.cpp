@@ -4,7 +4,9 @@
 
 #include <ctime>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "tests/support/shared_data.hpp"

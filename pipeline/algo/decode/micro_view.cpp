@@ -1,6 +1,5 @@
 #include "pipeline/algo/decode/micro_view.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -19,11 +18,10 @@ class Gathered {
  public:
   /// From row v, as motion_samples.hpp places them; returns their number.
   std::size_t choose(const MotionSamples& samples, int width, int v) {
-    const int columns = width / kNode_px, node_row = v / kNode_px;
+    const int columns = width / kNode_px;
     first_.clear();
-    auto node = std::lower_bound(samples.node.begin(), samples.node.end(), node_row * columns);
-    for (; node != samples.node.end() && *node / columns == node_row; ++node)
-      first_.push_back(*node % columns * kNode_px + v / kPixelStep % kPixelStep);
+    for (const std::int32_t node : nodes_of_row(samples, columns, v / kNode_px))
+      first_.push_back(node % columns * kNode_px + first_column(v));
     return kPerNode * first_.size();
   }
 

@@ -21,6 +21,11 @@ void place_samples(int width, int height, MotionSamples& out) {
     v->assign(kNodePixels * out.nodes, 0.0F);
 }
 
+std::span<const std::int32_t> nodes_of_row(const MotionSamples& samples, int columns, int node_row) {
+  const auto first = std::lower_bound(samples.node.begin(), samples.node.end(), node_row * columns);
+  return {first, std::lower_bound(first, samples.node.end(), (node_row + 1) * columns)};
+}
+
 void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float black_dn, float max_residual,
                   MotionSamples& out) {
   constexpr std::size_t kPerRow = kNode_px / kPixelStep;  // pixels of a node in one row
@@ -35,7 +40,7 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float bla
     while (end < out.node.size() && static_cast<std::size_t>(out.node[end]) / columns == node_row) ++end;
     for (std::size_t line = 0; line < kPerRow; ++line) {
       const int v = static_cast<int>(node_row) * kNode_px + static_cast<int>(line) * kPixelStep;
-      const std::size_t at = maps.phase_rad.index(v / kPixelStep % kPixelStep, v);
+      const std::size_t at = maps.phase_rad.index(first_column(v), v);
       closure_row(maps, &polarity.weight[at], black_dn, max_residual, at, count, row);
       for (std::size_t n = first; n < end; ++n) {
         const std::size_t from = static_cast<std::size_t>(out.node[n]) % columns * kPerRow;
@@ -52,10 +57,9 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float bla
 
 void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float max_residual, MotionSamples& out) {
   const int columns = maps.phase_rad.width() / kNode_px, node_row = v / kNode_px, line = v % kNode_px / kPixelStep;
-  auto node = std::lower_bound(out.node.begin(), out.node.end(), node_row * columns);
   std::size_t asked = 0;
-  for (; node != out.node.end() && *node / columns == node_row; ++node) {
-    const int left = *node % columns * kNode_px + v / kPixelStep % kPixelStep;
+  for (const std::int32_t& node : nodes_of_row(out, columns, node_row)) {
+    const int left = node % columns * kNode_px + first_column(v);
     for (int k = 0; k < kNode_px / kPixelStep; ++k, ++asked) {
       const int column = left + k * kPixelStep;
       const auto x = static_cast<std::size_t>(column);
@@ -64,7 +68,7 @@ void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float m
       const float limit = max_residual * maps.modulation_dn[i];
       if (maps.reject[i] != PixelReject::kNone || !(std::abs(row.residual[u]) < limit)) continue;
       const std::size_t to = out.place(static_cast<std::size_t>(line * kNode_px / kPixelStep + k),
-                                       static_cast<std::size_t>(node - out.node.begin()));
+                                       static_cast<std::size_t>(&node - out.node.data()));
       out.rate[to] = row.rate[u];
       out.light[to] = row.light[u];
       out.shared[to] = row.shared[u];
@@ -84,7 +88,7 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, const Bur
   float* r = row.data();
   for (int v = 0; v < maps.phase_rad.height(); v += kPixelStep) {
     const RowErrors e = rows.at(polarity, v);
-    const int first = v / kPixelStep % kPixelStep;
+    const int first = first_column(v);
     const std::size_t count = (width - static_cast<std::size_t>(first) + 1) / kSparseStep;
     left_row(sparse.of(maps, e, maps.phase_rad.index(0, v), static_cast<std::size_t>(first), count), count,
              {r, r + width, r + 2 * width, r + 3 * width});

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pipeline/algo/phase/closure.hpp"
@@ -29,6 +30,12 @@ struct MotionSamples {
 };
 
 inline constexpr int kPixelStep = 2;  ///< pixel p of a node: of each row kNode_px / kPixelStep
+
+/// Column of a node at which its pixels in image row v begin: rows take turns.
+[[nodiscard]] constexpr int first_column(int v) noexcept { return v / kPixelStep % kPixelStep; }
+
+/// Those of samples.node that lie in a row of the grid of nodes, which is `columns` wide.
+[[nodiscard]] std::span<const std::int32_t> nodes_of_row(const MotionSamples& samples, int columns, int node_row);
 
 /// Every second node of an image, no pixel of them used yet.
 void place_samples(int width, int height, MotionSamples& out);

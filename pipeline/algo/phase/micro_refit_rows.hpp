@@ -3,12 +3,13 @@
 
 #include <cstddef>
 
+#include "pipeline/algo/phase/micro_phase.hpp"
 #include "pipeline/algo/phase/micro_refit.hpp"
 
 namespace enamel::algo {
 
-/// In place of a turn.
-inline constexpr float kUnplaced = -1000, kNoSurface = -2000;
+/// In place of a turn, as place_spans marks them.
+inline constexpr float kUnplaced = kUnplacedTurn, kNoSurface = kNoTurn;
 
 inline constexpr float kCodeTime = -0.5F;  ///< of slot 1, frame intervals after mid-burst
 

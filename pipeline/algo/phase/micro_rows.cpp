@@ -73,8 +73,8 @@ HWY_EXPORT(solve_micro);
 HWY_EXPORT(third_sum);
 HWY_EXPORT(correct_loop);
 
-double third_harmonic_row(const PhaseMaps& maps, const float* weight, std::size_t at, std::size_t width) {
-  return HWY_DYNAMIC_DISPATCH(third_sum)(maps, weight, at, width);
+double third_harmonic_row(const PhaseMaps& maps, const float* counted, std::size_t at, std::size_t width) {
+  return HWY_DYNAMIC_DISPATCH(third_sum)(maps, counted, at, width);
 }
 
 void correct_third_row(const float* turn, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& maps) {

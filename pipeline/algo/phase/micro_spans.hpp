@@ -14,7 +14,6 @@ namespace enamel::algo {
 
 /// Of a row of place_spans, as CodeRow has them.
 inline void take_turns(const std::int16_t* turns, std::vector<float>& out) {
-  static_assert(kUnplaced == kUnplacedTurn && kNoSurface == kNoTurn);
   for (std::size_t u = 0; u < out.size(); ++u) out[u] = static_cast<float>(turns[u]);
 }
 

@@ -6,6 +6,7 @@
 
 #include "pipeline/algo/phase/cell_span.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/algo/unwrap/code_sum_rows.hpp"
 
 namespace enamel::algo {
 namespace {
@@ -64,14 +65,7 @@ void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, con
     }
     const PieceCore core = core_of(pieces, k, kEndTrim_px, phase.phase_rad.width());
     CodeSums s;
-    for (auto u = static_cast<std::size_t>(core.begin); u < static_cast<std::size_t>(std::max(core.begin, core.end));
-         ++u) {
-      s.xx += row_.xx[u];
-      s.xy += row_.xy[u];
-      s.yy += row_.yy[u];
-      s.xd += row_.xd[u];
-      s.yd += row_.yd[u];
-    }
+    for (std::int32_t u = core.begin; u < core.end; ++u) s = s + row_.at(static_cast<std::size_t>(u));
     said_[k] = phasor_of(s, outlier_cost);
   }
 }
