@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 #include "tests/unit/calib/rig_text.hpp"
 
@@ -67,6 +69,38 @@ TEST(Pattern, runs_along_the_axis_that_the_rig_states) {
   EXPECT_EQ(pattern_table(rig).frames[0].size(), static_cast<std::size_t>(rig.projector.width));
   rig.patterns.axis_v = true;
   EXPECT_EQ(pattern_table(rig).frames[0].size(), static_cast<std::size_t>(rig.projector.height));
+}
+
+/// Largest phase, mrad, by which four 90-degree frames of whole fringes of 24 px are off; level(frame, pixel).
+template <class Level>
+double worst_fringe_mrad(const Level& level) {
+  constexpr int kPeriod = 24, kFringes = 35;
+  double worst = 0;
+  for (int fringe = 0; fringe < kFringes; ++fringe) {
+    std::complex<double> sum;
+    for (int i = fringe * kPeriod; i < (fringe + 1) * kPeriod; ++i) {
+      const std::complex<double> seen(level(0, i) - level(2, i), level(3, i) - level(1, i));
+      sum += seen * std::polar(1.0, -2 * std::numbers::pi * i / kPeriod);
+    }
+    worst = std::max(worst, 1e3 * std::abs(std::arg(sum)));
+  }
+  return worst;
+}
+
+/// With a mean of 127.5 each zero crossing lies half way between two levels.
+TEST(Pattern, eight_bit_fringes_all_lie_where_they_should) {
+  Rig rig = parse_rig(test::kRigText).value();
+  rig.patterns.mode = PatternMode::kPlain4;
+  rig.patterns.mean = 127.5;
+  const PatternTable table = pattern_table(rig);
+  const auto commanded = [&](int frame, int i) {
+    return static_cast<double>(table.frames[static_cast<std::size_t>(frame)][static_cast<std::size_t>(i)]);
+  };
+  EXPECT_LT(worst_fringe_mrad(commanded), 1e-6);
+  const auto as_cos_leaves_it = [](int frame, int i) {
+    return std::nearbyint(127.5 + 120 * std::cos(2 * std::numbers::pi * i / 24 + frame * std::numbers::pi / 2));
+  };
+  EXPECT_GT(worst_fringe_mrad(as_cos_leaves_it), 0.5);  // control: ties rounded by the noise of cos
 }
 
 TEST(Pattern, polarity_repeats_from_the_first_cell_on) {
