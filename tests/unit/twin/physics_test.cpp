@@ -242,5 +242,26 @@ TEST(TwinPhysics, SlantedEdgeHasTheSpecifiedTransferFunction) {
   }
 }
 
+/// A fringe that the border cuts goes on beyond it on a real sensor.
+TEST(PointSpread, LeavesThePhaseOfAFringeAtTheBorder) {
+  constexpr int kSize = 40;
+  constexpr double kPerPx = 2 * kPi / 25;
+  std::array<std::vector<float>, 4> frames;
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (int i = 0; i < kSize * kSize; ++i) {
+      const double phase = kPerPx * (i % kSize + i / kSize) + 0.5 * kPi * static_cast<double>(k);
+      frames[k].push_back(static_cast<float>(100 + 60 * std::cos(phase)));
+    }
+    apply_psf(frames[k], kSize, kSize, 0.6);
+  }
+  for (int i = 0; i < kSize * kSize; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double seen = std::atan2(static_cast<double>(frames[3][at] - frames[1][at]),
+                                   static_cast<double>(frames[0][at] - frames[2][at]));
+    const double off = std::remainder(seen - kPerPx * (i % kSize + i / kSize), 2 * kPi);
+    ASSERT_LT(std::abs(off), 0.002) << i % kSize << ' ' << i / kSize;  // 0.06 where half the spread were cut off
+  }
+}
+
 }  // namespace
 }  // namespace enamel::twin

@@ -29,34 +29,51 @@ std::vector<float> gaussian_kernel(double sigma) {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// One line of n samples, `step` apart, convolved into `out` with the same step.
+/// Where sample i of a line of n is read, and for one beyond the line the edge that it is mirrored at: the light is
+/// taken to go on in a straight line there, f(-i) = 2 f(0) - f(i), so that a fringe cut by the border keeps its phase.
+struct Source {
+  int at, edge;
+  bool beyond;
+};
+
+Source source_of(int i, int n) {
+  if (i >= 0 && i < n) return {i, i, false};
+  const int edge = i < 0 ? 0 : n - 1;
+  return {std::clamp(2 * edge - i, 0, n - 1), edge, true};
+}
+
 void blur_row(const float* in, float* out, int n, const std::vector<float>& kernel) {
   const int reach = static_cast<int>(kernel.size()) / 2;
   for (int x = 0; x < n; ++x) {
-    float sum = 0, weight = 0;
-    const int lo = std::max(-reach, -x), hi = std::min(reach, n - 1 - x);
-    for (int i = lo; i <= hi; ++i) {
-      const float w = kernel[at(i + reach)];
-      sum += w * in[x + i];
-      weight += w;
+    float sum = 0;
+    if (x >= reach && x + reach < n) {
+      for (int i = -reach; i <= reach; ++i) sum += kernel[at(i + reach)] * in[x + i];
+    } else {
+      for (int i = -reach; i <= reach; ++i) {
+        const Source s = source_of(x + i, n);
+        sum += kernel[at(i + reach)] * (s.beyond ? std::max(0.0F, 2 * in[s.edge] - in[s.at]) : in[s.at]);
+      }
     }
-    out[x] = lo == -reach && hi == reach ? sum : sum / weight;
+    out[x] = sum;
   }
 }
 
 void blur_column_row(const std::vector<float>& in, std::vector<float>& out, int width, int height, int y,
                      const std::vector<float>& kernel) {
   const int reach = static_cast<int>(kernel.size()) / 2;
-  const int lo = std::max(-reach, -y), hi = std::min(reach, height - 1 - y);
-  float weight = 0;
-  for (int i = lo; i <= hi; ++i) weight += kernel[at(i + reach)];
-  const float scale = lo == -reach && hi == reach ? 1.0F : 1.0F / weight;
+  const auto line = [&](int v) { return in.data() + static_cast<std::ptrdiff_t>(v) * width; };
   float* row = out.data() + static_cast<std::ptrdiff_t>(y) * width;
   std::fill(row, row + width, 0.0F);
-  for (int i = lo; i <= hi; ++i) {
-    const float w = kernel[at(i + reach)] * scale;
-    const float* src = in.data() + static_cast<std::ptrdiff_t>(y + i) * width;
-    for (int x = 0; x < width; ++x) row[x] += w * src[x];
+  for (int i = -reach; i <= reach; ++i) {
+    const float w = kernel[at(i + reach)];
+    const Source s = source_of(y + i, height);
+    const float* src = line(s.at);
+    const float* edge = line(s.edge);
+    if (s.beyond) {
+      for (int x = 0; x < width; ++x) row[x] += w * std::max(0.0F, 2 * edge[x] - src[x]);
+    } else {
+      for (int x = 0; x < width; ++x) row[x] += w * src[x];
+    }
   }
 }
 

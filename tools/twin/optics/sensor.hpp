@@ -24,7 +24,8 @@ struct ExposureId {
   int frame = 0;
 };
 
-/// Separable Gaussian on the pixel grid, renormalised at the borders. In place; rows top-down, width*height floats.
+/// Separable Gaussian on the pixel grid; beyond the borders the light goes on in a straight line. In place; rows
+/// top-down, width*height floats.
 void apply_psf(std::vector<float>& image, int width, int height, double sigma_px);
 
 /// Mean electrons -> samples as the sensor delivers them: one byte a pixel for bits <= 8, else two, little endian.
