@@ -146,6 +146,32 @@ class Pass {
       slope_row(work_.images, row, 1, columns_ - 1, slopes);
       for (int column = 1; column < columns_ - 1; ++column) make_node(slopes, column, row);
     }
+    extend_to_borders();
+  }
+
+  /// Nodes at the image's border lack half their window: what the two next to them say goes on in a straight line.
+  void extend_to_borders() {
+    if (columns_ < 3 || rows_ < 3) return;
+    const auto pitch = static_cast<std::size_t>(columns_), below = static_cast<std::size_t>(rows_ - 1) * pitch;
+    for (std::size_t row = 1; row + 1 < static_cast<std::size_t>(rows_); ++row) {
+      extend(row * pitch, row * pitch + 1, row * pitch + 2);
+      extend((row + 1) * pitch - 1, (row + 1) * pitch - 2, (row + 1) * pitch - 3);
+    }
+    for (std::size_t column = 0; column < pitch; ++column) {
+      extend(column, column + pitch, column + 2 * pitch);
+      extend(below + column, below + column - pitch, below + column - 2 * pitch);
+    }
+  }
+  void extend(std::size_t to, std::size_t next, std::size_t second) {
+    if (work_.quality[next] == kNoSlope) return;
+    const bool line = work_.quality[second] != kNoSlope;
+    for (auto* columns : {&work_.rate, &work_.light}) {
+      for (std::size_t k = 0; k < 6; ++k) {
+        float* c = columns->data() + k * count_;
+        c[to] = line ? 2 * c[next] - c[second] : c[next];
+      }
+    }
+    work_.quality[to] = kTooSteep;  // known, and not asked
   }
 
   /// Columns of eps and of dA/A for the six unknowns (equations of the header).

@@ -86,6 +86,19 @@ struct MovingBall {
     EXPECT_GT(count, 1000);
     return sum / count;
   }
+  /// Mean depth error of a strip of the image's columns, um.
+  [[nodiscard]] double strip_error_um(const DecodedBurst& burst, int begin, int end) const {
+    double sum = 0, count = 0;
+    for (int v = 0; v < rig.camera.height; ++v) {
+      for (int u = begin; u < end; ++u) {
+        const double error = 1e3 * (static_cast<double>(burst.patch.depth_mm(u, v)) - depth(u, v, 0));
+        if (!(std::abs(error) < 100)) continue;
+        sum += error, count += 1;
+      }
+    }
+    EXPECT_GT(count, 500);
+    return sum / count;
+  }
   /// 1.48 times the median deviation of depth at mid-burst, um: what ripple and noise do, not a few pixels at edges.
   [[nodiscard]] double sigma_um(const DecodedBurst& burst) const {
     std::vector<double> errors;
@@ -177,6 +190,21 @@ TEST_P(RigidMotionOf, a_ball_that_passes_is_where_it_was_at_mid_burst) {
   // In mode T the light that blocks do not know happens to hide it.
   if (GetParam()) {
     EXPECT_GT(std::abs(ball.error_um(blocks, -0.4, 0.4)), 0.7) << "negative control: blocks know no change of rate";
+  }
+}
+
+/// The three phase frames of mode M are centred a sixth of an interval after mid-burst, so what its rate is off by
+/// shows in its depth. At the image's border no window tells the slope that the rate follows from.
+TEST(RigidMotion, reaches_to_the_border_of_the_image) {
+  MovingBall ball{test::micro_rig(480, 360), {0.060, 0, 0}, Vector3d::Zero()};
+  ball.radius_mm = 12, ball.centre_mm = {0.2, 0.1, 58.5};
+  const DecodedBurst found = decode(ball.rig, ball.render(false), 2), blocks = decode(ball.rig, ball.render(false), 0);
+  ASSERT_TRUE(found.diagnostics.rigid.moved);
+  constexpr int kStrip = 8;
+  for (const int begin : {0, 480 - kStrip}) {
+    const double error_um = ball.strip_error_um(found, begin, begin + kStrip);
+    EXPECT_LT(std::abs(error_um), 0.6 * std::abs(ball.strip_error_um(blocks, begin, begin + kStrip)))
+        << "control: each block's motion by itself; found " << error_um << " um";
   }
 }
 
