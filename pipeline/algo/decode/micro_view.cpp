@@ -76,8 +76,7 @@ void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
                      .light = r + 2 * count,
                      .shared = r + 3 * count,
                      .known_rate = row.motion_rad,
-                     .known_light = row.light,
-                     .gathered = true},
+                     .known_light = row.light},
                     in_.max_residual, out);
   }
 }
@@ -93,8 +92,7 @@ void MicroView::make_images(const MotionField* known, MotionImages& out) {
   for (int v = 0; v < height; v += 2) {
     sparse_mid_burst_row(rows.at(v), columns, out.phase.data(), out.row.data());
     out.light.set_row(v / 2, out.row.data());
-    sparse_inverse_depth_row(in_.maps, in_.turn, in_.rays, in_.maps.phase_rad.index(0, v), out.phase.data(),
-                             out.row.data());
+    sparse_inverse_depth_row(in_.maps, in_.turn, in_.rays, v, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
@@ -15,22 +16,19 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
-void closure_loop(const PhaseMaps& m, const float* weight, float black_dn, float max_residual, std::size_t at,
-                  std::size_t count, const ClosureRow& out) {
-  static_assert(kPixelStep == 2);
-  const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
-  const float* __restrict modulation = &m.modulation_dn[at], * __restrict mean = &m.mean_dn[at];
-  const float* __restrict closure = &m.code_dn[at], * __restrict weights = weight;
-  const PixelReject* __restrict reject = &m.reject[at];
+/// out.used comes in as 1 where a pixel is not rejected, else 0.
+void closure_loop(const ClosurePixels& in, float black_dn, float max_residual, std::size_t count,
+                  const ClosureRow& out) {
+  const float* __restrict cosine = in.cosine, * __restrict sine = in.sine, * __restrict modulation = in.modulation;
+  const float* __restrict mean = in.mean, * __restrict closure = in.closure, * __restrict weights = in.weight;
   float* __restrict rate = out.rate, * __restrict per_rate = out.rate_per_rate, * __restrict light = out.light;
   float* __restrict shared = out.shared, * __restrict residual = out.residual, * __restrict used = out.used;
-  for (std::size_t k = 0; k < count; ++k) used[k] = select(reject[2 * k] == PixelReject::kNone, 1, 0);
   ENAMEL_INDEPENDENT
   for (std::size_t k = 0; k < count; ++k) {
-    const float c = cosine[2 * k], s = sine[2 * k], b = modulation[2 * k], r = closure[2 * k], w = weights[2 * k];
+    const float c = cosine[k], s = sine[k], b = modulation[k], r = closure[k], w = weights[k];
     const float sign = std::abs(w), off = std::abs(r);
     const bool asked = (used[k] > 0) & (sign > 0.999F) & (off < max_residual * b), plus = w > 0;
-    const float own = mean[2 * k] - black_dn;
+    const float own = mean[k] - black_dn;
     rate[k] = select(asked, select(plus, 2 * (s - c), -2 * c), 0);
     per_rate[k] = select(asked, select(plus, 2 * (s - c), 2 * s), 0);
     light[k] = select(asked, select(plus, -2 * (own + c + s), 2 * (own - s)), 0);
@@ -186,9 +184,28 @@ HWY_EXPORT(closure_loop);
 HWY_EXPORT(slope_loop);
 HWY_EXPORT(samples_loop);
 
-void closure_row(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual, std::size_t at,
-                 std::size_t count, const ClosureRow& out) {
-  HWY_DYNAMIC_DISPATCH(closure_loop)(maps, weight, black_dn, max_residual, at, count, out);
+ClosureRow ClosureRows::of(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual,
+                           std::size_t at, const GatheredRuns& runs) {
+  constexpr std::size_t kSources = 6, kResults = 6;
+  const std::size_t n = runs.pixels();
+  values_.resize((kSources + kResults) * n);
+  float* next = values_.data();
+  const auto take = [&](const float* row) {
+    gather_row(row, runs, next);
+    return std::exchange(next, next + n);
+  };
+  ClosurePixels in{};
+  in.cosine = take(&maps.cosine_dn[at]), in.sine = take(&maps.sine_dn[at]);
+  in.modulation = take(&maps.modulation_dn[at]), in.mean = take(&maps.mean_dn[at]);
+  in.closure = take(&maps.code_dn[at]), in.weight = take(weight);
+  const ClosureRow out{next, next + n, next + 2 * n, next + 3 * n, next + 4 * n, next + 5 * n};
+  const PixelReject* reject = &maps.reject[at + runs.first];
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t u = k / kGatheredRun * runs.pitch + k % kGatheredRun * kSparseStep;
+    out.used[k] = select(reject[u] == PixelReject::kNone, 1, 0);
+  }
+  HWY_DYNAMIC_DISPATCH(closure_loop)(in, black_dn, max_residual, n, out);
+  return out;
 }
 
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "pipeline/algo/decode/motion_images.hpp"
 #include "pipeline/algo/decode/motion_samples.hpp"
@@ -18,13 +19,26 @@ struct SlopeRow {
 };
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out);
 
-/// What every second pixel of a row says (motion_samples.hpp); 0 where it says nothing.
+/// Pixels of a row, brought together.
+struct ClosurePixels {
+  const float *cosine, *sine, *modulation, *mean, *closure, *weight;
+};
+
+/// What pixels of a row say (motion_samples.hpp); 0 where they say nothing.
 struct ClosureRow {
   float *rate, *rate_per_rate, *light, *shared, *residual, *used;
 };
-/// Pixels at, at + 2, …, count of them; weight: of pixel `at` and those behind it.
-void closure_row(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual, std::size_t at,
-                 std::size_t count, const ClosureRow& out);
+
+/// Their memory.
+class ClosureRows {
+ public:
+  /// Of the row that begins at `at`; weight: its own. Valid until the next call.
+  [[nodiscard]] ClosureRow of(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual,
+                              std::size_t at, const GatheredRuns& runs);
+
+ private:
+  std::vector<float> values_;
+};
 
 /// Weighted sums over the samples: normal equations of (V, W, rho), residuals beyond `limit` left out.
 void add_samples(const MotionSamples& samples, const MotionColumns& columns, const std::array<double, 7>& theta,

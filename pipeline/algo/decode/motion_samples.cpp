@@ -10,6 +10,7 @@
 namespace enamel::algo {
 
 static_assert(kPixelStep == static_cast<int>(kSparseStep));
+static_assert(kNode_px / kPixelStep == static_cast<int>(kGatheredRun));
 
 void place_samples(int width, int height, MotionSamples& out) {
   const int columns = width / kNode_px, rows = height / kNode_px;
@@ -26,30 +27,32 @@ std::span<const std::int32_t> nodes_of_row(const MotionSamples& samples, int col
   return {first, std::lower_bound(first, samples.node.end(), (node_row + 1) * columns)};
 }
 
+GatheredRuns runs_of_row(const MotionSamples& samples, int columns, int v) {
+  const auto nodes = nodes_of_row(samples, columns, v / kNode_px);
+  if (nodes.empty()) return {};
+  const int first = nodes.front() % columns * kNode_px + first_column(v);
+  return {static_cast<std::size_t>(first), 2 * kNode_px, nodes.size()};
+}
+
 void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float black_dn, float max_residual,
                   MotionSamples& out) {
-  constexpr std::size_t kPerRow = kNode_px / kPixelStep;  // pixels of a node in one row
   place_samples(maps.phase_rad.width(), maps.phase_rad.height(), out);
-  const auto columns = static_cast<std::size_t>(maps.phase_rad.width() / kNode_px);
-  std::vector<float> rows(6 * columns * kPerRow);
-  float* r = rows.data();
-  const std::size_t count = columns * kPerRow;
-  const ClosureRow row{r, r + count, r + 2 * count, r + 3 * count, r + 4 * count, r + 5 * count};
-  for (std::size_t first = 0, end = 0; first < out.node.size(); first = end) {
-    const std::size_t node_row = static_cast<std::size_t>(out.node[first]) / columns;
-    while (end < out.node.size() && static_cast<std::size_t>(out.node[end]) / columns == node_row) ++end;
-    for (std::size_t line = 0; line < kPerRow; ++line) {
-      const int v = static_cast<int>(node_row) * kNode_px + static_cast<int>(line) * kPixelStep;
-      const std::size_t at = maps.phase_rad.index(first_column(v), v);
-      closure_row(maps, &polarity.weight[at], black_dn, max_residual, at, count, row);
-      for (std::size_t n = first; n < end; ++n) {
-        const std::size_t from = static_cast<std::size_t>(out.node[n]) % columns * kPerRow;
-        for (std::size_t k = 0; k < kPerRow; ++k) {
-          const std::size_t to = out.place(line * kPerRow + k, n);
-          out.rate[to] = row.rate[from + k], out.rate_per_rate[to] = row.rate_per_rate[from + k];
-          out.light[to] = row.light[from + k], out.shared[to] = row.shared[from + k];
-          out.residual[to] = row.residual[from + k], out.used[to] = row.used[from + k];
-        }
+  const int columns = maps.phase_rad.width() / kNode_px;
+  ClosureRows rows;
+  for (int v = 0; v < maps.phase_rad.height(); v += kPixelStep) {
+    const GatheredRuns runs = runs_of_row(out, columns, v);
+    if (runs.count == 0) continue;
+    const std::size_t at = maps.phase_rad.index(0, v);
+    const ClosureRow row = rows.of(maps, &polarity.weight[at], black_dn, max_residual, at, runs);
+    const std::int32_t* first = nodes_of_row(out, columns, v / kNode_px).data();
+    const auto node = static_cast<std::size_t>(first - out.node.data());
+    const auto line = static_cast<std::size_t>(v % kNode_px / kPixelStep);
+    for (std::size_t n = 0; n < runs.count; ++n) {
+      for (std::size_t k = 0; k < kGatheredRun; ++k) {
+        const std::size_t to = out.place(line * kGatheredRun + k, node + n), from = n * kGatheredRun + k;
+        out.rate[to] = row.rate[from], out.rate_per_rate[to] = row.rate_per_rate[from];
+        out.light[to] = row.light[from], out.shared[to] = row.shared[from];
+        out.residual[to] = row.residual[from], out.used[to] = row.used[from];
       }
     }
   }
@@ -63,7 +66,7 @@ void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float m
     for (int k = 0; k < kNode_px / kPixelStep; ++k, ++asked) {
       const int column = left + k * kPixelStep;
       const auto x = static_cast<std::size_t>(column);
-      const auto u = row.gathered ? asked : static_cast<std::size_t>((column - row.first) / row.step);
+      const std::size_t u = asked;
       const std::size_t i = maps.phase_rad.index(column, v);
       const float limit = max_residual * maps.modulation_dn[i];
       if (maps.reject[i] != PixelReject::kNone || !(std::abs(row.residual[u]) < limit)) continue;
@@ -83,18 +86,16 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, const Bur
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   place_samples(maps.phase_rad.width(), maps.phase_rad.height(), out);
   ErrorRows rows(known, black_dn, maps.phase_rad.width());
-  SparseRow sparse;
+  GatheredRow gathered;
   std::vector<float> row(4 * width);
   float* r = row.data();
   for (int v = 0; v < maps.phase_rad.height(); v += kPixelStep) {
+    const GatheredRuns runs = runs_of_row(out, maps.phase_rad.width() / kNode_px, v);
+    if (runs.count == 0) continue;
     const RowErrors e = rows.at(polarity, v);
-    const int first = first_column(v);
-    const std::size_t count = (width - static_cast<std::size_t>(first) + 1) / kSparseStep;
-    left_row(sparse.of(maps, e, maps.phase_rad.index(0, v), static_cast<std::size_t>(first), count), count,
+    left_row(gathered.of(maps, e, maps.phase_rad.index(0, v), runs), runs.pixels(),
              {r, r + width, r + 2 * width, r + 3 * width});
-    take_sample_row(maps, v,
-                    {r, r + width, r + 2 * width, r + 3 * width, e.rate, e.light, first, static_cast<int>(kSparseStep)},
-                    max_residual, out);
+    take_sample_row(maps, v, {r, r + width, r + 2 * width, r + 3 * width, e.rate, e.light}, max_residual, out);
   }
 }
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/algo/phase/closure.hpp"
+#include "pipeline/algo/phase/closure_rows.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 
 namespace enamel::algo {
@@ -37,6 +37,9 @@ inline constexpr int kPixelStep = 2;  ///< pixel p of a node: of each row kNode_
 /// Those of samples.node that lie in a row of the grid of nodes, which is `columns` wide.
 [[nodiscard]] std::span<const std::int32_t> nodes_of_row(const MotionSamples& samples, int columns, int node_row);
 
+/// The sampled pixels of image row v.
+[[nodiscard]] GatheredRuns runs_of_row(const MotionSamples& samples, int columns, int v);
+
 /// Every second node of an image, no pixel of them used yet.
 void place_samples(int width, int height, MotionSamples& out);
 
@@ -51,9 +54,7 @@ void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, const Bur
 /// Residuals of an image row about a motion known so far, and their columns; NaN where a pixel says nothing.
 struct SampleRow {
   const float *residual, *rate, *light, *shared;
-  const float *known_rate, *known_light;  ///< of all pixels
-  int first = 0, step = 1;                ///< the others are of columns first, first + step, ...
-  bool gathered = false;                  ///< or of the sampled pixels alone, in their order
+  const float *known_rate, *known_light;  ///< of all pixels; the others of the sampled ones alone, in their order
 };
 
 /// Those of row v, where it is sampled; max_residual: of B.

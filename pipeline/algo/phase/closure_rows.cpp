@@ -159,6 +159,14 @@ void thin_loop(const float* every, std::size_t count, float* second) {
   for (std::size_t k = 0; k < count; ++k) out[k] = in[kSparseStep * k];
 }
 
+void gather_loop(const float* row, const GatheredRuns& runs, float* gathered) {
+  const float* __restrict in = row + runs.first;
+  float* __restrict out = gathered;
+  for (std::size_t n = 0; n < runs.count; ++n) {
+    for (std::size_t k = 0; k < kGatheredRun; ++k) out[n * kGatheredRun + k] = in[n * runs.pitch + k * kSparseStep];
+  }
+}
+
 void left_loop(const PixelRow& in, std::size_t count, const LeftRow& row) {
   const float* __restrict c = in.cosine, * __restrict s = in.sine, * __restrict r = in.code;
   const float* __restrict mean = in.mean, * __restrict w = in.errors.weight, * __restrict rate = in.errors.rate;
@@ -195,30 +203,49 @@ namespace enamel::algo {
 HWY_EXPORT(add_loop);
 HWY_EXPORT(mid_burst_loop);
 HWY_EXPORT(thin_loop);
+HWY_EXPORT(gather_loop);
 HWY_EXPORT(left_loop);
 
 PixelRow pixel_row(const PhaseMaps& m, const RowErrors& e, std::size_t at) {
   return {&m.cosine_dn[at], &m.sine_dn[at], &m.code_dn[at], &m.mean_dn[at], &m.phase_rad[at], e};
 }
 
-PixelRow SparseRow::of(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t first, std::size_t count) {
-  const std::size_t i = at + first;
+void SparsePixels::take(const PhaseMaps& maps, const PolarityMaps& polarity) {
+  const int width = maps.phase_rad.width(), height = maps.phase_rad.height();
+  columns_ = (static_cast<std::size_t>(width) + kSparseStep - 1) / kSparseStep;
+  const std::size_t rows = (static_cast<std::size_t>(height) + kSparseStep - 1) / kSparseStep;
+  const auto take = [&](const Map<float>& from, StaggeredVector<float>& to) {
+    to.resize(columns_ * rows);
+    for (std::size_t y = 0; y < rows; ++y)
+      HWY_DYNAMIC_DISPATCH(thin_loop)(&from(0, static_cast<int>(y * kSparseStep)), columns_, &to[y * columns_]);
+  };
+  take(maps.cosine_dn, cosine_), take(maps.sine_dn, sine_), take(maps.code_dn, code_);
+  take(maps.mean_dn, mean_), take(maps.phase_rad, phase_), take(polarity.weight, weight_);
+}
+
+PixelRow SparsePixels::row(ErrorRows& errors, int v) const {
+  const std::size_t i = static_cast<std::size_t>(v) / kSparseStep * columns_;
+  return {&cosine_[i], &sine_[i], &code_[i], &mean_[i], &phase_[i], errors.with(&weight_[i], v)};
+}
+
+void gather_row(const float* row, const GatheredRuns& runs, float* out) {
+  HWY_DYNAMIC_DISPATCH(gather_loop)(row, runs, out);
+}
+
+PixelRow GatheredRow::of(const PhaseMaps& m, const RowErrors& e, std::size_t at, const GatheredRuns& runs) {
   PixelRow row;
-  values_.resize(kRows * count);
+  values_.resize(kRows * runs.pixels());
   float* next = values_.data();
   const auto take = [&](const float* from, const float*& to) {
-    HWY_DYNAMIC_DISPATCH(thin_loop)(from, count, next);
+    gather_row(from, runs, next);
     to = next;
-    next += count;
+    next += runs.pixels();
   };
-  take(&m.cosine_dn[i], row.cosine), take(&m.sine_dn[i], row.sine), take(&m.code_dn[i], row.code);
-  take(&m.mean_dn[i], row.mean), take(&m.phase_rad[i], row.phase), take(e.weight + first, row.errors.weight);
-  take(e.rate + first, row.errors.rate), take(e.harmonic + first, row.errors.harmonic);
-  row.errors.light = e.light, row.errors.rate_change = e.rate_change, row.errors.light_change = e.light_change;
+  take(&m.cosine_dn[at], row.cosine), take(&m.sine_dn[at], row.sine), take(&m.code_dn[at], row.code);
+  take(&m.mean_dn[at], row.mean), take(&m.phase_rad[at], row.phase), take(e.weight, row.errors.weight);
+  take(e.rate, row.errors.rate), take(e.harmonic, row.errors.harmonic), take(e.light, row.errors.light);
+  take(e.rate_change, row.errors.rate_change), take(e.light_change, row.errors.light_change);
   row.errors.steady = e.steady, row.errors.black_dn = e.black_dn;
-  if (e.steady) return row;  // of which these are not read
-  take(e.light + first, row.errors.light), take(e.rate_change + first, row.errors.rate_change);
-  take(e.light_change + first, row.errors.light_change);
   return row;
 }
 
