@@ -77,7 +77,7 @@ class SparsePixels {
 inline constexpr std::size_t kGatheredRun = 4;
 
 /// Some pixels of a row: `count` runs of kGatheredRun pixels, each kSparseStep columns from the one before; the first
-/// run begins at column `first`, the others each `pitch` columns from the one before.
+/// run begins at column `first`, the others each `pitch` columns from the one before. Column 7 of a run exists.
 struct GatheredRuns {
   std::size_t first = 0, pitch = 1, count = 0;
 

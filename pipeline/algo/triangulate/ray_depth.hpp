@@ -17,6 +17,12 @@ namespace enamel::algo {
 /// 1/z = c0 + t*(c1 + t*(c2 + t*c3)), t = Phi - phase_mid_rad.
 struct InverseDepthTable {
   StaggeredVector<float> phase_mid_rad, c0, c1, c2, c3;
+
+  /// d(1/z)/dPhi.
+  [[nodiscard]] float slope(std::size_t i, float phase_rad) const noexcept {
+    const float t = phase_rad - phase_mid_rad[i];
+    return c1[i] + t * (2 * c2[i] + t * (3 * c3[i]));
+  }
 };
 
 /// Immutable after bake(), thread-safe. All arrays are row major of the camera's size.
