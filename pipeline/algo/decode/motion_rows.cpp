@@ -128,18 +128,38 @@ struct NodeSums {
   }
 }
 
-/// One node's part in the normal equations: its pixels' columns are r (row of eps) + l (row of dA/A), and h.
-[[gnu::always_inline]] inline void add_node(const NodeSums& s, std::size_t j, const std::array<double, 8>& rate,
-                                            const std::array<double, 8>& light, MotionEquations& out) {
+/// The six unknowns and two lanes of 0.
+using Six [[gnu::vector_size(64)]] = double;
+static_assert(kColumnLanes == 8);
+
+/// Normal equations while they are added up.
+struct SixSums {
+  std::array<Six, 6> left{};
+  Six shared{}, right{};  ///< products with the column of what all pixels share, and with the residual
+};
+
+[[gnu::always_inline]] inline void load_six(const float* from, Six& out) {
+  Lanes narrow;
+  static_assert(kNodeLanes == kColumnLanes);
+  std::memcpy(&narrow, from, sizeof narrow);
+  out = __builtin_convertvector(narrow, Six);
+}
+
+/// One node's part: its pixels' columns are r (row of eps) + l (row of dA/A), and h.
+[[gnu::always_inline]] inline void add_node(const NodeSums& s, std::size_t j, const Six& rate, const Six& light,
+                                            SixSums& sums, MotionEquations& out) {
   const auto rr = static_cast<double>(s.rr[j]), rl = static_cast<double>(s.rl[j]), ll = static_cast<double>(s.ll[j]);
   const auto rh = static_cast<double>(s.rh[j]), lh = static_cast<double>(s.lh[j]);
   const auto ry = static_cast<double>(s.ry[j]), ly = static_cast<double>(s.ly[j]);
-  for (std::size_t k = 0; k < 6; ++k) {
-    const double a = rr * rate[k] + rl * light[k], b = rl * rate[k] + ll * light[k];
-    for (std::size_t i = k / 4 * 4; i < 8; ++i) out.left[k][i] += a * rate[i] + b * light[i];  // by whole vectors
-    out.left[k][6] += rh * rate[k] + lh * light[k];
-  }
-  for (std::size_t i = 0; i < 8; ++i) out.right[i] += ry * rate[i] + ly * light[i];
+  const Six a = rr * rate + rl * light, b = rl * rate + ll * light;
+  sums.left[0] += a[0] * rate + b[0] * light;
+  sums.left[1] += a[1] * rate + b[1] * light;
+  sums.left[2] += a[2] * rate + b[2] * light;
+  sums.left[3] += a[3] * rate + b[3] * light;
+  sums.left[4] += a[4] * rate + b[4] * light;
+  sums.left[5] += a[5] * rate + b[5] * light;
+  sums.shared += rh * rate + lh * light;
+  sums.right += ry * rate + ly * light;
   out.left[6][6] += static_cast<double>(s.hh[j]);
   out.right[6] += static_cast<double>(s.hy[j]);
   out.squares += static_cast<double>(s.squares[j]);
@@ -148,7 +168,8 @@ struct NodeSums {
 
 void samples_loop(const MotionSamples& s, const MotionColumns& c, const std::array<double, 7>& theta, double limit,
                   MotionEquations& out) {
-  MotionEquations e = out;
+  MotionEquations e;
+  SixSums six;
   for (std::size_t n = 0; n < s.nodes; n += kNodeLanes) {
     Lanes eps{}, change{}, counts{};
     for (std::size_t k = 0; k < 6; ++k) {
@@ -163,13 +184,16 @@ void samples_loop(const MotionSamples& s, const MotionColumns& c, const std::arr
     sum_nodes(s, n, eps, change, counts, static_cast<float>(theta[6]), static_cast<float>(limit), sums);
     for (std::size_t j = 0; j < kNodeLanes; ++j) {
       if (!(sums.pixels[j] > 0)) continue;
-      std::array<double, 8> rate{}, light{};
-      for (std::size_t k = 0; k < 6; ++k) {
-        rate[k] = static_cast<double>(c.rate[k * s.nodes + n + j]);
-        light[k] = static_cast<double>(c.light[k * s.nodes + n + j]);
-      }
-      add_node(sums, j, rate, light, e);
+      Six rate, light;
+      const float* columns = &c.by_node[2 * kColumnLanes * (n + j)];
+      load_six(columns, rate), load_six(columns + kColumnLanes, light);
+      add_node(sums, j, rate, light, six, e);
     }
+  }
+  for (std::size_t k = 0; k < 6; ++k) {
+    for (std::size_t i = 0; i < 6; ++i) e.left[k][i] = six.left[k][i];
+    e.left[k][6] = six.shared[k];
+    e.right[k] = six.right[k];
   }
   out = e;
 }

@@ -40,7 +40,7 @@ class ClosureRows {
   std::vector<float> values_;
 };
 
-/// Weighted sums over the samples: normal equations of (V, W, rho), residuals beyond `limit` left out.
+/// Sums over the samples: normal equations of (V, W, rho), residuals beyond `limit` left out.
 void add_samples(const MotionSamples& samples, const MotionColumns& columns, const std::array<double, 7>& theta,
                  double limit, MotionEquations& out);
 

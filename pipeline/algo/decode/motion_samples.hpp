@@ -64,7 +64,9 @@ void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float m
 /// is unknown or too steep, and counts 0 there, else 1.
 struct MotionColumns {
   std::vector<float> rate, light, counts;
+  std::vector<float> by_node;  ///< the same columns, [2 * kColumnLanes * n + k] of eps, kColumnLanes further on of dA/A
 };
+inline constexpr std::size_t kColumnLanes = 8;  ///< six and two of 0
 
 struct MotionEquations {
   std::array<std::array<double, 8>, 7> left{};  ///< upper triangle and some more; column 7 unused

@@ -195,6 +195,7 @@ class Pass {
     out.rate.assign(6 * samples.nodes, 0.0F);
     out.light.assign(6 * samples.nodes, 0.0F);
     out.counts.assign(samples.nodes, 0.0F);
+    out.by_node.assign(2 * kColumnLanes * samples.nodes, 0.0F);
     for (std::size_t s = 0; s < samples.node.size(); ++s) {
       const auto n = static_cast<std::size_t>(samples.node[s]);
       if (work_.quality[n] != kFits) continue;
@@ -202,6 +203,8 @@ class Pass {
       for (std::size_t k = 0; k < 6; ++k) {
         out.rate[k * samples.nodes + s] = work_.rate[k * count_ + n];
         out.light[k * samples.nodes + s] = work_.light[k * count_ + n];
+        out.by_node[2 * kColumnLanes * s + k] = work_.rate[k * count_ + n];
+        out.by_node[2 * kColumnLanes * s + kColumnLanes + k] = work_.light[k * count_ + n];
       }
     }
   }
