@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <utility>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
@@ -16,24 +15,42 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
-/// out.used comes in as 1 where a pixel is not rejected, else 0.
-void closure_loop(const ClosurePixels& in, float black_dn, float max_residual, std::size_t count,
-                  const ClosureRow& out) {
+void closure_loop(const SampledRow& in, float black_dn, float max_residual, const ClosureRow& out) {
+  const std::size_t count = in.count;
   const float* __restrict cosine = in.cosine, * __restrict sine = in.sine, * __restrict modulation = in.modulation;
-  const float* __restrict mean = in.mean, * __restrict closure = in.closure, * __restrict weights = in.weight;
+  const float* __restrict mean = in.mean, * __restrict closure = in.code, * __restrict weights = in.weight;
+  const float* __restrict open = in.open;
   float* __restrict rate = out.rate, * __restrict per_rate = out.rate_per_rate, * __restrict light = out.light;
   float* __restrict shared = out.shared, * __restrict residual = out.residual, * __restrict used = out.used;
   ENAMEL_INDEPENDENT
   for (std::size_t k = 0; k < count; ++k) {
     const float c = cosine[k], s = sine[k], b = modulation[k], r = closure[k], w = weights[k];
     const float sign = std::abs(w), off = std::abs(r);
-    const bool asked = (used[k] > 0) & (sign > 0.999F) & (off < max_residual * b), plus = w > 0;
+    const bool asked = (open[k] > 0) & (sign > 0.999F) & (off < max_residual * b), plus = w > 0;
     const float own = mean[k] - black_dn;
     rate[k] = select(asked, select(plus, 2 * (s - c), -2 * c), 0);
     per_rate[k] = select(asked, select(plus, 2 * (s - c), 2 * s), 0);
     light[k] = select(asked, select(plus, -2 * (own + c + s), 2 * (own - s)), 0);
     shared[k] = select(asked & plus, 4 * (c - s) * (c + s) / (b + 1e-6F), 0);
     residual[k] = select(asked, r, 0);
+    used[k] = select(asked, 1, 0);
+  }
+}
+
+void known_loop(const SampleRow& in, std::size_t count, float max_residual, const ClosureRow& out) {
+  const float* __restrict rates = in.rate, * __restrict lights = in.light, * __restrict shares = in.shared;
+  const float* __restrict rest = in.residual, * __restrict known_rate = in.known_rate;
+  const float* __restrict known_light = in.known_light, * __restrict b = in.modulation, * __restrict open = in.open;
+  float* __restrict rate = out.rate, * __restrict light = out.light, * __restrict shared = out.shared;
+  float* __restrict residual = out.residual, * __restrict used = out.used;
+  ENAMEL_INDEPENDENT
+  for (std::size_t k = 0; k < count; ++k) {
+    const bool asked = (open[k] > 0) & (std::abs(rest[k]) < max_residual * b[k]);
+    const float r = rates[k], l = lights[k];
+    rate[k] = select(asked, r, 0);
+    light[k] = select(asked, l, 0);
+    shared[k] = select(asked, shares[k], 0);
+    residual[k] = select(asked, rest[k] + r * known_rate[k] + l * known_light[k], 0);
     used[k] = select(asked, 1, 0);
   }
 }
@@ -205,31 +222,16 @@ HWY_AFTER_NAMESPACE();
 namespace enamel::algo {
 
 HWY_EXPORT(closure_loop);
+HWY_EXPORT(known_loop);
 HWY_EXPORT(slope_loop);
 HWY_EXPORT(samples_loop);
 
-ClosureRow ClosureRows::of(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual,
-                           std::size_t at, const GatheredRuns& runs) {
-  constexpr std::size_t kSources = 6, kResults = 6;
-  const std::size_t n = runs.pixels();
-  values_.resize((kSources + kResults) * n);
-  float* next = values_.data();
-  const auto take = [&](const float* row) {
-    gather_row(row, runs, next);
-    return std::exchange(next, next + n);
-  };
-  ClosurePixels in{};
-  in.cosine = take(&maps.cosine_dn[at]), in.sine = take(&maps.sine_dn[at]);
-  in.modulation = take(&maps.modulation_dn[at]), in.mean = take(&maps.mean_dn[at]);
-  in.closure = take(&maps.code_dn[at]), in.weight = take(weight);
-  const ClosureRow out{next, next + n, next + 2 * n, next + 3 * n, next + 4 * n, next + 5 * n};
-  const PixelReject* reject = &maps.reject[at + runs.first];
-  for (std::size_t k = 0; k < n; ++k) {
-    const std::size_t u = k / kGatheredRun * runs.pitch + k % kGatheredRun * kSparseStep;
-    out.used[k] = select(reject[u] == PixelReject::kNone, 1, 0);
-  }
-  HWY_DYNAMIC_DISPATCH(closure_loop)(in, black_dn, max_residual, n, out);
-  return out;
+void closure_row(const SampledRow& pixels, float black_dn, float max_residual, const ClosureRow& out) {
+  HWY_DYNAMIC_DISPATCH(closure_loop)(pixels, black_dn, max_residual, out);
+}
+
+void known_row(const SampleRow& row, std::size_t count, float max_residual, const ClosureRow& out) {
+  HWY_DYNAMIC_DISPATCH(known_loop)(row, count, max_residual, out);
 }
 
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out) {

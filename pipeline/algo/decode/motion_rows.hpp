@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstddef>
-#include <vector>
 
 #include "pipeline/algo/decode/motion_images.hpp"
 #include "pipeline/algo/decode/motion_samples.hpp"
@@ -19,26 +18,14 @@ struct SlopeRow {
 };
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out);
 
-/// Pixels of a row, brought together.
-struct ClosurePixels {
-  const float *cosine, *sine, *modulation, *mean, *closure, *weight;
-};
-
 /// What pixels of a row say (motion_samples.hpp); 0 where they say nothing.
 struct ClosureRow {
   float *rate, *rate_per_rate, *light, *shared, *residual, *used;
 };
+void closure_row(const SampledRow& pixels, float black_dn, float max_residual, const ClosureRow& out);
 
-/// Their memory.
-class ClosureRows {
- public:
-  /// Of the row that begins at `at`; weight: its own. Valid until the next call.
-  [[nodiscard]] ClosureRow of(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual,
-                              std::size_t at, const GatheredRuns& runs);
-
- private:
-  std::vector<float> values_;
-};
+/// The same of what SampleRow holds; rate_per_rate is not written.
+void known_row(const SampleRow& row, std::size_t count, float max_residual, const ClosureRow& out);
 
 /// Sums over the samples: normal equations of (V, W, rho), residuals beyond `limit` left out.
 void add_samples(const MotionSamples& samples, const MotionColumns& columns, const std::array<double, 7>& theta,

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "pipeline/algo/decode/motion_pixels.hpp"
 #include "pipeline/algo/phase/closure_rows.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 
@@ -22,6 +23,8 @@ struct MotionSamples {
   std::vector<std::int32_t> node;          ///< index in the grid of nodes
   std::vector<float> rate, rate_per_rate;  ///< column of eps at eps = 0, and its slope over eps: second order
   std::vector<float> light, shared, residual, used;
+  SampledPixels pixels;    ///< of mode T
+  std::vector<float> row;  ///< scratch
 
   /// kNodeLanes nodes side by side, all their pixels one after the other, then the next nodes.
   [[nodiscard]] static std::size_t place(std::size_t pixel, std::size_t node) noexcept {
@@ -37,8 +40,8 @@ inline constexpr int kPixelStep = 2;  ///< pixel p of a node: of each row kNode_
 /// Those of samples.node that lie in a row of the grid of nodes, which is `columns` wide.
 [[nodiscard]] std::span<const std::int32_t> nodes_of_row(const MotionSamples& samples, int columns, int node_row);
 
-/// The sampled pixels of image row v.
-[[nodiscard]] GatheredRuns runs_of_row(const MotionSamples& samples, int columns, int v);
+/// The sampled pixels of row v of an image of that width.
+[[nodiscard]] GatheredRuns runs_of_row(const MotionSamples& samples, int width, int v);
 
 /// Every second node of an image, no pixel of them used yet.
 void place_samples(int width, int height, MotionSamples& out);
@@ -47,18 +50,20 @@ void place_samples(int width, int height, MotionSamples& out);
 void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float black_dn, float max_residual,
                   MotionSamples& out);
 
-/// The same about motion and light known so far.
+/// The same about motion and light known so far; maps and polarity as in the call above, which `out` remembers.
 void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& known, float black_dn,
                   float max_residual, MotionSamples& out);
 
-/// Residuals of an image row about a motion known so far, and their columns; NaN where a pixel says nothing.
+/// The sampled pixels of an image row, in their order: residuals about a motion known so far, and their columns; NaN
+/// where a pixel says nothing.
 struct SampleRow {
   const float *residual, *rate, *light, *shared;
-  const float *known_rate, *known_light;  ///< of all pixels; the others of the sampled ones alone, in their order
+  const float *known_rate, *known_light;
+  const float *modulation, *open;  ///< B; 1 where not rejected, else 0
 };
 
-/// Those of row v, where it is sampled; max_residual: of B.
-void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float max_residual, MotionSamples& out);
+/// Those of row v, where it is sampled; max_residual: of B; width: of the image.
+void take_sample_row(int width, int v, const SampleRow& row, float max_residual, MotionSamples& out);
 
 /// Columns of eps and of dA/A for the six unknowns (V, W) at each sampled node, [k * nodes + n]; 0 where a node's slope
 /// is unknown or too steep, and counts 0 there, else 1.

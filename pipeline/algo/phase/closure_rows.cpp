@@ -240,21 +240,19 @@ void gather_row(const float* row, const GatheredRuns& runs, float* out) {
   HWY_DYNAMIC_DISPATCH(gather_loop)(row, runs, out);
 }
 
-PixelRow GatheredRow::of(const PhaseMaps& m, const RowErrors& e, std::size_t at, const GatheredRuns& runs) {
-  PixelRow row;
+RowErrors GatheredErrors::of(const RowErrors& all, const float* weight, const GatheredRuns& runs) {
+  constexpr std::size_t kRows = 5;
+  RowErrors out = all;
   values_.resize(kRows * runs.pixels());
   float* next = values_.data();
-  const auto take = [&](const float* from, const float*& to) {
-    gather_row(from, runs, next);
-    to = next;
+  const auto take = [&](const float*& row) {
+    gather_row(row, runs, next);
+    row = next;
     next += runs.pixels();
   };
-  take(&m.cosine_dn[at], row.cosine), take(&m.sine_dn[at], row.sine), take(&m.code_dn[at], row.code);
-  take(&m.mean_dn[at], row.mean), take(&m.phase_rad[at], row.phase), take(e.weight, row.errors.weight);
-  take(e.rate, row.errors.rate), take(e.harmonic, row.errors.harmonic), take(e.light, row.errors.light);
-  take(e.rate_change, row.errors.rate_change), take(e.light_change, row.errors.light_change);
-  row.errors.steady = e.steady, row.errors.black_dn = e.black_dn;
-  return row;
+  take(out.rate), take(out.harmonic), take(out.light), take(out.rate_change), take(out.light_change);
+  out.weight = weight;
+  return out;
 }
 
 void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::size_t width, float limit,

@@ -87,14 +87,13 @@ struct GatheredRuns {
 /// Values of a row's pixels brought together, in their order.
 void gather_row(const float* row, const GatheredRuns& runs, float* out);
 
-/// Such pixels of what a burst shows.
-class GatheredRow {
+/// Errors of such pixels, from those of all columns.
+class GatheredErrors {
  public:
-  /// Of the row that begins at `at`; errors: of all columns. Valid until the next call.
-  [[nodiscard]] PixelRow of(const PhaseMaps& m, const RowErrors& e, std::size_t at, const GatheredRuns& runs);
+  /// weight: theirs. Valid until the next call.
+  [[nodiscard]] RowErrors of(const RowErrors& all, const float* weight, const GatheredRuns& runs);
 
  private:
-  static constexpr std::size_t kRows = 11;
   std::vector<float> values_;
 };
 
