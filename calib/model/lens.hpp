@@ -4,9 +4,9 @@
 #pragma once
 
 #include <array>
-#include <vector>
 
 #include "calib/model/rig.hpp"
+#include "protocol/base/staggered.hpp"
 
 namespace enamel::calib {
 
@@ -48,7 +48,7 @@ template <class T>
 /// Ideal directions (x, y, 1) of all pixel centres, row major.
 struct RayTable {
   int width = 0, height = 0;
-  std::vector<float> x, y;
+  StaggeredVector<float> x, y;
 };
 
 [[nodiscard]] RayTable make_ray_table(const LensValues& camera);

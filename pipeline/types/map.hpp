@@ -3,7 +3,8 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
+
+#include "protocol/base/staggered.hpp"
 
 namespace enamel {
 
@@ -36,7 +37,7 @@ class Map {
  private:
   int width_ = 0;
   int height_ = 0;
-  std::vector<T> data_;
+  StaggeredVector<T> data_;
 };
 
 }  // namespace enamel

@@ -39,9 +39,8 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     diag.unrest = odd.unrest;
     fit_flip_blur(b.phase, b.polarity, errors, black, config_.polarity, config_.flips, b.flips);
     diag.flip_blur_rad = b.flips.burst_rad;
-    use_nearer_flips(b.flips, errors.motion_rad, diag.noise, config_.flips, b.phase, b.polarity);
     correct_saturated(b.saturated, errors, black, b.phase, b.scratch);
-    correct_phase(b.polarity, errors, black, b.phase);
+    finish_phase(b.flips, errors, black, diag.noise, config_.flips, b.phase, b.polarity);
     for (std::size_t k = 0; k < b.saturated.size(); ++k) b.phase.phase_rad[b.saturated[k].index] = b.scratch[k];
     step("motion");
   }

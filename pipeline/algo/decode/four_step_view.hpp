@@ -35,7 +35,8 @@ class FourStepView final : public MotionView {
   }
   void make_images(const MotionField* known, MotionImages& out) override {
     make_motion_images(maps_, polarity_, rays_, known != nullptr ? errors_of(*known) : coarse_.errors(), black_dn_,
-                       out);
+                       seen_, out);
+    seen_ = true;
   }
   [[nodiscard]] float block_rate(int u, int v) const override {
     return coarse_.block_motion_rad[coarse_.block_at(u, v)];
@@ -47,6 +48,7 @@ class FourStepView final : public MotionView {
   const ClosureFit& coarse_;
   const RayDepth& rays_;
   float black_dn_, max_residual_;
+  bool seen_ = false;  ///< images were made before, which hold what the burst shows
 };
 
 }  // namespace enamel::algo

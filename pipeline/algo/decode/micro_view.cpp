@@ -62,22 +62,28 @@ void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
   CodeRows rows(motion(known), {&in_.blocks.gain, 1, 1, in_.blocks.block_px}, in_.blocks.black_dn, in_.maps, &in_.turn);
   rows.expect(in_.code, in_.third_rad);
   Gathered gathered;
-  std::vector<float> values;
+  std::vector<float> values, modulation, open;
   for (int v = 0; v < in_.maps.phase_rad.height(); v += kPixelStep) {
     const std::size_t count = gathered.choose(out, width, v);
     if (count == 0) continue;
     values.resize(4 * count);
     float* r = values.data();
-    const CodeRow row = rows.at(v);
-    code_residual_row(gathered.of(row), count, {r, r + count, r + 2 * count, r + 3 * count});
-    take_sample_row(in_.maps, v,
+    const CodeRow row = gathered.of(rows.at(v));
+    code_residual_row(row, count, {r, r + count, r + 2 * count, r + 3 * count});
+    const std::size_t at = in_.maps.phase_rad.index(0, v);
+    const GatheredRuns runs = runs_of_row(out, width, v);
+    modulation.resize(count), open.resize(count);
+    gather_row(&in_.maps.modulation_dn[at], runs, modulation.data());
+    gather_open(&in_.maps.reject[at], runs, open.data());
+    take_sample_row(width, v,
                     {.residual = r,
                      .rate = r + count,
                      .light = r + 2 * count,
                      .shared = r + 3 * count,
                      .known_rate = row.motion_rad,
                      .known_light = row.light,
-                     .gathered = true},
+                     .modulation = modulation.data(),
+                     .open = open.data()},
                     in_.max_residual, out);
   }
 }
@@ -93,8 +99,7 @@ void MicroView::make_images(const MotionField* known, MotionImages& out) {
   for (int v = 0; v < height; v += 2) {
     sparse_mid_burst_row(rows.at(v), columns, out.phase.data(), out.row.data());
     out.light.set_row(v / 2, out.row.data());
-    sparse_inverse_depth_row(in_.maps, in_.turn, in_.rays, in_.maps.phase_rad.index(0, v), out.phase.data(),
-                             out.row.data());
+    sparse_inverse_depth_row(in_.maps, in_.turn, in_.rays, v, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }

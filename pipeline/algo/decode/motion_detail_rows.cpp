@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "pipeline/algo/decode/motion_samples.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
@@ -20,11 +21,15 @@ constexpr float kLeastDet = 4000;        ///< of the 2x2 normal equations: a for
 constexpr float kLeastLitCosine = 0.2F;  ///< of the light's incidence; beyond, slopes are known too badly to tell it
 constexpr float kMostChange = 0.3F;      ///< of light, per frame interval
 
-using DetailLanes = std::array<float, kNodeLanes>;
+/// A vector type of g++ and clang: left to themselves, they unroll loops over eight lanes and then work lane by lane.
+using Lanes [[gnu::vector_size(4 * kNodeLanes)]] = float;
+
+[[gnu::always_inline]] inline void load(const float* from, Lanes& out) { std::memcpy(&out, from, sizeof out); }
 
 /// Sums over pairs of pixels opposite to each other: uu uv vv of their distances, u v of 1/z, u v of A.
+template <class T>
 struct PairSums {
-  DetailLanes uu{}, uv{}, vv{}, uq{}, vq{}, ua{}, va{};
+  T uu{}, uv{}, vv{}, uq{}, vq{}, ua{}, va{};
 };
 
 /// One lane's place in the images.
@@ -33,30 +38,35 @@ struct Place {
 };
 
 [[gnu::always_inline]] inline void add_pair(const MotionImages& images, const Place& at, int dx, int dy,
-                                            const DetailLanes& limit, PairSums& s) {
-  const float* __restrict q_plus = images.inverse_depth.around(at.node_row, at.x + dx, at.y + dy) + at.begin;
-  const float* __restrict q_minus = images.inverse_depth.around(at.node_row, at.x - dx, at.y - dy) + at.begin;
-  const float* __restrict a_plus = images.light.around(at.node_row, at.x + dx, at.y + dy) + at.begin;
-  const float* __restrict a_minus = images.light.around(at.node_row, at.x - dx, at.y - dy) + at.begin;
+                                            const Lanes& limit, PairSums<Lanes>& s) {
+  Lanes q_plus, q_minus, a_plus, a_minus;
+  load(images.inverse_depth.around(at.node_row, at.x + dx, at.y + dy) + at.begin, q_plus);
+  load(images.inverse_depth.around(at.node_row, at.x - dx, at.y - dy) + at.begin, q_minus);
+  load(images.light.around(at.node_row, at.x + dx, at.y + dy) + at.begin, a_plus);
+  load(images.light.around(at.node_row, at.x - dx, at.y - dy) + at.begin, a_minus);
   const auto x = static_cast<float>(4 * dx), y = static_cast<float>(4 * dy);  // pixels of the full image
-  const float reach = std::abs(x) + std::abs(y);
-  ENAMEL_INDEPENDENT
-  for (std::size_t j = 0; j < kNodeLanes; ++j) {
-    const float step = q_plus[j] - q_minus[j];
-    const bool same = std::abs(step) < limit[j] * reach;  // false for NaN
-    const float d = select(same, step, 0), a = select(same, a_plus[j] - a_minus[j], 0);
-    s.uu[j] += select(same, x * x, 0);
-    s.uv[j] += select(same, x * y, 0);
-    s.vv[j] += select(same, y * y, 0);
-    s.uq[j] += x * d;
-    s.vq[j] += y * d;
-    s.ua[j] += x * a;
-    s.va[j] += y * a;
-  }
+  const Lanes none{}, most = limit * (std::abs(x) + std::abs(y)), step = q_plus - q_minus, change = a_plus - a_minus;
+  const auto same = (step < most) & (-step < most);  // false for NaN
+  const Lanes d = same ? step : none, a = same ? change : none;
+  s.uu += same ? none + x * x : none;
+  s.uv += same ? none + x * y : none;
+  s.vv += same ? none + y * y : none;
+  s.uq += x * d;
+  s.vq += y * d;
+  s.ua += x * a;
+  s.va += y * a;
+}
+
+using DetailLanes = std::array<float, kNodeLanes>;
+
+[[gnu::always_inline]] inline DetailLanes spread(const Lanes& lanes) {
+  DetailLanes out;
+  std::memcpy(out.data(), &lanes, sizeof lanes);
+  return out;
 }
 
 /// Equations of rigid_motion.hpp with the motion put in.
-[[gnu::always_inline]] inline void motion_of(const PairSums& s, const DetailMotion& t, const float* q_at,
+[[gnu::always_inline]] inline void motion_of(const PairSums<DetailLanes>& s, const DetailMotion& t, const float* q_at,
                                              const float* light_at, const DetailRow& row, const Place& at) {
   const auto begin = static_cast<std::size_t>(at.begin);
   const auto right = static_cast<float>(2 * (at.x - kNode_px / 2)),
@@ -105,12 +115,16 @@ void detail_loop(const MotionImages& images, int node_row, int place_x, int plac
     const auto begin = static_cast<std::size_t>(at.begin);
     const float* q = images.inverse_depth.around(node_row, beside, place_y) + at.begin;
     const float* light = images.light.around(node_row, beside, place_y) + at.begin;
-    DetailLanes limit;
-    for (std::size_t j = 0; j < kNodeLanes; ++j) limit[j] = kSteepest * q[j] * std::abs(row.step_x[begin + j]);
-    PairSums sums;
+    DetailLanes limits;
+    for (std::size_t j = 0; j < kNodeLanes; ++j) limits[j] = kSteepest * q[j] * std::abs(row.step_x[begin + j]);
+    Lanes limit;
+    load(limits.data(), limit);
+    PairSums<Lanes> pairs;
     for (int dy = 0; dy <= kDetailReach; ++dy) {
-      for (int dx = dy == 0 ? 1 : -kDetailReach; dx <= kDetailReach; ++dx) add_pair(images, at, dx, dy, limit, sums);
+      for (int dx = dy == 0 ? 1 : -kDetailReach; dx <= kDetailReach; ++dx) add_pair(images, at, dx, dy, limit, pairs);
     }
+    const PairSums<DetailLanes> sums{spread(pairs.uu), spread(pairs.uv), spread(pairs.vv), spread(pairs.uq),
+                                     spread(pairs.vq), spread(pairs.ua), spread(pairs.va)};
     motion_of(sums, motion, q, light, row, at);
   }
 }

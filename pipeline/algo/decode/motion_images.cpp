@@ -21,22 +21,20 @@ void MotionImage::set_row(int y, const float* row) {
 }
 
 void make_motion_images(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays,
-                        const BurstErrors& errors, float black_dn, MotionImages& out) {
+                        const BurstErrors& errors, float black_dn, bool same_burst, MotionImages& out) {
   const int width = maps.phase_rad.width(), height = maps.phase_rad.height();
   const auto columns = static_cast<std::size_t>(width + 1) / 2;
   out.inverse_depth.resize(width, height);
   out.light.resize(width, height);
+  if (!same_burst) out.pixels.take(maps, polarity);
   out.phase.resize(columns);
   out.row.resize(columns);
   out.light_row.resize(columns);
-  ErrorRows rows(errors, black_dn, width);
-  SparseRow sparse;
+  ErrorRows rows(errors, black_dn, width, {0, kSparseStep});
   for (int v = 0; v < height; v += 2) {
-    const std::size_t at = maps.phase_rad.index(0, v);
-    mid_burst_row(sparse.of(maps, rows.at(polarity, v), at, 0, columns), columns, out.phase.data(),
-                  out.light_row.data());
+    mid_burst_row(out.pixels.row(rows, v), columns, out.phase.data(), out.light_row.data());
     out.light.set_row(v / 2, out.light_row.data());
-    sparse_inverse_depth_row(maps, polarity.turn, rays, at, out.phase.data(), out.row.data());
+    sparse_inverse_depth_row(maps, polarity.turn, rays, v, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "pipeline/algo/phase/closure.hpp"
+#include "pipeline/algo/phase/closure_rows.hpp"
 #include "pipeline/algo/triangulate/ray_depth.hpp"
 
 namespace enamel::algo {
@@ -38,11 +38,13 @@ class MotionImage {
 struct MotionImages {
   MotionImage inverse_depth;  ///< NaN where rejected or out of range
   MotionImage light;          ///< A - black at mid-burst
+  SparsePixels pixels;        ///< of mode T
   std::vector<float> phase, row, light_row;
 };
 
-/// Both as they are when the errors are taken off the phase of `maps`.
+/// Both as they are when the errors are taken off the phase of `maps`. same_burst: maps and polarity are as they were
+/// in the call before, with the same `out`.
 void make_motion_images(const PhaseMaps& maps, const PolarityMaps& polarity, const RayDepth& rays,
-                        const BurstErrors& errors, float black_dn, MotionImages& out);
+                        const BurstErrors& errors, float black_dn, bool same_burst, MotionImages& out);
 
 }  // namespace enamel::algo

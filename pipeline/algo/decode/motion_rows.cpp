@@ -15,27 +15,42 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
-void closure_loop(const PhaseMaps& m, const float* weight, float black_dn, float max_residual, std::size_t at,
-                  std::size_t count, const ClosureRow& out) {
-  static_assert(kPixelStep == 2);
-  const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at];
-  const float* __restrict modulation = &m.modulation_dn[at], * __restrict mean = &m.mean_dn[at];
-  const float* __restrict closure = &m.code_dn[at], * __restrict weights = weight;
-  const PixelReject* __restrict reject = &m.reject[at];
+void closure_loop(const SampledRow& in, float black_dn, float max_residual, const ClosureRow& out) {
+  const std::size_t count = in.count;
+  const float* __restrict cosine = in.cosine, * __restrict sine = in.sine, * __restrict modulation = in.modulation;
+  const float* __restrict mean = in.mean, * __restrict closure = in.code, * __restrict weights = in.weight;
+  const float* __restrict open = in.open;
   float* __restrict rate = out.rate, * __restrict per_rate = out.rate_per_rate, * __restrict light = out.light;
   float* __restrict shared = out.shared, * __restrict residual = out.residual, * __restrict used = out.used;
-  for (std::size_t k = 0; k < count; ++k) used[k] = select(reject[2 * k] == PixelReject::kNone, 1, 0);
   ENAMEL_INDEPENDENT
   for (std::size_t k = 0; k < count; ++k) {
-    const float c = cosine[2 * k], s = sine[2 * k], b = modulation[2 * k], r = closure[2 * k], w = weights[2 * k];
+    const float c = cosine[k], s = sine[k], b = modulation[k], r = closure[k], w = weights[k];
     const float sign = std::abs(w), off = std::abs(r);
-    const bool asked = (used[k] > 0) & (sign > 0.999F) & (off < max_residual * b), plus = w > 0;
-    const float own = mean[2 * k] - black_dn;
+    const bool asked = (open[k] > 0) & (sign > 0.999F) & (off < max_residual * b), plus = w > 0;
+    const float own = mean[k] - black_dn;
     rate[k] = select(asked, select(plus, 2 * (s - c), -2 * c), 0);
     per_rate[k] = select(asked, select(plus, 2 * (s - c), 2 * s), 0);
     light[k] = select(asked, select(plus, -2 * (own + c + s), 2 * (own - s)), 0);
     shared[k] = select(asked & plus, 4 * (c - s) * (c + s) / (b + 1e-6F), 0);
     residual[k] = select(asked, r, 0);
+    used[k] = select(asked, 1, 0);
+  }
+}
+
+void known_loop(const SampleRow& in, std::size_t count, float max_residual, const ClosureRow& out) {
+  const float* __restrict rates = in.rate, * __restrict lights = in.light, * __restrict shares = in.shared;
+  const float* __restrict rest = in.residual, * __restrict known_rate = in.known_rate;
+  const float* __restrict known_light = in.known_light, * __restrict b = in.modulation, * __restrict open = in.open;
+  float* __restrict rate = out.rate, * __restrict light = out.light, * __restrict shared = out.shared;
+  float* __restrict residual = out.residual, * __restrict used = out.used;
+  ENAMEL_INDEPENDENT
+  for (std::size_t k = 0; k < count; ++k) {
+    const bool asked = (open[k] > 0) & (std::abs(rest[k]) < max_residual * b[k]);
+    const float r = rates[k], l = lights[k];
+    rate[k] = select(asked, r, 0);
+    light[k] = select(asked, l, 0);
+    shared[k] = select(asked, shares[k], 0);
+    residual[k] = select(asked, rest[k] + r * known_rate[k] + l * known_light[k], 0);
     used[k] = select(asked, 1, 0);
   }
 }
@@ -130,18 +145,38 @@ struct NodeSums {
   }
 }
 
-/// One node's part in the normal equations: its pixels' columns are r (row of eps) + l (row of dA/A), and h.
-[[gnu::always_inline]] inline void add_node(const NodeSums& s, std::size_t j, const std::array<double, 8>& rate,
-                                            const std::array<double, 8>& light, MotionEquations& out) {
+/// The six unknowns and two lanes of 0.
+using Six [[gnu::vector_size(64)]] = double;
+static_assert(kColumnLanes == 8);
+
+/// Normal equations while they are added up.
+struct SixSums {
+  std::array<Six, 6> left{};
+  Six shared{}, right{};  ///< products with the column of what all pixels share, and with the residual
+};
+
+[[gnu::always_inline]] inline void load_six(const float* from, Six& out) {
+  Lanes narrow;
+  static_assert(kNodeLanes == kColumnLanes);
+  std::memcpy(&narrow, from, sizeof narrow);
+  out = __builtin_convertvector(narrow, Six);
+}
+
+/// One node's part: its pixels' columns are r (row of eps) + l (row of dA/A), and h.
+[[gnu::always_inline]] inline void add_node(const NodeSums& s, std::size_t j, const Six& rate, const Six& light,
+                                            SixSums& sums, MotionEquations& out) {
   const auto rr = static_cast<double>(s.rr[j]), rl = static_cast<double>(s.rl[j]), ll = static_cast<double>(s.ll[j]);
   const auto rh = static_cast<double>(s.rh[j]), lh = static_cast<double>(s.lh[j]);
   const auto ry = static_cast<double>(s.ry[j]), ly = static_cast<double>(s.ly[j]);
-  for (std::size_t k = 0; k < 6; ++k) {
-    const double a = rr * rate[k] + rl * light[k], b = rl * rate[k] + ll * light[k];
-    for (std::size_t i = k / 4 * 4; i < 8; ++i) out.left[k][i] += a * rate[i] + b * light[i];  // by whole vectors
-    out.left[k][6] += rh * rate[k] + lh * light[k];
-  }
-  for (std::size_t i = 0; i < 8; ++i) out.right[i] += ry * rate[i] + ly * light[i];
+  const Six a = rr * rate + rl * light, b = rl * rate + ll * light;
+  sums.left[0] += a[0] * rate + b[0] * light;
+  sums.left[1] += a[1] * rate + b[1] * light;
+  sums.left[2] += a[2] * rate + b[2] * light;
+  sums.left[3] += a[3] * rate + b[3] * light;
+  sums.left[4] += a[4] * rate + b[4] * light;
+  sums.left[5] += a[5] * rate + b[5] * light;
+  sums.shared += rh * rate + lh * light;
+  sums.right += ry * rate + ly * light;
   out.left[6][6] += static_cast<double>(s.hh[j]);
   out.right[6] += static_cast<double>(s.hy[j]);
   out.squares += static_cast<double>(s.squares[j]);
@@ -150,7 +185,8 @@ struct NodeSums {
 
 void samples_loop(const MotionSamples& s, const MotionColumns& c, const std::array<double, 7>& theta, double limit,
                   MotionEquations& out) {
-  MotionEquations e = out;
+  MotionEquations e;
+  SixSums six;
   for (std::size_t n = 0; n < s.nodes; n += kNodeLanes) {
     Lanes eps{}, change{}, counts{};
     for (std::size_t k = 0; k < 6; ++k) {
@@ -165,13 +201,16 @@ void samples_loop(const MotionSamples& s, const MotionColumns& c, const std::arr
     sum_nodes(s, n, eps, change, counts, static_cast<float>(theta[6]), static_cast<float>(limit), sums);
     for (std::size_t j = 0; j < kNodeLanes; ++j) {
       if (!(sums.pixels[j] > 0)) continue;
-      std::array<double, 8> rate{}, light{};
-      for (std::size_t k = 0; k < 6; ++k) {
-        rate[k] = static_cast<double>(c.rate[k * s.nodes + n + j]);
-        light[k] = static_cast<double>(c.light[k * s.nodes + n + j]);
-      }
-      add_node(sums, j, rate, light, e);
+      Six rate, light;
+      const float* columns = &c.by_node[2 * kColumnLanes * (n + j)];
+      load_six(columns, rate), load_six(columns + kColumnLanes, light);
+      add_node(sums, j, rate, light, six, e);
     }
+  }
+  for (std::size_t k = 0; k < 6; ++k) {
+    for (std::size_t i = 0; i < 6; ++i) e.left[k][i] = six.left[k][i];
+    e.left[k][6] = six.shared[k];
+    e.right[k] = six.right[k];
   }
   out = e;
 }
@@ -183,12 +222,16 @@ HWY_AFTER_NAMESPACE();
 namespace enamel::algo {
 
 HWY_EXPORT(closure_loop);
+HWY_EXPORT(known_loop);
 HWY_EXPORT(slope_loop);
 HWY_EXPORT(samples_loop);
 
-void closure_row(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual, std::size_t at,
-                 std::size_t count, const ClosureRow& out) {
-  HWY_DYNAMIC_DISPATCH(closure_loop)(maps, weight, black_dn, max_residual, at, count, out);
+void closure_row(const SampledRow& pixels, float black_dn, float max_residual, const ClosureRow& out) {
+  HWY_DYNAMIC_DISPATCH(closure_loop)(pixels, black_dn, max_residual, out);
+}
+
+void known_row(const SampleRow& row, std::size_t count, float max_residual, const ClosureRow& out) {
+  HWY_DYNAMIC_DISPATCH(known_loop)(row, count, max_residual, out);
 }
 
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out) {

@@ -18,15 +18,16 @@ struct SlopeRow {
 };
 void slope_row(const MotionImages& images, int node_row, int begin, int end, const SlopeRow& out);
 
-/// What every second pixel of a row says (motion_samples.hpp); 0 where it says nothing.
+/// What pixels of a row say (motion_samples.hpp); 0 where they say nothing.
 struct ClosureRow {
   float *rate, *rate_per_rate, *light, *shared, *residual, *used;
 };
-/// Pixels at, at + 2, …, count of them; weight: of pixel `at` and those behind it.
-void closure_row(const PhaseMaps& maps, const float* weight, float black_dn, float max_residual, std::size_t at,
-                 std::size_t count, const ClosureRow& out);
+void closure_row(const SampledRow& pixels, float black_dn, float max_residual, const ClosureRow& out);
 
-/// Weighted sums over the samples: normal equations of (V, W, rho), residuals beyond `limit` left out.
+/// The same of what SampleRow holds; rate_per_rate is not written.
+void known_row(const SampleRow& row, std::size_t count, float max_residual, const ClosureRow& out);
+
+/// Sums over the samples: normal equations of (V, W, rho), residuals beyond `limit` left out.
 void add_samples(const MotionSamples& samples, const MotionColumns& columns, const std::array<double, 7>& theta,
                  double limit, MotionEquations& out);
 

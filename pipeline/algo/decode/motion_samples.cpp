@@ -1,7 +1,6 @@
 #include "pipeline/algo/decode/motion_samples.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "pipeline/algo/decode/motion_images.hpp"
 #include "pipeline/algo/decode/motion_rows.hpp"
@@ -10,6 +9,7 @@
 namespace enamel::algo {
 
 static_assert(kPixelStep == static_cast<int>(kSparseStep));
+static_assert(kNode_px / kPixelStep == static_cast<int>(kGatheredRun));
 
 void place_samples(int width, int height, MotionSamples& out) {
   const int columns = width / kNode_px, rows = height / kNode_px;
@@ -26,75 +26,78 @@ std::span<const std::int32_t> nodes_of_row(const MotionSamples& samples, int col
   return {first, std::lower_bound(first, samples.node.end(), (node_row + 1) * columns)};
 }
 
-void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float black_dn, float max_residual,
-                  MotionSamples& out) {
-  constexpr std::size_t kPerRow = kNode_px / kPixelStep;  // pixels of a node in one row
-  place_samples(maps.phase_rad.width(), maps.phase_rad.height(), out);
-  const auto columns = static_cast<std::size_t>(maps.phase_rad.width() / kNode_px);
-  std::vector<float> rows(6 * columns * kPerRow);
-  float* r = rows.data();
-  const std::size_t count = columns * kPerRow;
-  const ClosureRow row{r, r + count, r + 2 * count, r + 3 * count, r + 4 * count, r + 5 * count};
-  for (std::size_t first = 0, end = 0; first < out.node.size(); first = end) {
-    const std::size_t node_row = static_cast<std::size_t>(out.node[first]) / columns;
-    while (end < out.node.size() && static_cast<std::size_t>(out.node[end]) / columns == node_row) ++end;
-    for (std::size_t line = 0; line < kPerRow; ++line) {
-      const int v = static_cast<int>(node_row) * kNode_px + static_cast<int>(line) * kPixelStep;
-      const std::size_t at = maps.phase_rad.index(first_column(v), v);
-      closure_row(maps, &polarity.weight[at], black_dn, max_residual, at, count, row);
-      for (std::size_t n = first; n < end; ++n) {
-        const std::size_t from = static_cast<std::size_t>(out.node[n]) % columns * kPerRow;
-        for (std::size_t k = 0; k < kPerRow; ++k) {
-          const std::size_t to = out.place(line * kPerRow + k, n);
-          out.rate[to] = row.rate[from + k], out.rate_per_rate[to] = row.rate_per_rate[from + k];
-          out.light[to] = row.light[from + k], out.shared[to] = row.shared[from + k];
-          out.residual[to] = row.residual[from + k], out.used[to] = row.used[from + k];
-        }
-      }
+GatheredRuns runs_of_row(const MotionSamples& samples, int width, int v) {
+  const int columns = width / kNode_px;
+  const auto nodes = nodes_of_row(samples, columns, v / kNode_px);
+  if (nodes.empty()) return {};
+  const int first = nodes.front() % columns * kNode_px + first_column(v);
+  return {static_cast<std::size_t>(first), 2 * kNode_px, nodes.size()};
+}
+
+namespace {
+
+/// Memory of a row of `count` pixels.
+ClosureRow scratch_row(MotionSamples& samples, std::size_t count) {
+  samples.row.resize(6 * count);
+  float* r = samples.row.data();
+  return {r, r + count, r + 2 * count, r + 3 * count, r + 4 * count, r + 5 * count};
+}
+
+/// Puts the sampled pixels of row v where their nodes' are.
+void put_row(int width, int v, const ClosureRow& row, bool second_order, MotionSamples& out) {
+  const auto nodes = nodes_of_row(out, width / kNode_px, v / kNode_px);
+  const auto first = static_cast<std::size_t>(nodes.data() - out.node.data());
+  const auto line = static_cast<std::size_t>(v % kNode_px / kPixelStep);
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    for (std::size_t k = 0; k < kGatheredRun; ++k) {
+      const std::size_t to = out.place(line * kGatheredRun + k, first + n), from = n * kGatheredRun + k;
+      out.rate[to] = row.rate[from], out.light[to] = row.light[from], out.shared[to] = row.shared[from];
+      out.residual[to] = row.residual[from], out.used[to] = row.used[from];
+      if (second_order) out.rate_per_rate[to] = row.rate_per_rate[from];
     }
   }
 }
 
-void take_sample_row(const PhaseMaps& maps, int v, const SampleRow& row, float max_residual, MotionSamples& out) {
-  const int columns = maps.phase_rad.width() / kNode_px, node_row = v / kNode_px, line = v % kNode_px / kPixelStep;
-  std::size_t asked = 0;
-  for (const std::int32_t& node : nodes_of_row(out, columns, node_row)) {
-    const int left = node % columns * kNode_px + first_column(v);
-    for (int k = 0; k < kNode_px / kPixelStep; ++k, ++asked) {
-      const int column = left + k * kPixelStep;
-      const auto x = static_cast<std::size_t>(column);
-      const auto u = row.gathered ? asked : static_cast<std::size_t>((column - row.first) / row.step);
-      const std::size_t i = maps.phase_rad.index(column, v);
-      const float limit = max_residual * maps.modulation_dn[i];
-      if (maps.reject[i] != PixelReject::kNone || !(std::abs(row.residual[u]) < limit)) continue;
-      const std::size_t to = out.place(static_cast<std::size_t>(line * kNode_px / kPixelStep + k),
-                                       static_cast<std::size_t>(&node - out.node.data()));
-      out.rate[to] = row.rate[u];
-      out.light[to] = row.light[u];
-      out.shared[to] = row.shared[u];
-      out.residual[to] = row.residual[u] + row.rate[u] * row.known_rate[x] + row.light[u] * row.known_light[x];
-      out.used[to] = 1;
-    }
+}  // namespace
+
+void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, float black_dn, float max_residual,
+                  MotionSamples& out) {
+  const int width = maps.phase_rad.width();
+  place_samples(width, maps.phase_rad.height(), out);
+  out.pixels.take(maps, polarity, out);
+  for (int v = 0; v < maps.phase_rad.height(); v += kPixelStep) {
+    const SampledRow pixels = out.pixels.row(v);
+    if (pixels.count == 0) continue;
+    const ClosureRow row = scratch_row(out, pixels.count);
+    closure_row(pixels, black_dn, max_residual, row);
+    put_row(width, v, row, true, out);
   }
+}
+
+void take_sample_row(int width, int v, const SampleRow& row, float max_residual, MotionSamples& out) {
+  const std::size_t count = runs_of_row(out, width, v).pixels();
+  const ClosureRow known = scratch_row(out, count);
+  known_row(row, count, max_residual, known);
+  put_row(width, v, known, false, out);
 }
 
 void take_samples(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& known, float black_dn,
                   float max_residual, MotionSamples& out) {
-  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  place_samples(maps.phase_rad.width(), maps.phase_rad.height(), out);
-  ErrorRows rows(known, black_dn, maps.phase_rad.width());
-  SparseRow sparse;
-  std::vector<float> row(4 * width);
-  float* r = row.data();
+  const int width = maps.phase_rad.width();
+  place_samples(width, maps.phase_rad.height(), out);
+  ErrorRows rows(known, black_dn, width);
+  GatheredErrors gathered;
+  std::vector<float> row(4 * static_cast<std::size_t>(width));
   for (int v = 0; v < maps.phase_rad.height(); v += kPixelStep) {
-    const RowErrors e = rows.at(polarity, v);
-    const int first = first_column(v);
-    const std::size_t count = (width - static_cast<std::size_t>(first) + 1) / kSparseStep;
-    left_row(sparse.of(maps, e, maps.phase_rad.index(0, v), static_cast<std::size_t>(first), count), count,
-             {r, r + width, r + 2 * width, r + 3 * width});
-    take_sample_row(maps, v,
-                    {r, r + width, r + 2 * width, r + 3 * width, e.rate, e.light, first, static_cast<int>(kSparseStep)},
-                    max_residual, out);
+    const SampledRow p = out.pixels.row(v);
+    if (p.count == 0) continue;
+    const RowErrors e = gathered.of(rows.at(polarity, v), p.weight, p.runs);
+    float* r = row.data();
+    const LeftRow left{r, r + p.count, r + 2 * p.count, r + 3 * p.count};
+    left_row({p.cosine, p.sine, p.code, p.mean, p.phase, e}, p.count, left);
+    take_sample_row(
+        width, v, {left.residual, left.by_rate, left.by_light, left.by_harmonic, e.rate, e.light, p.modulation, p.open},
+        max_residual, out);
   }
 }
 

@@ -91,6 +91,14 @@ class Pass {
     return maps_.phase_rad.index(column * kNode_px + kNode_px / 2, row * kNode_px + kNode_px / 2);
   }
 
+  /// The same in tables of every second pixel.
+  [[nodiscard]] std::size_t sparse_pixel_of(int column, int row) const {
+    static_assert(kNode_px % 4 == 0);
+    const int width = (maps_.phase_rad.width() + 1) / 2;
+    return static_cast<std::size_t>((row * kNode_px + kNode_px / 2) / 2 * width +
+                                    (column * kNode_px + kNode_px / 2) / 2);
+  }
+
   /// Rate and light are properties of the surface, and pass by with it: d/dt = -(image motion).grad.
   void spread_changes(const Theta& theta, MotionField& field) const {
     field.rate_change_rad.assign(count_, 0.0F);
@@ -179,7 +187,8 @@ class Pass {
     const std::size_t i = pixel_of(column, row), width = static_cast<std::size_t>(maps_.phase_rad.width());
     const float q = work_.images.inverse_depth.around(row, 0, 0)[column], det = slopes.det[column];
     const float phase = maps_.phase_rad[i] + kTwoPiF * static_cast<float>(turn_[i]);
-    const float slope = rays_.inverse_depth_slope(i, phase), light = work_.images.light.around(row, 0, 0)[column];
+    const float slope = rays_.sparse.slope(sparse_pixel_of(column, row), phase),
+                light = work_.images.light.around(row, 0, 0)[column];
     if (!(q > 0) || !(det > kMinDet) || !(std::abs(slope) > 0) || !(light > 1)) return;
     const float x = rays_.rays.x[i], y = rays_.rays.y[i];
     const float per_x = 1 / (rays_.rays.x[i + 1] - x), per_y = 1 / (rays_.rays.y[i + width] - y);
@@ -212,6 +221,7 @@ class Pass {
     out.rate.assign(6 * samples.nodes, 0.0F);
     out.light.assign(6 * samples.nodes, 0.0F);
     out.counts.assign(samples.nodes, 0.0F);
+    out.by_node.assign(2 * kColumnLanes * samples.nodes, 0.0F);
     for (std::size_t s = 0; s < samples.node.size(); ++s) {
       const auto n = static_cast<std::size_t>(samples.node[s]);
       if (work_.quality[n] != kFits) continue;
@@ -219,6 +229,8 @@ class Pass {
       for (std::size_t k = 0; k < 6; ++k) {
         out.rate[k * samples.nodes + s] = work_.rate[k * count_ + n];
         out.light[k * samples.nodes + s] = work_.light[k * count_ + n];
+        out.by_node[2 * kColumnLanes * s + k] = work_.rate[k * count_ + n];
+        out.by_node[2 * kColumnLanes * s + kColumnLanes + k] = work_.light[k * count_ + n];
       }
     }
   }

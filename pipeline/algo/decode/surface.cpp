@@ -47,11 +47,14 @@ void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const Ra
   }
 }
 
-void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays,
-                              std::size_t at, const float* phase_rad, float* inverse_depth) {
-  SurfaceRow row = row_of(maps, turn, rays, at);
-  row.phase = phase_rad;
-  inverse_depth_row(row, range_of(rays), static_cast<std::size_t>(rays.width + 1) / 2, inverse_depth);
+void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, int v,
+                              const float* phase_rad, float* inverse_depth) {
+  const std::size_t count = static_cast<std::size_t>(rays.width + 1) / 2, of = static_cast<std::size_t>(v / 2) * count;
+  const std::size_t at = maps.phase_rad.index(0, v);
+  const InverseDepthTable& t = rays.sparse;
+  inverse_depth_row(
+      {phase_rad, &t.phase_mid_rad[of], &t.c0[of], &t.c1[of], &t.c2[of], &t.c3[of], &turn[at], &maps.reject[at]},
+      range_of(rays), count, inverse_depth);
 }
 
 }  // namespace enamel::algo

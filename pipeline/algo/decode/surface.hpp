@@ -13,9 +13,9 @@ namespace enamel::algo {
 void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, const PhaseRipple& ripple,
                   const NormalConfig& config, std::vector<float>& scratch, DecodedBurst& out);
 
-/// 1/z of every second pixel of the image row that begins at pixel `at`, for whoever needs slopes before the phase is
-/// final; NaN where a pixel is rejected or out of range. phase: theirs, in place of that of `maps`.
-void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays,
-                              std::size_t at, const float* phase_rad, float* inverse_depth);
+/// 1/z of every second pixel of image row v, an even one, for whoever needs slopes before the phase is final; NaN where
+/// a pixel is rejected or out of range. phase: theirs, in place of that of `maps`.
+void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, int v,
+                              const float* phase_rad, float* inverse_depth);
 
 }  // namespace enamel::algo

@@ -106,21 +106,26 @@ void surface_loop(const SurfaceRow& row, const SurfaceRange& limits, const Rippl
   }
 }
 
-void inverse_loop(const SurfaceRow& row, const SurfaceRange& limits, std::size_t count, float* inverse_depth) {
+void inverse_loop(const SparseSurfaceRow& row, const SurfaceRange& limits, std::size_t count, float* inverse_depth) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const SurfaceRange range = limits;
-  const float* __restrict phase = row.phase, * __restrict mid = row.mid;
-  const float* __restrict c0 = row.c0, * __restrict c1 = row.c1, * __restrict c2 = row.c2, * __restrict c3 = row.c3;
-  const std::int16_t* __restrict turn = row.turn;
-  const PixelReject* __restrict reject = row.reject;
-  float* __restrict out = inverse_depth;
-  ENAMEL_INDEPENDENT
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t u = 2 * k;
-    const float t = phase[k] + kTwoPiF * static_cast<float>(turn[u]) - mid[u];
-    const float q = c0[u] + t * (c1[u] + t * (c2[u] + t * c3[u]));
-    const bool ok = (reject[u] == PixelReject::kNone) & (q <= range.q_near) & (q >= range.q_far);
-    out[k] = select(ok, q, kNan);
+  std::array<std::int32_t, kStretch> turns, rejects;
+  const std::int32_t* __restrict turn = turns.data(), * __restrict reject = rejects.data();
+  for (std::size_t from = 0; from < count; from += kStretch) {
+    const std::size_t n = std::min(kStretch, count - from);
+    for (std::size_t k = 0; k < n; ++k) turns[k] = row.turn[2 * (from + k)];
+    for (std::size_t k = 0; k < n; ++k) rejects[k] = static_cast<std::int32_t>(row.reject[2 * (from + k)]);
+    const float* __restrict phase = row.phase + from, * __restrict mid = row.mid + from;
+    const float* __restrict c0 = row.c0 + from, * __restrict c1 = row.c1 + from;
+    const float* __restrict c2 = row.c2 + from, * __restrict c3 = row.c3 + from;
+    float* __restrict out = inverse_depth + from;
+    ENAMEL_INDEPENDENT
+    for (std::size_t k = 0; k < n; ++k) {
+      const float t = phase[k] + kTwoPiF * static_cast<float>(turn[k]) - mid[k];
+      const float q = c0[k] + t * (c1[k] + t * (c2[k] + t * c3[k]));
+      const bool ok = (reject[k] == static_cast<int>(PixelReject::kNone)) & (q <= range.q_near) & (q >= range.q_far);
+      out[k] = select(ok, q, kNan);
+    }
   }
 }
 
@@ -138,7 +143,8 @@ void solve_surface_row(const SurfaceRow& row, const SurfaceRange& range, const R
   HWY_DYNAMIC_DISPATCH(surface_loop)(row, range, ripple, width, out);
 }
 
-void inverse_depth_row(const SurfaceRow& row, const SurfaceRange& range, std::size_t count, float* inverse_depth) {
+void inverse_depth_row(const SparseSurfaceRow& row, const SurfaceRange& range, std::size_t count,
+                       float* inverse_depth) {
   HWY_DYNAMIC_DISPATCH(inverse_loop)(row, range, count, inverse_depth);
 }
 

@@ -35,7 +35,15 @@ struct RippleTerms {
 void solve_surface_row(const SurfaceRow& row, const SurfaceRange& range, const RippleTerms& ripple, std::size_t width,
                        const SurfaceRowOut& out);
 
-/// 1/z alone of every second pixel, count of them; row.phase holds but these. NaN where rejected or out of range.
-void inverse_depth_row(const SurfaceRow& row, const SurfaceRange& range, std::size_t count, float* inverse_depth);
+/// Every second pixel of a row.
+struct SparseSurfaceRow {
+  const float* phase;
+  const float *mid, *c0, *c1, *c2, *c3;
+  const std::int16_t* turn;   ///< of all pixels
+  const PixelReject* reject;  ///< of all pixels
+};
+
+/// 1/z alone, of count pixels. NaN where rejected or out of range.
+void inverse_depth_row(const SparseSurfaceRow& row, const SurfaceRange& range, std::size_t count, float* inverse_depth);
 
 }  // namespace enamel::algo

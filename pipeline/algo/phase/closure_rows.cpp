@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "pipeline/algo/phase/frame_turns.hpp"
@@ -159,6 +160,21 @@ void thin_loop(const float* every, std::size_t count, float* second) {
   for (std::size_t k = 0; k < count; ++k) out[k] = in[kSparseStep * k];
 }
 
+/// A vector type of g++ and clang: left to themselves, they gather value by value.
+using Run [[gnu::vector_size(4 * kGatheredRun)]] = float;
+
+void gather_loop(const float* row, const GatheredRuns& runs, float* gathered) {
+  static_assert(kGatheredRun == 4 && kSparseStep == 2);
+  const float* in = row + runs.first;
+  for (std::size_t n = 0; n < runs.count; ++n, in += runs.pitch) {
+    Run low, high;
+    std::memcpy(&low, in, sizeof low);
+    std::memcpy(&high, in + kGatheredRun, sizeof high);
+    const Run even = __builtin_shufflevector(low, high, 0, 2, 4, 6);
+    std::memcpy(gathered + n * kGatheredRun, &even, sizeof even);
+  }
+}
+
 void left_loop(const PixelRow& in, std::size_t count, const LeftRow& row) {
   const float* __restrict c = in.cosine, * __restrict s = in.sine, * __restrict r = in.code;
   const float* __restrict mean = in.mean, * __restrict w = in.errors.weight, * __restrict rate = in.errors.rate;
@@ -195,31 +211,48 @@ namespace enamel::algo {
 HWY_EXPORT(add_loop);
 HWY_EXPORT(mid_burst_loop);
 HWY_EXPORT(thin_loop);
+HWY_EXPORT(gather_loop);
 HWY_EXPORT(left_loop);
 
 PixelRow pixel_row(const PhaseMaps& m, const RowErrors& e, std::size_t at) {
   return {&m.cosine_dn[at], &m.sine_dn[at], &m.code_dn[at], &m.mean_dn[at], &m.phase_rad[at], e};
 }
 
-PixelRow SparseRow::of(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t first, std::size_t count) {
-  const std::size_t i = at + first;
-  PixelRow row;
-  values_.resize(kRows * count);
-  float* next = values_.data();
-  const auto take = [&](const float* from, const float*& to) {
-    HWY_DYNAMIC_DISPATCH(thin_loop)(from, count, next);
-    to = next;
-    next += count;
+void SparsePixels::take(const PhaseMaps& maps, const PolarityMaps& polarity) {
+  const int width = maps.phase_rad.width(), height = maps.phase_rad.height();
+  columns_ = (static_cast<std::size_t>(width) + kSparseStep - 1) / kSparseStep;
+  const std::size_t rows = (static_cast<std::size_t>(height) + kSparseStep - 1) / kSparseStep;
+  const auto take = [&](const Map<float>& from, StaggeredVector<float>& to) {
+    to.resize(columns_ * rows);
+    for (std::size_t y = 0; y < rows; ++y)
+      HWY_DYNAMIC_DISPATCH(thin_loop)(&from(0, static_cast<int>(y * kSparseStep)), columns_, &to[y * columns_]);
   };
-  take(&m.cosine_dn[i], row.cosine), take(&m.sine_dn[i], row.sine), take(&m.code_dn[i], row.code);
-  take(&m.mean_dn[i], row.mean), take(&m.phase_rad[i], row.phase), take(e.weight + first, row.errors.weight);
-  take(e.rate + first, row.errors.rate), take(e.harmonic + first, row.errors.harmonic);
-  row.errors.light = e.light, row.errors.rate_change = e.rate_change, row.errors.light_change = e.light_change;
-  row.errors.steady = e.steady, row.errors.black_dn = e.black_dn;
-  if (e.steady) return row;  // of which these are not read
-  take(e.light + first, row.errors.light), take(e.rate_change + first, row.errors.rate_change);
-  take(e.light_change + first, row.errors.light_change);
-  return row;
+  take(maps.cosine_dn, cosine_), take(maps.sine_dn, sine_), take(maps.code_dn, code_);
+  take(maps.mean_dn, mean_), take(maps.phase_rad, phase_), take(polarity.weight, weight_);
+}
+
+PixelRow SparsePixels::row(ErrorRows& errors, int v) const {
+  const std::size_t i = static_cast<std::size_t>(v) / kSparseStep * columns_;
+  return {&cosine_[i], &sine_[i], &code_[i], &mean_[i], &phase_[i], errors.with(&weight_[i], v)};
+}
+
+void gather_row(const float* row, const GatheredRuns& runs, float* out) {
+  HWY_DYNAMIC_DISPATCH(gather_loop)(row, runs, out);
+}
+
+RowErrors GatheredErrors::of(const RowErrors& all, const float* weight, const GatheredRuns& runs) {
+  constexpr std::size_t kRows = 5;
+  RowErrors out = all;
+  values_.resize(kRows * runs.pixels());
+  float* next = values_.data();
+  const auto take = [&](const float*& row) {
+    gather_row(row, runs, next);
+    row = next;
+    next += runs.pixels();
+  };
+  take(out.rate), take(out.harmonic), take(out.light), take(out.rate_change), take(out.light_change);
+  out.weight = weight;
+  return out;
 }
 
 void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::size_t width, float limit,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/algo/phase/closure.hpp"
+#include "protocol/base/staggered.hpp"
 
 namespace enamel::algo {
 
@@ -25,20 +26,22 @@ struct RowErrors {
 /// The errors of a burst, row by row.
 class ErrorRows {
  public:
-  ErrorRows(const BurstErrors& errors, float black_dn, int width)
-      : rate_(errors.motion_rad, width),
-        harmonic_(errors.harmonic, width),
-        light_(errors.light, width),
-        rate_change_(errors.motion_change, width),
-        light_change_(errors.light_change, width),
+  ErrorRows(const BurstErrors& errors, float black_dn, int width, GridColumns columns = {})
+      : rate_(errors.motion_rad, width, columns),
+        harmonic_(errors.harmonic, width, columns),
+        light_(errors.light, width, columns),
+        rate_change_(errors.motion_change, width, columns),
+        light_change_(errors.light_change, width, columns),
         black_dn_(black_dn),
         steady_(errors.light.nodes == nullptr && errors.motion_change.nodes == nullptr &&
                 errors.light_change.nodes == nullptr) {}
 
   /// Valid until the next call.
-  [[nodiscard]] RowErrors at(const PolarityMaps& polarity, int v) {
-    return {&polarity.weight(0, v), rate_.row(v),         harmonic_.row(v), light_.row(v),
-            rate_change_.row(v),    light_change_.row(v), black_dn_,        steady_};
+  [[nodiscard]] RowErrors at(const PolarityMaps& polarity, int v) { return with(&polarity.weight(0, v), v); }
+  /// weight: of the columns asked for.
+  [[nodiscard]] RowErrors with(const float* weight, int v) {
+    return {weight,    rate_.row(v), harmonic_.row(v), light_.row(v), rate_change_.row(v), light_change_.row(v),
+            black_dn_, steady_};
   }
 
  private:
@@ -58,15 +61,39 @@ struct PixelRow {
 
 inline constexpr std::size_t kSparseStep = 2;  ///< where not every pixel of a row is asked, every second one is
 
-/// Every second pixel of a row, brought together: steps within the loops below would cost more.
-class SparseRow {
+/// Pixels (2x, 2y) of what a burst shows, brought together: steps within the loops below would cost more.
+class SparsePixels {
  public:
-  /// Columns first, first + kSparseStep, ..., count of them, of the row that begins at `at`. Valid until the next call.
-  [[nodiscard]] PixelRow of(const PhaseMaps& m, const RowErrors& e, std::size_t at, std::size_t first,
-                            std::size_t count);
+  void take(const PhaseMaps& maps, const PolarityMaps& polarity);
+  /// Those of image row v, an even one; errors: of their columns.
+  [[nodiscard]] PixelRow row(ErrorRows& errors, int v) const;
+  [[nodiscard]] std::size_t columns() const noexcept { return columns_; }
 
  private:
-  static constexpr std::size_t kRows = 11;
+  std::size_t columns_ = 0;
+  StaggeredVector<float> cosine_, sine_, code_, mean_, phase_, weight_;
+};
+
+inline constexpr std::size_t kGatheredRun = 4;
+
+/// Some pixels of a row: `count` runs of kGatheredRun pixels, each kSparseStep columns from the one before; the first
+/// run begins at column `first`, the others each `pitch` columns from the one before. Column 7 of a run exists.
+struct GatheredRuns {
+  std::size_t first = 0, pitch = 1, count = 0;
+
+  [[nodiscard]] std::size_t pixels() const noexcept { return kGatheredRun * count; }
+};
+
+/// Values of a row's pixels brought together, in their order.
+void gather_row(const float* row, const GatheredRuns& runs, float* out);
+
+/// Errors of such pixels, from those of all columns.
+class GatheredErrors {
+ public:
+  /// weight: theirs. Valid until the next call.
+  [[nodiscard]] RowErrors of(const RowErrors& all, const float* weight, const GatheredRuns& runs);
+
+ private:
   std::vector<float> values_;
 };
 

@@ -59,13 +59,17 @@ void fit_flip_blur(const PhaseMaps& maps, const PolarityMaps& polarity, const Bu
   }
 }
 
-void use_nearer_flips(const FlipBlur& blur, const Grid& motion_rad, const NoiseModel& noise,
-                      const FlipBlurConfig& config, PhaseMaps& maps, PolarityMaps& polarity) {
+void finish_phase(const FlipBlur& blur, const BurstErrors& errors, float black_dn, const NoiseModel& noise,
+                  const FlipBlurConfig& config, PhaseMaps& maps, PolarityMaps& polarity) {
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  GridRows sigma(blur.grid(), maps.phase_rad.width()), motion(motion_rad, maps.phase_rad.width());
+  GridRows sigma(blur.grid(), maps.phase_rad.width());
+  ErrorRows rows(errors, black_dn, maps.phase_rad.width());
   for (int v = 0; v < maps.phase_rad.height(); ++v) {
-    rejoin_flip_row({sigma.row(v), motion.row(v), config.drop_sigmas, config.full_sigmas}, noise,
-                    maps.phase_rad.index(0, v), width, maps, polarity.weight);
+    const std::size_t at = maps.phase_rad.index(0, v);
+    const RowErrors e = rows.at(polarity, v);
+    rejoin_flip_row({sigma.row(v), e.rate, config.drop_sigmas, config.full_sigmas}, noise, at, width, maps,
+                    polarity.weight);
+    mid_burst_row(pixel_row(maps, e, at), width, &maps.phase_rad[at], nullptr);
   }
 }
 

@@ -20,6 +20,57 @@ void mix_loop(const float* low, const float* high, float share, std::size_t widt
   for (std::size_t u = 0; u < width; ++u) out[u] = a[u] + share * (b[u] - a[u]);
 }
 
+/// A ramp between the middles of two cells, `count` pixels from pixel `first` of it on, each `step` from the one
+/// before.
+[[gnu::always_inline]] inline void ramp(float from, float slope, std::size_t first, std::size_t step, std::size_t count,
+                                        float* out) {
+  for (std::size_t k = 0; k < count; ++k)
+    out[k] = from + slope * (static_cast<float>(static_cast<int>(first + k * step)) + 0.5F);
+}
+
+/// Ramps of cells of a size known to the compiler, which makes vectors of them.
+template <std::size_t kCell, std::size_t kStep>
+void ramps(const float* nodes, std::size_t count, std::size_t first, std::size_t width, float* row) {
+  constexpr std::size_t kPixels = kCell / kStep, kBefore = kCell / 2 / kStep;
+  constexpr float kShare = 1.0F / static_cast<float>(static_cast<int>(kCell));
+  const float* __restrict node = nodes;
+  float* __restrict out = row;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t begin = k * kPixels + kBefore;
+    const float slope = (node[k + 1] - node[k]) * kShare;
+    if (begin + kPixels <= width) {
+      ramp(node[k], slope, first, kStep, kPixels, out + begin);
+    } else if (begin < width) {
+      ramp(node[k], slope, first, kStep, width - begin, out + begin);
+    }
+  }
+}
+
+void expand_loop(const float* node, const Grid& grid, const GridColumns& columns, std::size_t width, float* out) {
+  const std::size_t last = static_cast<std::size_t>(grid.columns) - 1, cell = static_cast<std::size_t>(grid.cell_px);
+  const std::size_t step = columns.step, first = columns.first, before = cell / 2 / step, pixels = cell / step;
+  std::fill(out, out + std::min(before, width), node[0]);
+  const std::size_t shape = cell * 2 + step;
+  if (shape == 4 * 2 + 1) {
+    ramps<4, 1>(node, last, first, width, out);
+  } else if (shape == 8 * 2 + 1) {
+    ramps<8, 1>(node, last, first, width, out);
+  } else if (shape == 32 * 2 + 1) {
+    ramps<32, 1>(node, last, first, width, out);
+  } else if (shape == 8 * 2 + 2) {
+    ramps<8, 2>(node, last, first, width, out);
+  } else if (shape == 32 * 2 + 2) {
+    ramps<32, 2>(node, last, first, width, out);
+  } else {
+    const float share = 1.0F / static_cast<float>(grid.cell_px);
+    for (std::size_t k = 0; k < last && k * pixels + before < width; ++k) {
+      const std::size_t begin = k * pixels + before;
+      ramp(node[k], (node[k + 1] - node[k]) * share, first, step, std::min(pixels, width - begin), out + begin);
+    }
+  }
+  if (last * pixels + before < width) std::fill(out + last * pixels + before, out + width, node[last]);
+}
+
 }  // namespace enamel::algo::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -27,8 +78,12 @@ HWY_AFTER_NAMESPACE();
 namespace enamel::algo {
 
 HWY_EXPORT(mix_loop);
+HWY_EXPORT(expand_loop);
 
-GridRows::GridRows(const Grid& grid, int width) : grid_(grid), out_(static_cast<std::size_t>(width), 0.0F) {
+GridRows::GridRows(const Grid& grid, int width, GridColumns columns)
+    : grid_(grid),
+      columns_(columns),
+      out_((static_cast<std::size_t>(width) - columns.first + columns.step - 1) / columns.step, 0.0F) {
   if (grid_.nodes == nullptr) return;
   low_.resize(out_.size());
   high_.resize(out_.size());
@@ -53,20 +108,8 @@ const float* GridRows::row(int v) {
 
 /// Ramps from each cell's middle to the next.
 void GridRows::expand(int node_row, std::vector<float>& line) const {
-  const auto n = static_cast<std::size_t>(grid_.columns), cell = static_cast<std::size_t>(grid_.cell_px);
-  const float* node = grid_.nodes + static_cast<std::size_t>(node_row) * n;
-  const std::size_t half = cell / 2, last = n - 1, width = line.size();
-  float* out = line.data();
-  std::fill(out, out + std::min(half, width), node[0]);
-  const float step = 1.0F / static_cast<float>(cell);
-  for (std::size_t k = 0; k < last; ++k) {
-    const std::size_t begin = k * cell + half;
-    const std::size_t count = begin < width ? std::min(cell, width - begin) : 0;
-    const float from = node[k], slope = (node[k + 1] - from) * step;
-    for (std::size_t j = 0; j < count; ++j)
-      out[begin + j] = from + slope * (static_cast<float>(static_cast<int>(j)) + 0.5F);
-  }
-  if (last * cell + half < width) std::fill(out + last * cell + half, out + width, node[last]);
+  const float* node = grid_.nodes + static_cast<std::ptrdiff_t>(node_row) * grid_.columns;
+  HWY_DYNAMIC_DISPATCH(expand_loop)(node, grid_, columns_, line.size(), line.data());
 }
 
 void interpolate_grid(const Grid& grid, Map<float>& out) {

@@ -15,18 +15,25 @@ struct Grid {
   int columns = 0, rows = 0, cell_px = 1;
 };
 
+/// Columns first, first + step, ... of a row: first < step, which is 1 or 2 (then all cells are a multiple of 4 wide).
+struct GridColumns {
+  std::size_t first = 0, step = 1;
+};
+
 /// One caller's; rows are cheapest in order.
 class GridRows {
  public:
-  GridRows(const Grid& grid, int width);
+  /// width: of the whole image.
+  GridRows(const Grid& grid, int width, GridColumns columns = {});
 
-  /// Values of image row v, valid until the next call.
+  /// Values of those columns of image row v, valid until the next call.
   [[nodiscard]] const float* row(int v);
 
  private:
   void expand(int node_row, std::vector<float>& out) const;
 
   Grid grid_;
+  GridColumns columns_;
   std::vector<float> low_, high_, out_;  ///< node rows above and below, spread over the image's width; their mean
   int low_row_ = -1, high_row_ = -1;
 };

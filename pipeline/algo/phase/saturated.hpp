@@ -36,7 +36,7 @@ void sort_out_saturated(const std::vector<SaturatedPixel>& pixels, const CellSig
                         const PolarityConfig& config, const Map<std::int16_t>& turn, PhaseMaps& maps);
 
 /// phase_rad of each pixel brought to mid-burst by its own three frames, as closure.hpp does for all others. Call
-/// before correct_phase, which takes these for others, and put them in place after.
+/// before correct_phase or finish_phase, which take these for others, and put them in place after.
 void correct_saturated(const std::vector<SaturatedPixel>& pixels, const BurstErrors& errors, float black_dn,
                        const PhaseMaps& maps, std::vector<float>& phase_rad);
 

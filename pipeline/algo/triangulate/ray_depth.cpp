@@ -79,6 +79,20 @@ Vec3f projector_centre(const calib::Rig& rig) {
   return centre;
 }
 
+/// Of both directions.
+InverseDepthTable every_second(const RayDepth& rays) {
+  InverseDepthTable out;
+  for (int v = 0; v < rays.height; v += 2) {
+    for (int u = 0; u < rays.width; u += 2) {
+      const auto i = static_cast<std::size_t>(v) * static_cast<std::size_t>(rays.width) + static_cast<std::size_t>(u);
+      out.phase_mid_rad.push_back(rays.phase_mid_rad[i]);
+      out.c0.push_back(rays.c0[i]), out.c1.push_back(rays.c1[i]);
+      out.c2.push_back(rays.c2[i]), out.c3.push_back(rays.c3[i]);
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<RayDepth> RayDepth::bake(const calib::Rig& rig, calib::DepthRange range) {
@@ -115,6 +129,7 @@ Result<RayDepth> RayDepth::bake(const calib::Rig& rig, calib::DepthRange range) 
       out.phase_far_rad.push_back(static_cast<float>(cubic.far));
     }
   }
+  out.sparse = every_second(out);
   return out;
 }
 

@@ -5,27 +5,39 @@
 
 #include <cstddef>
 #include <optional>
-#include <vector>
 
 #include "calib/model/lens.hpp"
 #include "calib/model/rig.hpp"
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/map.hpp"
+#include "protocol/base/staggered.hpp"
 
 namespace enamel::algo {
+
+/// 1/z = c0 + t*(c1 + t*(c2 + t*c3)), t = Phi - phase_mid_rad.
+struct InverseDepthTable {
+  StaggeredVector<float> phase_mid_rad, c0, c1, c2, c3;
+
+  /// d(1/z)/dPhi.
+  [[nodiscard]] float slope(std::size_t i, float phase_rad) const noexcept {
+    const float t = phase_rad - phase_mid_rad[i];
+    return c1[i] + t * (2 * c2[i] + t * (3 * c3[i]));
+  }
+};
 
 /// Immutable after bake(), thread-safe. All arrays are row major of the camera's size.
 struct RayDepth {
   int width = 0, height = 0;
   float near_mm = 0, far_mm = 0;
   calib::RayTable rays;
-  Vec3f projector_mm = Vec3f::Zero();  ///< its centre, camera coordinates: where the light comes from
-  std::vector<float> phase_mid_rad;    ///< Phi at the middle of the range in 1/z
-  std::vector<float> c0, c1, c2, c3;   ///< 1/z = c0 + t*(c1 + t*(c2 + t*c3)), t = Phi - phase_mid_rad
+  Vec3f projector_mm = Vec3f::Zero();     ///< its centre, camera coordinates: where the light comes from
+  StaggeredVector<float> phase_mid_rad;   ///< Phi at the middle of the range in 1/z
+  StaggeredVector<float> c0, c1, c2, c3;  ///< 1/z = c0 + t*(c1 + t*(c2 + t*c3)), t = Phi - phase_mid_rad
   /// Phi at near_mm by the parametric model, clipped to nothing: may lie outside the projector's frame
-  std::vector<float> phase_near_rad;
-  std::vector<float> phase_far_rad;
-  float max_phase_rad = 0;  ///< Phi at the last edge of the projector's frame; the first edge is below
+  StaggeredVector<float> phase_near_rad;
+  StaggeredVector<float> phase_far_rad;
+  InverseDepthTable sparse;  ///< of pixels (2x, 2y), row major, (width + 1)/2 a row
+  float max_phase_rad = 0;   ///< Phi at the last edge of the projector's frame; the first edge is below
   float min_phase_rad = 0;
 
   /// Errors: kRigInvalid when some ray passes behind the projector, runs along its fringe planes, or Phi is not

@@ -28,16 +28,23 @@ class Solver {
   /// unwrapping. Where two shifts meet in it nobody knows the place, and where its own code speaks against, it stays
   /// undecided.
   void inherit() {
+    const auto undecided = [&](std::size_t i) { return !out_.pieces[i].decided; };
     const auto decided = [](const PieceOrder& o) { return o.decided; };
     if (std::all_of(out_.pieces.begin(), out_.pieces.end(), decided)) return;
-    PieceSets sets(pieces_.size(), work_.parent);
-    const auto undecided = [&](std::size_t i) { return !out_.pieces[i].decided; };
+    work_.open.clear();  // neighbours of which one or both are undecided
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (!undecided(i)) continue;
+      const bool own = undecided(i);
       each_neighbour(pieces_[i], i, [&](std::size_t o) {
-        if (undecided(o)) sets.unite(i, o);
+        if (own || undecided(o)) work_.open.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(o));
       });
     }
+    PieceSets sets(pieces_.size(), work_.parent);
+    const auto both = [&](auto visit) {
+      for (const auto& [i, o] : work_.open) visit(static_cast<std::size_t>(i), static_cast<std::size_t>(o));
+    };
+    both([&](std::size_t i, std::size_t o) {
+      if (undecided(i) && undecided(o)) sets.unite(i, o);
+    });
     constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max(), kSeveral = kUnknown - 1;
     work_.size.assign(pieces_.size(), kUnknown);  // the shift around each zone, at its root
     const auto note = [&](std::size_t zone, std::size_t source) {
@@ -45,12 +52,10 @@ class Solver {
       const std::int32_t shift = out_.pieces[source].shift;
       known = known == kUnknown || known == shift ? shift : kSeveral;
     };
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      each_neighbour(pieces_[i], i, [&](std::size_t o) {
-        if (undecided(i) && !undecided(o)) note(i, o);
-        if (!undecided(i) && undecided(o)) note(o, i);
-      });
-    }
+    both([&](std::size_t i, std::size_t o) {
+      if (!undecided(o)) note(i, o);
+      if (!undecided(i)) note(o, i);
+    });
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       if (!undecided(i) || work_.size[sets.root(i)] >= kSeveral) continue;
       const std::int32_t shift = work_.size[sets.root(i)], state = shift - base_shift(work_, pieces_[i]);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "pipeline/algo/unwrap/cells.hpp"
@@ -44,6 +45,7 @@ struct OrderResult {
   struct Work {
     std::vector<OrderCosts> unary, row, right, up, down;
     std::vector<std::int32_t> base, parent, size;
+    std::vector<std::pair<std::int32_t, std::int32_t>> open;
   } work;
 };
 

@@ -5,28 +5,48 @@
 namespace enamel::algo {
 namespace {
 
-Cost cost(std::int32_t value) { return static_cast<Cost>(value); }
+/// Least of the lanes up to each, and of those from each on; `top` is no less than any.
+CostHalf least_up_to(CostHalf a, CostHalf top) {
+  a = lesser(a, __builtin_shufflevector(top, a, 0, 8, 9, 10, 11, 12, 13, 14));
+  a = lesser(a, __builtin_shufflevector(top, a, 0, 1, 8, 9, 10, 11, 12, 13));
+  return lesser(a, __builtin_shufflevector(top, a, 0, 1, 2, 3, 8, 9, 10, 11));
+}
+
+CostHalf least_from(CostHalf a, CostHalf top) {
+  a = lesser(a, __builtin_shufflevector(top, a, 9, 10, 11, 12, 13, 14, 15, 0));
+  a = lesser(a, __builtin_shufflevector(top, a, 10, 11, 12, 13, 14, 15, 0, 1));
+  return lesser(a, __builtin_shufflevector(top, a, 12, 13, 14, 15, 0, 1, 2, 3));
+}
 
 }  // namespace
 
 void pass_gap(const OrderCosts& in, const OrderCosts& own, const GapCosts& gap, OrderCosts& out) noexcept {
   constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
-  const Cost low = least(in), most = std::max(gap.above, gap.below);
-  std::array<Cost, kOrderStates + 1> up_to{}, from{};  // least of in[0 … i-1], of in[i … 15]
-  up_to[0] = from[kOrderStates] = most;
-  for (std::size_t i = 0; i < kOrderStates; ++i) up_to[i + 1] = std::min(up_to[i], cost(in.of[i] - low));
-  for (std::size_t i = kOrderStates; i-- > 0;) from[i] = std::min(from[i + 1], cost(in.of[i] - low));
-  OrderCosts sum;
-  for (std::int32_t j = 0; j < kStates; ++j) {
-    const std::int32_t fit = j - gap.lean;
-    const auto below = static_cast<std::size_t>(std::clamp(fit, 0, kStates));
-    const auto above = static_cast<std::size_t>(std::clamp(fit + 1, 0, kStates));
-    const bool inside = fit >= 0 && fit < kStates;
-    const Cost same = inside ? cost(in.of[static_cast<std::size_t>(fit)] - low) : most;
-    const Cost apart = std::min(cost(up_to[below] + gap.above), cost(from[above] + gap.below));
-    sum.of[static_cast<std::size_t>(j)] = cost(own.of[static_cast<std::size_t>(j)] + std::min({same, apart, most}));
-  }
-  out = sum;
+  const CostPair said(in);
+  const CostHalf low = least_everywhere(said), most = CostHalf{} + std::max(gap.above, gap.below);
+  const CostHalf above = CostHalf{} + gap.above, below = CostHalf{} + gap.below;
+  const CostHalf same_low = lesser(said.low - low, most), same_high = lesser(said.high - low, most);
+  const CostHalf up_low = least_up_to(same_low, most), from_high = least_from(same_high, most);
+  const CostHalf up_high =
+      lesser(least_up_to(same_high, most), __builtin_shufflevector(up_low, up_low, 7, 7, 7, 7, 7, 7, 7, 7));
+  const CostHalf from_low =
+      lesser(least_from(same_low, most), __builtin_shufflevector(from_high, from_high, 0, 0, 0, 0, 0, 0, 0, 0));
+  // What a state costs that fits each partner state, and beyond their ends: all partner states lie on one side there.
+  std::array<CostHalf, 6> fitting{below,
+                                  below,
+                                  lesser(same_low, lesser(up_low + above, from_low + below)),
+                                  lesser(same_high, lesser(up_high + above, from_high + below)),
+                                  above,
+                                  above};
+  const auto* first = reinterpret_cast<const std::byte*>(fitting.data());
+  first += static_cast<std::ptrdiff_t>(sizeof(Cost)) * (kStates - std::clamp(gap.lean, -kStates, kStates));
+  CostHalf fit_low, fit_high;
+  std::memcpy(&fit_low, first, sizeof fit_low);
+  std::memcpy(&fit_high, first + sizeof fit_low, sizeof fit_high);
+  CostPair sum(own);
+  sum.low += lesser(fit_low, most);
+  sum.high += lesser(fit_high, most);
+  sum.store(out);
 }
 
 }  // namespace enamel::algo

@@ -87,6 +87,22 @@ TEST(RayDepth, geometry_that_cannot_measure_depth_is_refused) {
   EXPECT_EQ(rays.error().code, ErrorCode::kRigInvalid);
 }
 
+TEST(RayDepth, the_sparse_table_holds_every_second_pixel_of_every_second_row) {
+  const calib::Rig rig = test::cropped_rig(21, 11);
+  const RayDepth rays = RayDepth::bake(rig, *rig.depth_range).value();
+  ASSERT_EQ(rays.sparse.c0.size(), 11U * 6U);
+  for (std::size_t y = 0; y < 6; ++y) {
+    for (std::size_t x = 0; x < 11; ++x) {
+      const std::size_t k = y * 11 + x, i = 2 * y * 21 + 2 * x;
+      EXPECT_EQ(rays.sparse.phase_mid_rad[k], rays.phase_mid_rad[i]);
+      EXPECT_EQ(rays.sparse.c0[k], rays.c0[i]);
+      EXPECT_EQ(rays.sparse.c1[k], rays.c1[i]);
+      EXPECT_EQ(rays.sparse.c2[k], rays.c2[i]);
+      EXPECT_EQ(rays.sparse.c3[k], rays.c3[i]);
+    }
+  }
+}
+
 struct NormalScene {
   RayDepth rays;
   Map<float> inverse, sigma;
