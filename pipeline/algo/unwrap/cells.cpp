@@ -108,9 +108,11 @@ void split_row(const PhaseMaps& phase, const FloodMaps& flood, int v, std::size_
     const std::int32_t cell = 2 * flood.turn[i] - (phase.phase_rad[i] < 0 ? 1 : 0);
     const bool joined = marks[u] != kFirst;
     const bool follows = !joined && pieces.size() > before;
-    const Gap gap = follows ? measure_gap(phase, phi, at, pieces.back().end - 1, x, rise) : Gap{};
+    const bool stepped = marks[u] == kAfterKink || marks[u] == kAfterShade;
+    const Gap within{0, stepped ? rise : std::int8_t{0}, false};
+    const Gap gap = follows ? measure_gap(phase, phi, at, pieces.back().end - 1, x, rise) : within;
     pieces.push_back({v, x, static_cast<std::int32_t>(end), flood.component[i], cell, -1, -1, 0, -1, joined,
-                      marks[u] == kAfterKink, gap});
+                      marks[u] == kAfterKink, marks[u] == kAfterShade, gap});
   }
 }
 
@@ -120,8 +122,17 @@ void mark_pixels(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps&
   const auto width = static_cast<std::size_t>(phase.phase_rad.width());
   auto& work = out.work;
   kink_row(&work.unwrapped[at], &phase.sigma_rad[at], width, work.heights.data(), work.kinks.data());
-  if (!cuts.empty()) {
-    for (std::size_t u = 0; u < width; ++u) work.kinks[u] = static_cast<std::uint8_t>(work.kinks[u] | cuts[at + u]);
+  if (cuts.empty()) {
+    constexpr int kReach = 2;
+    const int height = phase.phase_rad.height(), v = static_cast<int>(at / width);
+    const ShadeRows rows{&phase.modulation_dn[at], &phase.sigma_rad[at], &flood.component[at], std::min(v, kReach),
+                         std::min(height - 1 - v, kReach)};
+    shade_row(rows, width, work.shade_means.data(), work.heights.data(), work.shades.data());
+    for (std::size_t u = 0; u < width; ++u)
+      work.kinks[u] = static_cast<std::uint8_t>(work.kinks[u] | (work.shades[u] != 0 ? kShade : 0));
+  } else {
+    for (std::size_t u = 0; u < width; ++u)
+      work.kinks[u] = static_cast<std::uint8_t>(work.kinks[u] | (cuts[at + u] != 0 ? kKink : 0));
   }
   const FloodRow row{&phase.phase_rad[at], &flood.turn[at], &flood.component[at], &links.east[at]};
   mark_row(row, &work.unwrapped[at], work.kinks.data(), width, work.marks.data());
@@ -135,6 +146,8 @@ void prepare(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flo
   out.pieces.clear();
   work.heights.resize(width);
   work.kinks.resize(width);
+  work.shades.resize(width);
+  work.shade_means.resize(width);
   work.border.resize(width);
   work.marks.assign(width + kRunPadding, kSentinel);
   if (work.unwrapped.width() != w || work.unwrapped.height() != h) work.unwrapped = Map<float>(w, h);

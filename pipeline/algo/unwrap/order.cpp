@@ -18,54 +18,102 @@ class Solver {
 
   void run(std::int32_t components) {
     label_rows(pieces_, components, evidence_, config_, out_);
-    inherit();
+    inherit(kBroad_px, std::numeric_limits<std::int32_t>::max());
+    inherit(1, config_.min_region_px);
     count_seams();
     find_specks();
   }
 
  private:
+  using Zone = OrderResult::Work::Zone;
+
+  static constexpr std::int32_t kBroad_px = 2;  ///< more than the one pixel that blur mixes
+  static constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max(), kSeveral = kUnknown - 1;
+
   /// A zone of undecided pieces that borders on decided ones of one shift only continues that surface: plain
-  /// unwrapping. Where two shifts meet in it nobody knows the place, and where its own code speaks against, it stays
-  /// undecided.
-  void inherit() {
-    const auto undecided = [&](std::size_t i) { return !out_.pieces[i].decided; };
+  /// unwrapping. Where two shifts meet in it nobody knows the place, and where its own code speaks against, of a
+  /// piece's row or of the whole zone, it stays undecided. Neighbours in another row count when they share least_px
+  /// columns: less may be a leak through an edge's blur. Only zones of fewer than most_px pixels.
+  void inherit(std::int32_t least_px, std::int32_t most_px) {
     const auto decided = [](const PieceOrder& o) { return o.decided; };
     if (std::all_of(out_.pieces.begin(), out_.pieces.end(), decided)) return;
-    work_.open.clear();  // neighbours of which one or both are undecided
+    find_open(least_px);
+    find_zones();
+    look_around();
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      if (!undecided(i)) continue;
+      const Zone& zone = zone_of(i);
+      const std::int32_t state = zone.around - base_shift(work_, pieces_[i]);
+      if (zone.around >= kSeveral || zone.px >= most_px || state < 0 || state >= kStates) continue;
+      const auto k = static_cast<std::size_t>(state);
+      const OrderCosts& total = work_.row[i];  // of its own row, not diluted by others
+      if (total.of[k] - least(total) > to_cost(config_.inherit_cost)) continue;
+      out_.pieces[i].shift = zone.around;
+      (contradicts(zone, k) ? out_.pieces[i].disowned : out_.pieces[i].inherited) = true;
+    }
+    for (PieceOrder& o : out_.pieces) o.decided = o.decided || o.inherited;
+  }
+
+  /// Whether the code of the zone as a whole speaks against a state. Rows are as many witnesses as a running mean over
+  /// them takes them for: one in 1/(1 - row_memory).
+  [[nodiscard]] bool contradicts(const Zone& zone, std::size_t state) const {
+    const std::int64_t more = zone.costs[state] - *std::min_element(zone.costs.begin(), zone.costs.end());
+    return (1 - config_.row_memory) * static_cast<float>(more) > static_cast<float>(to_cost(config_.inherit_cost));
+  }
+
+  [[nodiscard]] bool undecided(std::size_t i) const { return !out_.pieces[i].decided; }
+  Zone& zone_of(std::size_t i) { return work_.zones[static_cast<std::size_t>(work_.size[i])]; }
+
+  /// Linked pieces of which one or both are undecided, but for those of different rows with fewer than least_px columns
+  /// in common.
+  void find_open(std::int32_t least_px) {
+    work_.open.clear();
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const bool own = undecided(i);
       each_neighbour(pieces_[i], i, [&](std::size_t o) {
-        if (own || undecided(o)) work_.open.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(o));
+        if (!own && !undecided(o)) return;
+        const Piece &a = pieces_[i], &b = pieces_[o];
+        if (a.row == b.row || std::min(a.end, b.end) - std::max(a.begin, b.begin) >= least_px)
+          work_.open.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(o));
       });
     }
+  }
+
+  template <class Visit>
+  void each_open(Visit visit) const {
+    for (const auto& [i, o] : work_.open) visit(static_cast<std::size_t>(i), static_cast<std::size_t>(o));
+  }
+
+  /// Fills work_.zones, and work_.size with the zone of each undecided piece.
+  void find_zones() {
     PieceSets sets(pieces_.size(), work_.parent);
-    const auto both = [&](auto visit) {
-      for (const auto& [i, o] : work_.open) visit(static_cast<std::size_t>(i), static_cast<std::size_t>(o));
-    };
-    both([&](std::size_t i, std::size_t o) {
+    each_open([&](std::size_t i, std::size_t o) {
       if (undecided(i) && undecided(o)) sets.unite(i, o);
     });
-    constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max(), kSeveral = kUnknown - 1;
-    work_.size.assign(pieces_.size(), kUnknown);  // the shift around each zone, at its root
-    const auto note = [&](std::size_t zone, std::size_t source) {
-      std::int32_t& known = work_.size[sets.root(zone)];
+    work_.zones.clear();
+    work_.size.resize(pieces_.size());
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      if (!undecided(i)) continue;
+      const std::size_t root = sets.root(i);  // the first of its zone
+      if (root == i) work_.zones.push_back({{}, kUnknown, 0});
+      work_.size[i] = root == i ? static_cast<std::int32_t>(work_.zones.size()) - 1 : work_.size[root];
+      Zone& zone = zone_of(i);
+      zone.px += pieces_[i].end - pieces_[i].begin;
+      for (std::size_t k = 0; k < kOrderStates; ++k) zone.costs[k] += work_.unary[i].of[k];
+    }
+  }
+
+  /// Fills the zones' `around`.
+  void look_around() {
+    const auto note = [&](std::size_t open, std::size_t source) {
+      std::int32_t& known = zone_of(open).around;
       const std::int32_t shift = out_.pieces[source].shift;
       known = known == kUnknown || known == shift ? shift : kSeveral;
     };
-    both([&](std::size_t i, std::size_t o) {
+    each_open([&](std::size_t i, std::size_t o) {
       if (!undecided(o)) note(i, o);
       if (!undecided(i)) note(o, i);
     });
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (!undecided(i) || work_.size[sets.root(i)] >= kSeveral) continue;
-      const std::int32_t shift = work_.size[sets.root(i)], state = shift - base_shift(work_, pieces_[i]);
-      if (state < 0 || state >= kStates) continue;
-      const OrderCosts& total = work_.row[i];  // of its own row, not diluted by others
-      if (total.of[static_cast<std::size_t>(state)] - least(total) > to_cost(config_.inherit_cost)) continue;
-      out_.pieces[i].shift = shift;
-      out_.pieces[i].inherited = true;
-    }
-    for (PieceOrder& o : out_.pieces) o.decided = o.decided || o.inherited;
   }
 
   void count_seams() {
@@ -110,7 +158,7 @@ void judge_orders(const std::vector<Piece>& pieces, const CodeEvidence& evidence
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& p = pieces[i];
     const PieceOrder& o = out.pieces[i];
-    const Stance stance = o.decided ? evidence.stance(i, p.cell + 2 * o.shift) : Stance::kSilent;
+    const Stance stance = o.decided || o.disowned ? evidence.stance(i, p.cell + 2 * o.shift) : Stance::kSilent;
     if (stance == Stance::kAgrees) out.agreeing_px += p.end - p.begin;
     if (stance == Stance::kContradicts) out.contradicting_px += p.end - p.begin;
   }

@@ -4,6 +4,7 @@
 // nearly as cheap stays undecided: it is known relatively only and is rejected, never guessed.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -19,6 +20,7 @@ struct OrderConfig {
   float outlier_cost = 4.6F;      ///< 1 % of the pieces lie (edges, glints): their code may be anything
   float unseen_jump_cost = 6.9F;  ///< a 2 pi jump inside a linked surface: one in a thousand neighbours
   float kink_jump_cost = 2.3F;    ///< at a step in the phase: it may be that step, or that and 2 pi; one in ten
+  float shade_jump_cost = 2.3F;   ///< at a step of the modulation: texture, or a surface at another depth; one in ten
   float fold_cost = 2.3F;         ///< projector columns come in the other order beyond a gap: only behind thin things
   float missed_contact_cost = 3.0F;  ///< a dark gap whose ends could lie on one ray of light, and do not
   float decided_margin = 4.6F;       ///< second-best must be this much dearer: 1 % risk
@@ -32,12 +34,13 @@ struct PieceOrder {
   std::int32_t shift = 0;
   bool decided = false;
   bool inherited = false;  ///< decided by continuity with decided pieces, not by its own code
+  bool disowned = false;   ///< undecided: the code of its zone contradicts the shift of what it borders on, `shift`
   bool speck = false;
 };
 
 struct OrderResult {
   std::vector<PieceOrder> pieces;  ///< parallel to the list of pieces
-  double agreeing_px = 0;          ///< pixels of decided pieces whose code is that of the labelling …
+  double agreeing_px = 0;          ///< pixels of decided or disowned pieces whose code is that of the labelling …
   double contradicting_px = 0;     ///< … and of those whose is not
   std::size_t seams = 0;           ///< smooth borders between neighbouring cells of a row …
   std::size_t torn_seams = 0;      ///< … where the labelling jumps by whole fringes
@@ -46,6 +49,13 @@ struct OrderResult {
     std::vector<OrderCosts> unary, row, right, up, down;
     std::vector<std::int32_t> base, parent, size;
     std::vector<std::pair<std::int32_t, std::int32_t>> open;
+    /// Undecided pieces that hang together.
+    struct Zone {
+      std::array<std::int64_t, kOrderStates> costs{};  ///< what the code of all its pieces says, summed
+      std::int32_t around = 0;                         ///< shift of the decided pieces beside it
+      std::int32_t px = 0;
+    };
+    std::vector<Zone> zones;
   } work;
 };
 

@@ -89,7 +89,7 @@ class Rows {
   /// Least shift that brings the cell to 0 or more.
   static std::int32_t first_in_frame(std::int32_t cell) { return -(cell >> 1); }
 
-  Cost jump_cost(const Piece& p) const { return to_cost(p.kink ? config_.kink_jump_cost : config_.unseen_jump_cost); }
+  Cost jump_cost(const Piece& p) const { return to_cost(p.kink ? config_.kink_jump_cost : config_.shade_jump_cost); }
 
   /// What piece i thinks of the shifts of the piece before it in the row, beyond a gap.
   GapCosts gap_before(std::size_t i) const {
@@ -100,14 +100,22 @@ class Rows {
     return gap.rise > 0 ? GapCosts{lean, skip, fold} : GapCosts{lean, fold, skip};
   }
 
+  /// What piece i thinks of the shifts of the piece before it in its run, across a step: a jump that keeps the
+  /// projector's columns in order may hide there; the other way something thin would have to stand before the surface.
+  GapCosts step_before(std::size_t i) const {
+    const Cost jump = jump_cost(pieces_[i]), fold = static_cast<Cost>(jump + to_cost(config_.fold_cost));
+    return pieces_[i].gap.rise > 0 ? GapCosts{0, jump, fold} : GapCosts{0, fold, jump};
+  }
+
   /// Message of piece `from` to its neighbour in the row, `to`, with that one's own evidence added.
   void tell(const OrderCosts& said, std::size_t from, std::size_t to, OrderCosts& out) const {
-    const Piece& later = pieces_[std::max(from, to)];
-    if (later.joined) {
-      pass_joined(said, work_.unary[to], jump_cost(later), out);
-    } else if (later.gap.rise != 0) {
-      const GapCosts g = gap_before(std::max(from, to));
+    const std::size_t later = std::max(from, to);
+    const Piece& piece = pieces_[later];
+    if (piece.gap.rise != 0) {
+      const GapCosts g = piece.joined ? step_before(later) : gap_before(later);
       pass_gap(said, work_.unary[to], from < to ? g : GapCosts{-g.lean, g.below, g.above}, out);
+    } else if (piece.joined) {
+      pass_joined(said, work_.unary[to], to_cost(config_.unseen_jump_cost), out);
     } else {
       out = work_.unary[to];
     }

@@ -52,6 +52,43 @@ void kink_loop(const float* phi, const float* noise, std::size_t width, float* h
   }
 }
 
+void shade_loop(const ShadeRows& rows, std::size_t width, float* means, float* steps, std::uint8_t* out) {
+  constexpr float kLeastShade = 0.2F;   // ripple of motion, 0.1 rad a frame, makes half of it
+  constexpr float kNoiseSigmas = 9.5F;  // five sigma of the steps' combination of six samples, sqrt(3.5) sigma
+  float* __restrict mean = means, * __restrict height = steps;
+  std::uint8_t* __restrict shade = out;
+  for (std::size_t u = 0; u < width; ++u) mean[u] = height[u] = 0;
+  for (std::size_t u = 0; u < width; ++u) shade[u] = 0;
+  if (width <= 2 * kKinkContext_px) return;
+  for (int r = -rows.above; r <= rows.below; ++r) {
+    const auto at = r * static_cast<std::ptrdiff_t>(width);
+    const float* __restrict modulation = rows.modulation + at;
+    const std::int32_t* __restrict component = rows.component + at;
+    for (std::size_t u = 0; u < width; ++u) {
+      const bool seen = component[u] >= 0;
+      mean[u] += select(seen, modulation[u], 0);
+      height[u] += select(seen, 1, 0);
+    }
+  }
+  const std::int32_t* __restrict inside = rows.component;
+  for (std::size_t u = 0; u < width; ++u)
+    mean[u] = select(inside[u] >= 0, mean[u] / larger(height[u], 1), std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t u = 0; u < width; ++u) height[u] = 0;
+  const std::size_t end = width - kKinkContext_px;
+  for (std::size_t u = kKinkContext_px - 1; u < end + 1; ++u) {
+    const float slopes = 0.5F * (mean[u - 2] - mean[u - 5] + (mean[u + 4] - mean[u + 1]));
+    const float step = mean[u + 1] - mean[u - 2] - slopes;
+    height[u] = select(step == step, std::abs(step) / mean[u], 0);
+  }
+  const float* __restrict sigma = rows.sigma;
+  const float noise = kNoiseSigmas / root(static_cast<float>(rows.above + rows.below + 1));
+  for (std::size_t u = kKinkContext_px; u < end; ++u) {
+    const bool step = height[u] > larger(noise * sigma[u], kLeastShade);
+    const bool before = height[u - 1] > height[u], after = height[u + 1] >= height[u];
+    shade[u] = static_cast<std::uint8_t>(step & !before & !after);
+  }
+}
+
 void mark_loop(const FloodRow& row, const float* unwrapped, const std::uint8_t* kinked, std::size_t width,
                std::uint8_t* marks) {
   const float* __restrict phase = row.phase, * __restrict phi = unwrapped;
@@ -66,7 +103,9 @@ void mark_loop(const FloodRow& row, const float* unwrapped, const std::uint8_t* 
     // A difference beyond pi: two paths of the flood disagree here.
     const bool joined =
         (east[u - 1] != 0) & (component[u - 1] == component[u]) & (std::abs(phi[u] - phi[u - 1]) < kPiF);
-    const int within = kinks[u] != 0 ? kAfterKink : (cell != before ? kNextCell : kInside);
+    const int unshaded = cell != before ? kNextCell : kInside;
+    const int smooth = (kinks[u] & kShade) != 0 ? kAfterShade : unshaded;
+    const int within = (kinks[u] & kKink) != 0 ? kAfterKink : smooth;
     const int mark = component[u] < 0 ? kHole : (joined ? within : kFirst);
     out[u] = static_cast<std::uint8_t>(mark);
   }
@@ -102,6 +141,7 @@ namespace enamel::algo {
 
 HWY_EXPORT(unwrap_loop);
 HWY_EXPORT(kink_loop);
+HWY_EXPORT(shade_loop);
 HWY_EXPORT(mark_loop);
 HWY_EXPORT(border_loop);
 
@@ -111,6 +151,10 @@ void unwrap_row(const FloodRow& row, std::size_t width, float* phi) {
 
 void kink_row(const float* phi, const float* sigma, std::size_t width, float* heights, std::uint8_t* kinks) {
   HWY_DYNAMIC_DISPATCH(kink_loop)(phi, sigma, width, heights, kinks);
+}
+
+void shade_row(const ShadeRows& rows, std::size_t width, float* mean, float* heights, std::uint8_t* shades) {
+  HWY_DYNAMIC_DISPATCH(shade_loop)(rows, width, mean, heights, shades);
 }
 
 void mark_row(const FloodRow& row, const float* phi, const std::uint8_t* kinks, std::size_t width,

@@ -11,12 +11,16 @@ namespace enamel::algo {
 
 /// What a pixel is to the pieces of its row.
 enum PixelMark : std::uint8_t {
-  kInside,     ///< continues the piece of the pixel before it
-  kHole,       ///< in no component
-  kFirst,      ///< begins a run
-  kNextCell,   ///< continues the run in another half fringe
-  kAfterKink,  ///< continues the run across a step or a cut
+  kInside,      ///< continues the piece of the pixel before it
+  kHole,        ///< in no component
+  kFirst,       ///< begins a run
+  kNextCell,    ///< continues the run in another half fringe
+  kAfterKink,   ///< continues the run across a step or a cut
+  kAfterShade,  ///< continues the run across a step of the modulation only
 };
+
+/// What lies between a pixel and the one before it, as bits.
+enum PixelBorder : std::uint8_t { kKink = 1, kShade = 2 };
 
 /// A row's pixels.
 struct FloodRow {
@@ -31,6 +35,20 @@ void unwrap_row(const FloodRow& row, std::size_t width, float* phi);
 
 /// kinks: 1 where a step lies between a pixel and the one before it, once, where it is highest. heights: scratch.
 void kink_row(const float* phi, const float* sigma, std::size_t width, float* heights, std::uint8_t* kinks);
+
+/// A row among its neighbours: pointers to its first pixel, which rows `above` of it and `below` of it must exist
+/// around.
+struct ShadeRows {
+  const float* modulation;
+  const float* sigma;
+  const std::int32_t* component;
+  int above, below;
+};
+
+/// shades: 1 where the modulation steps between a pixel and the one before it, once, where the step is highest: by more
+/// than a fifth, and than noise explains, in the mean over the rows. It may be texture; it may be another surface that
+/// the phase does not tell from this one. mean, heights: scratch.
+void shade_row(const ShadeRows& rows, std::size_t width, float* mean, float* heights, std::uint8_t* shades);
 
 void mark_row(const FloodRow& row, const float* phi, const std::uint8_t* kinks, std::size_t width, std::uint8_t* marks);
 
