@@ -16,21 +16,35 @@ namespace {
 
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
 
-constexpr std::int32_t kUnseen = -2, kOffTheModel = -1;
+constexpr std::int32_t kUnseen = -2, kOffTheModel = -1, kAtAnEdge = -3;
 
-/// Which order, counted from the region's lowest, brings a pixel nearest to the model.
+/// Calls visit(k, point) for each order of the region that is in range at the pixel.
+template <class Visit>
+void each_order(const RayDepth& rays, std::size_t pixel, float phase_rad, const RelativeSurface::Region& region,
+                Visit visit) {
+  for (std::int32_t k = region.low; k <= region.high; ++k) {
+    const float q = rays.inverse_depth(pixel, phase_rad + kTurn * static_cast<float>(k));
+    if (in_range(rays, q)) visit(k - region.low, point_at(rays, pixel, 1 / q));
+  }
+}
+
+/// Which order, counted from the region's lowest, brings a pixel nearest to the model. None where the model has an
+/// edge and another order would bring it there just as well.
 std::int32_t vote(const RayDepth& rays, const ModelSight& sight, std::size_t pixel, float phase_rad,
                   const RelativeSurface::Region& region, float tolerance_mm) {
   std::int32_t best = kUnseen;
   float least = tolerance_mm;
-  for (std::int32_t k = region.low; k <= region.high; ++k) {
-    const float q = rays.inverse_depth(pixel, phase_rad + kTurn * static_cast<float>(k));
-    if (!in_range(rays, q)) continue;
-    const float d = sight.distance_mm(point_at(rays, pixel, 1 / q));
+  each_order(rays, pixel, phase_rad, region, [&](std::int32_t k, const Vec3f& p) {
+    const float d = sight.distance_mm(p);
     if (best == kUnseen && std::isfinite(d)) best = kOffTheModel;
-    if (d < least) least = d, best = k - region.low;
-  }
-  return best;
+    if (d < least) least = d, best = k;
+  });
+  if (best < 0) return best;
+  bool edge = false;
+  each_order(rays, pixel, phase_rad, region, [&](std::int32_t k, const Vec3f& p) {
+    edge = edge || (k != best && sight.distance_beside_mm(p) < tolerance_mm);
+  });
+  return edge ? kAtAnEdge : best;
 }
 
 /// Votes of many pixels.
@@ -60,22 +74,36 @@ std::size_t orders_of(const RelativeSurface::Region& region) {
   return static_cast<std::size_t>(std::max(0, region.high - region.low + 1));
 }
 
-/// Votes of a span's pixels into orders.
-void settle(const Tally& region, std::int32_t low, const GuideConfig& config, std::span<std::int32_t> votes) {
+/// Pixels at the span's front that do not see the model, if they are so few that only the view's blank along an edge
+/// may lie there; else 0.
+template <class Votes>
+std::ptrdiff_t blank_edge(Votes begin, Votes end, std::ptrdiff_t most_px) {
+  const auto blank = std::find_if(begin, end, [](std::int32_t v) { return v != kUnseen; }) - begin;
+  return blank <= most_px ? blank : 0;
+}
+
+/// What a span in a region of several orders agrees on by itself.
+std::optional<std::int32_t> own_order(const Tally& region, const GuideConfig& config,
+                                      std::span<const std::int32_t> votes) {
+  Tally own;
+  own.clear(region.of.size());
+  for (const std::int32_t v : votes) own.add(v);
+  const auto order = own.agreed(config.min_span_votes, config);
+  return order && region.of[static_cast<std::size_t>(*order)] >= config.min_votes ? order : std::nullopt;
+}
+
+/// Votes of a span's pixels into orders. edge_px: what the view leaves blank along an edge of the model.
+void settle(const Tally& region, std::int32_t low, const GuideConfig& config, int edge_px,
+            std::span<std::int32_t> votes) {
   const auto whole = region.agreed(config.min_votes, config);
-  std::optional<std::int32_t> part;
-  if (!whole) {
-    Tally own;
-    own.clear(region.of.size());
-    for (const std::int32_t v : votes) own.add(v);
-    part = own.agreed(config.min_span_votes, config);
-    if (part && region.of[static_cast<std::size_t>(*part)] < config.min_votes) part.reset();
-  }
+  const std::int32_t order = (whole ? whole : own_order(region, config, votes)).value_or(kOpenOrder);
+  const auto front = blank_edge(votes.begin(), votes.end(), edge_px);
+  const auto back = blank_edge(votes.rbegin(), votes.rend(), edge_px);
   // In a region that agrees, pixels beside the model join it; nowhere does one that is for another order.
-  for (std::int32_t& v : votes) {
-    const bool joins = whole ? v < 0 || v == *whole : part && v == *part;
-    v = joins ? low + (whole ? *whole : *part) : kOpenOrder;
-  }
+  for (std::int32_t& v : votes) v = v == order || (whole && (v == kUnseen || v == kOffTheModel)) ? low + order : kOpenOrder;
+  // A strip of the surface beyond the model's edge may hang on there, where the view cannot tell.
+  std::fill_n(votes.begin(), front, kOpenOrder);
+  std::fill_n(votes.rbegin(), back, kOpenOrder);
 }
 
 }  // namespace
@@ -104,7 +132,7 @@ std::vector<std::int32_t> ModelGuide::decide(const RelativeSurface& relative, co
   for (const auto& span : relative.spans) {
     const auto r = static_cast<std::size_t>(span.region);
     const std::span<std::int32_t> own(&votes[first], static_cast<std::size_t>(span.end - span.begin));
-    settle(regions[r], relative.regions[r].low, config_, own);
+    settle(regions[r], relative.regions[r].low, config_, 2 * view.stride, own);
     first += own.size();
   }
   return votes;

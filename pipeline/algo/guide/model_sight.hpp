@@ -18,7 +18,19 @@ class ModelSight {
   /// its ray of the view; +infinity where the view shows none there.
   [[nodiscard]] float distance_mm(const Vec3f& p_cam) const noexcept;
 
+  /// The same to the nearest of the planes of the four pixels around that one: at an edge of the model a burst that
+  /// stands microns aside may as well meet those.
+  [[nodiscard]] float distance_beside_mm(const Vec3f& p_cam) const noexcept;
+
  private:
+  struct Pixel {
+    int i = -1, j = -1;  ///< of the view; negative: the point is behind the camera or outside
+  };
+  static constexpr float kUnseen = std::numeric_limits<float>::infinity();
+
+  [[nodiscard]] Pixel pixel_of(const Vec3f& p_cam) const noexcept;
+  [[nodiscard]] float to_plane_mm(const Vec3f& p_cam, Pixel at) const noexcept;
+
   const ModelView* view_;
   ViewCamera camera_;
   Eigen::Isometry3f T_view_cam_, T_model_cam_;

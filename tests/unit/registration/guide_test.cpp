@@ -157,6 +157,36 @@ TEST_F(Guide, ASpanThatIsTwoStaysOpen) {
   EXPECT_TRUE(none(guide.decide(torn, view, some_pose())));
 }
 
+/// How many pixels at the end of each row of the block stay open; the others must have order 1.
+void expect_open_at_ends(const std::vector<std::int32_t>& orders, std::size_t open) {
+  for (std::size_t n = 0; n < orders.size(); ++n)
+    ASSERT_EQ(orders[n], n % 40 < 40 - open ? 1 : kOpenOrder) << "column " << n % 40;
+}
+
+TEST_F(Guide, ANarrowStripThatTheModelDoesNotShowStaysOpen) {
+  const auto blank_from = [&](int u) {
+    ModelView out = view;
+    for (int j = 0; j < out.points.height(); ++j)
+      for (int i = u / kViewStride; i < out.points.width(); ++i) out.points(i, j).setConstant(std::nanf(""));
+    return out;
+  };
+  expect_open_at_ends(guide.decide(block(1), blank_from(188), some_pose()), 3);
+  expect_open_at_ends(guide.decide(block(1), blank_from(178), some_pose()), 0);  // new surface, beside what is known
+}
+
+TEST_F(Guide, WhereTheModelsEdgeFitsTwoOrdersPixelsStayOpen) {
+  SurfacePatch stepped = patch;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 190; u < kWidth; ++u) {
+      const std::size_t i = plane.index(u, v);
+      stepped.points[i] *= next_order_mm(i) / static_cast<float>(plane[i]);
+    }
+  }
+  const ModelView edge = algo::view_from_patch(stepped, some_pose(), rig.camera, kViewStride);
+  expect_open_at_ends(guide.decide(block(1), edge, some_pose()), 3);
+  expect_open_at_ends(guide.decide(block(1), view, some_pose()), 0);
+}
+
 TEST_F(Guide, ARightBurstContradictsNothing) {
   const OrderCheck all = guide.check(patch, view, some_pose());
   EXPECT_GT(all.checked, 4000U);
