@@ -100,7 +100,8 @@ void settle(const Tally& region, std::int32_t low, const GuideConfig& config, in
   const auto front = blank_edge(votes.begin(), votes.end(), edge_px);
   const auto back = blank_edge(votes.rbegin(), votes.rend(), edge_px);
   // In a region that agrees, pixels beside the model join it; nowhere does one that is for another order.
-  for (std::int32_t& v : votes) v = v == order || (whole && (v == kUnseen || v == kOffTheModel)) ? low + order : kOpenOrder;
+  for (std::int32_t& v : votes)
+    v = v == order || (whole && (v == kUnseen || v == kOffTheModel)) ? low + order : kOpenOrder;
   // A strip of the surface beyond the model's edge may hang on there, where the view cannot tell.
   std::fill_n(votes.begin(), front, kOpenOrder);
   std::fill_n(votes.rbegin(), back, kOpenOrder);

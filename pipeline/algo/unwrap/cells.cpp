@@ -123,10 +123,9 @@ void mark_pixels(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps&
   auto& work = out.work;
   kink_row(&work.unwrapped[at], &phase.sigma_rad[at], width, work.heights.data(), work.kinks.data());
   if (cuts.empty()) {
-    constexpr int kReach = 2;
     const int height = phase.phase_rad.height(), v = static_cast<int>(at / width);
-    const ShadeRows rows{&phase.modulation_dn[at], &phase.sigma_rad[at], &flood.component[at], std::min(v, kReach),
-                         std::min(height - 1 - v, kReach)};
+    const ShadeRows rows{&phase.modulation_dn[at], &phase.sigma_rad[at], &flood.component[at],
+                         std::min(v, kShadeReach_px), std::min(height - 1 - v, kShadeReach_px)};
     shade_row(rows, width, work.shade_means.data(), work.heights.data(), work.shades.data());
     for (std::size_t u = 0; u < width; ++u)
       work.kinks[u] = static_cast<std::uint8_t>(work.kinks[u] | (work.shades[u] != 0 ? kShade : 0));

@@ -18,6 +18,7 @@ class Solver {
 
   void run(std::int32_t components) {
     label_rows(pieces_, components, evidence_, config_, out_);
+    find_open();
     inherit(kBroad_px, std::numeric_limits<std::int32_t>::max());
     inherit(1, config_.min_region_px);
     count_seams();
@@ -35,13 +36,12 @@ class Solver {
   /// piece's row or of the whole zone, it stays undecided. Neighbours in another row count when they share least_px
   /// columns: less may be a leak through an edge's blur. Only zones of fewer than most_px pixels.
   void inherit(std::int32_t least_px, std::int32_t most_px) {
-    const auto decided = [](const PieceOrder& o) { return o.decided; };
-    if (std::all_of(out_.pieces.begin(), out_.pieces.end(), decided)) return;
-    find_open(least_px);
-    find_zones();
-    look_around();
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (!undecided(i)) continue;
+    std::erase_if(work_.open, [&](std::int32_t i) { return !undecided(index(i)); });
+    if (work_.open.empty()) return;
+    find_zones(least_px);
+    look_around(least_px);
+    for (const std::int32_t open : work_.open) {
+      const std::size_t i = index(open);
       const Zone& zone = zone_of(i);
       const std::int32_t state = zone.around - base_shift(work_, pieces_[i]);
       if (zone.around >= kSeveral || zone.px >= most_px || state < 0 || state >= kStates) continue;
@@ -51,7 +51,7 @@ class Solver {
       out_.pieces[i].shift = zone.around;
       (contradicts(zone, k) ? out_.pieces[i].disowned : out_.pieces[i].inherited) = true;
     }
-    for (PieceOrder& o : out_.pieces) o.decided = o.decided || o.inherited;
+    for (const std::int32_t i : work_.open) out_.pieces[index(i)].decided = out_.pieces[index(i)].inherited;
   }
 
   /// Whether the code of the zone as a whole speaks against a state. Rows are as many witnesses as a running mean over
@@ -61,40 +61,45 @@ class Solver {
     return (1 - config_.row_memory) * static_cast<float>(more) > static_cast<float>(to_cost(config_.inherit_cost));
   }
 
+  static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] bool undecided(std::size_t i) const { return !out_.pieces[i].decided; }
-  Zone& zone_of(std::size_t i) { return work_.zones[static_cast<std::size_t>(work_.size[i])]; }
+  Zone& zone_of(std::size_t i) { return work_.zones[index(work_.size[i])]; }
 
-  /// Linked pieces of which one or both are undecided, but for those of different rows with fewer than least_px columns
-  /// in common.
-  void find_open(std::int32_t least_px) {
+  /// Fills work_.open, and work_.links with the pairs of which one or both are undecided.
+  void find_open() {
     work_.open.clear();
+    work_.links.clear();
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const bool own = undecided(i);
+      if (own) work_.open.push_back(static_cast<std::int32_t>(i));
       each_neighbour(pieces_[i], i, [&](std::size_t o) {
         if (!own && !undecided(o)) return;
         const Piece &a = pieces_[i], &b = pieces_[o];
-        if (a.row == b.row || std::min(a.end, b.end) - std::max(a.begin, b.begin) >= least_px)
-          work_.open.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(o));
+        const std::int32_t shared = std::min(a.end, b.end) - std::max(a.begin, b.begin);
+        work_.links.push_back({static_cast<std::int32_t>(i), static_cast<std::int32_t>(o),
+                               a.row == b.row ? std::numeric_limits<std::int32_t>::max() : shared});
       });
     }
   }
 
+  /// Pairs but for those of different rows with fewer than least_px columns in common.
   template <class Visit>
-  void each_open(Visit visit) const {
-    for (const auto& [i, o] : work_.open) visit(static_cast<std::size_t>(i), static_cast<std::size_t>(o));
+  void each_link(std::int32_t least_px, Visit visit) const {
+    for (const auto& link : work_.links) {
+      if (link.shared_px >= least_px) visit(index(link.piece), index(link.other));
+    }
   }
 
   /// Fills work_.zones, and work_.size with the zone of each undecided piece.
-  void find_zones() {
+  void find_zones(std::int32_t least_px) {
     PieceSets sets(pieces_.size(), work_.parent);
-    each_open([&](std::size_t i, std::size_t o) {
+    each_link(least_px, [&](std::size_t i, std::size_t o) {
       if (undecided(i) && undecided(o)) sets.unite(i, o);
     });
     work_.zones.clear();
     work_.size.resize(pieces_.size());
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (!undecided(i)) continue;
-      const std::size_t root = sets.root(i);  // the first of its zone
+    for (const std::int32_t open : work_.open) {
+      const std::size_t i = index(open), root = sets.root(i);  // the first of its zone
       if (root == i) work_.zones.push_back({{}, kUnknown, 0});
       work_.size[i] = root == i ? static_cast<std::int32_t>(work_.zones.size()) - 1 : work_.size[root];
       Zone& zone = zone_of(i);
@@ -104,15 +109,15 @@ class Solver {
   }
 
   /// Fills the zones' `around`.
-  void look_around() {
+  void look_around(std::int32_t least_px) {
     const auto note = [&](std::size_t open, std::size_t source) {
       std::int32_t& known = zone_of(open).around;
       const std::int32_t shift = out_.pieces[source].shift;
       known = known == kUnknown || known == shift ? shift : kSeveral;
     };
-    each_open([&](std::size_t i, std::size_t o) {
-      if (!undecided(o)) note(i, o);
-      if (!undecided(i)) note(o, i);
+    each_link(least_px, [&](std::size_t i, std::size_t o) {
+      if (undecided(i) && !undecided(o)) note(i, o);
+      if (!undecided(i) && undecided(o)) note(o, i);
     });
   }
 

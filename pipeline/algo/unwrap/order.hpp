@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "pipeline/algo/unwrap/cells.hpp"
@@ -48,7 +47,12 @@ struct OrderResult {
   struct Work {
     std::vector<OrderCosts> unary, row, right, up, down;
     std::vector<std::int32_t> base, parent, size;
-    std::vector<std::pair<std::int32_t, std::int32_t>> open;
+    std::vector<std::int32_t> open;  ///< undecided pieces
+    /// Two linked pieces, at least one of them undecided, and how many columns they share if their rows differ.
+    struct Link {
+      std::int32_t piece, other, shared_px;
+    };
+    std::vector<Link> links;
     /// Undecided pieces that hang together.
     struct Zone {
       std::array<std::int64_t, kOrderStates> costs{};  ///< what the code of all its pieces says, summed

@@ -52,28 +52,38 @@ void kink_loop(const float* phi, const float* noise, std::size_t width, float* h
   }
 }
 
+/// Mean of the modulation over the rows and the pixels that are in a component; NaN where the row's own is in none.
+[[gnu::always_inline]] inline void mean_over_rows(const ShadeRows& rows, std::ptrdiff_t above, std::ptrdiff_t below,
+                                                  std::size_t width, float* means) {
+  const auto pitch = static_cast<std::ptrdiff_t>(width);
+  const float* __restrict modulation = rows.modulation;
+  const std::int32_t* __restrict component = rows.component;
+  float* __restrict mean = means;
+  for (std::ptrdiff_t u = 0; u < pitch; ++u) {
+    float sum = 0, count = 0;
+    for (std::ptrdiff_t r = -above; r <= below; ++r) {
+      const bool seen = component[u + r * pitch] >= 0;
+      sum += select(seen, modulation[u + r * pitch], 0);
+      count += select(seen, 1, 0);
+    }
+    mean[u] = select(component[u] >= 0, sum / larger(count, 1), std::numeric_limits<float>::quiet_NaN());
+  }
+}
+
 void shade_loop(const ShadeRows& rows, std::size_t width, float* means, float* steps, std::uint8_t* out) {
   constexpr float kLeastShade = 0.2F;   // ripple of motion, 0.1 rad a frame, makes half of it
   constexpr float kNoiseSigmas = 9.5F;  // five sigma of the steps' combination of six samples, sqrt(3.5) sigma
-  float* __restrict mean = means, * __restrict height = steps;
+  float* __restrict height = steps;
   std::uint8_t* __restrict shade = out;
-  for (std::size_t u = 0; u < width; ++u) mean[u] = height[u] = 0;
+  for (std::size_t u = 0; u < width; ++u) height[u] = 0;
   for (std::size_t u = 0; u < width; ++u) shade[u] = 0;
   if (width <= 2 * kKinkContext_px) return;
-  for (int r = -rows.above; r <= rows.below; ++r) {
-    const auto at = r * static_cast<std::ptrdiff_t>(width);
-    const float* __restrict modulation = rows.modulation + at;
-    const std::int32_t* __restrict component = rows.component + at;
-    for (std::size_t u = 0; u < width; ++u) {
-      const bool seen = component[u] >= 0;
-      mean[u] += select(seen, modulation[u], 0);
-      height[u] += select(seen, 1, 0);
-    }
+  if (rows.above == kShadeReach_px && rows.below == kShadeReach_px) {
+    mean_over_rows(rows, kShadeReach_px, kShadeReach_px, width, means);  // constants: the compiler unrolls them
+  } else {
+    mean_over_rows(rows, rows.above, rows.below, width, means);
   }
-  const std::int32_t* __restrict inside = rows.component;
-  for (std::size_t u = 0; u < width; ++u)
-    mean[u] = select(inside[u] >= 0, mean[u] / larger(height[u], 1), std::numeric_limits<float>::quiet_NaN());
-  for (std::size_t u = 0; u < width; ++u) height[u] = 0;
+  const float* __restrict mean = means;
   const std::size_t end = width - kKinkContext_px;
   for (std::size_t u = kKinkContext_px - 1; u < end + 1; ++u) {
     const float slopes = 0.5F * (mean[u - 2] - mean[u - 5] + (mean[u + 4] - mean[u + 1]));

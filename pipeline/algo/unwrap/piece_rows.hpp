@@ -36,6 +36,8 @@ void unwrap_row(const FloodRow& row, std::size_t width, float* phi);
 /// kinks: 1 where a step lies between a pixel and the one before it, once, where it is highest. heights: scratch.
 void kink_row(const float* phi, const float* sigma, std::size_t width, float* heights, std::uint8_t* kinks);
 
+inline constexpr int kShadeReach_px = 2;  ///< rows above and below, where the picture has them
+
 /// A row among its neighbours: pointers to its first pixel, which rows `above` of it and `below` of it must exist
 /// around.
 struct ShadeRows {
