@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kMiddle_mm = 48, kJump_mm = 0.3, kPsf_px = 0.6;
 constexpr int kPatch_px = 10, kPatches = 6, kStrip_px = 40;  ///< the strip at the lower border that holds the patches
+constexpr int kBeside_px = 128;  ///< how far a shadow reaches: 7 mm high, the light 22 degrees off the view
 
 /// Uniform numbers from SplitMix64.
 class Random {
@@ -84,25 +85,38 @@ class Builder {
   }
 
   void raise() {
-    const double gum_mm = random_(50.5, 53), gum_contrast = random_(0.15, 0.5), a = random_(0, 6), b = random_(0, 6);
+    gum_mm_ = random_(50.5, 53), gum_contrast_ = random_(0.15, 0.5), a_ = random_(0, 6), b_ = random_(0, 6);
     for (int v = 0; v < height_; ++v) {
       for (int u = 0; u < width_; ++u) {
         const double x = u * mm_per_px_, y = v * mm_per_px_;
-        const double gum = gum_mm + 0.25 * std::sin(0.9 * x + a) + 0.2 * std::sin(1.3 * y + b);
-        out_.depth_mm(u, v) = gum;
-        out_.light(u, v) = 0.85 + 0.15 * std::sin(0.5 * x + b) * std::cos(0.6 * y + a);
-        double contrast = gum_contrast;
-        for (const Tooth& t : teeth_) {
-          const double r = reach(t, x, y), past = x - t.x_mm - t.half_width_mm;
-          if (t.dark_gap && past > 0 && past < t.gap_mm && std::abs(y - t.y_mm) < t.half_height_mm)
-            out_.light(u, v) = 0;
-          if (r >= 1) continue;
-          out_.depth_mm(u, v) = t.one_fringe ? a_fringe_nearer(u, v, gum) : gum - height_of(t, r, x, y);
-          contrast = t.contrast;
-        }
+        const Tooth* tooth = nullptr;
+        out_.depth_mm(u, v) = surface(u, v, tooth);
+        out_.light(u, v) = in_dark_gap(x, y) ? 0 : 0.85 + 0.15 * std::sin(0.5 * x + b_) * std::cos(0.6 * y + a_);
+        const double contrast = tooth ? tooth->contrast : gum_contrast_;
         out_.contrast(u, v) = std::max(0.1, contrast * (1 + 0.15 * std::sin(1.7 * x) * std::sin(1.1 * y)));
       }
     }
+  }
+
+  /// Depth of the teeth and the gum, beyond the picture, too; `tooth` is the one that is hit, if any.
+  double surface(int u, int v, const Tooth*& tooth) const {
+    const double x = u * mm_per_px_, y = v * mm_per_px_;
+    const double gum = gum_mm_ + 0.25 * std::sin(0.9 * x + a_) + 0.2 * std::sin(1.3 * y + b_);
+    double z = gum;
+    for (const Tooth& t : teeth_) {
+      const double r = reach(t, x, y);
+      if (r >= 1) continue;
+      z = t.one_fringe ? a_fringe_nearer(u, v, gum) : gum - height_of(t, r, x, y);
+      tooth = &t;
+    }
+    return z;
+  }
+
+  bool in_dark_gap(double x, double y) const {
+    return std::any_of(teeth_.begin(), teeth_.end(), [&](const Tooth& t) {
+      const double past = x - t.x_mm - t.half_width_mm;
+      return t.dark_gap && past > 0 && past < t.gap_mm && std::abs(y - t.y_mm) < t.half_height_mm;
+    });
   }
 
   static double height_of(const Tooth& t, double r, double x, double y) {
@@ -143,8 +157,8 @@ class Builder {
     }
   }
 
-  /// A buffer of least depths over the projector's columns, row by row: what lies behind another part of the row is
-  /// dark.
+  /// A buffer of least depths over the projector's columns, row by row: what lies behind another part of the row, in
+  /// view or beside it, is dark.
   void cast_shadows() {
     const auto columns = static_cast<std::size_t>(rig_.projector.width) + 2;
     std::vector<double> nearest(columns), at(static_cast<std::size_t>(width_));
@@ -153,13 +167,16 @@ class Builder {
     };
     for (int v = 0; v < height_ - kStrip_px; ++v) {
       std::fill(nearest.begin(), nearest.end(), std::numeric_limits<double>::max());
-      for (int u = 0; u < width_; ++u) {
-        const double z = out_.depth_mm(u, v), x = column(u, v, z);
-        at[static_cast<std::size_t>(u)] = x;
-        const bool on = u > 0 && std::abs(z - out_.depth_mm(u - 1, v)) < kJump_mm;
-        const double before = on ? at[static_cast<std::size_t>(u - 1)] : x;
+      double last_z = std::numeric_limits<double>::max(), last_x = 0;
+      for (int u = -kBeside_px; u < width_ + kBeside_px; ++u) {
+        const bool seen = u >= 0 && u < width_;
+        const Tooth* tooth = nullptr;
+        const double z = seen ? out_.depth_mm(u, v) : surface(u, v, tooth), x = column(u, v, z);
+        if (seen) at[static_cast<std::size_t>(u)] = x;
+        const double before = std::abs(z - last_z) < kJump_mm ? last_x : x;
         for (std::size_t b = bin(std::min(before, x)); b <= bin(std::max(before, x)); ++b)
           nearest[b] = std::min(nearest[b], z);
+        last_z = z, last_x = x;
       }
       for (int u = 0; u < width_; ++u)
         if (out_.depth_mm(u, v) > nearest[bin(at[static_cast<std::size_t>(u)])] + kJump_mm) out_.light(u, v) = 0;
@@ -189,6 +206,7 @@ class Builder {
   int width_, height_;
   double mm_per_px_;
   std::vector<Tooth> teeth_;
+  double gum_mm_ = 0, gum_contrast_ = 0, a_ = 0, b_ = 0;  ///< its waves begin at a and b
   ToothSteps out_;
 };
 
