@@ -87,7 +87,8 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     diag.closure_share = odd.explained_share;
     step("motion");
     undo_micro_motion(turn, b.micro_motion, b.phase);
-    join_code_frame(turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase);
+    join_code_frame(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase,
+                    b.strips);
     solve_micro_saturated({b.spans, *micro_, b.micro_motion, diag.third_rad, diag.noise, rays_->phase_mid_rad.data()},
                           config_.phase, b.phase, b.polarity.turn, b.filled);
     for (const std::size_t i : b.filled) {

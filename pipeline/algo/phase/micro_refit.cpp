@@ -151,22 +151,28 @@ float code_turn_of(float motion_rad, const MicroCode& code) noexcept {
   return (1 + code.inverse_ratio) * kCodeTime * motion_rad;
 }
 
-void join_code_frame(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion, float third_rad,
-                     const NoiseModel& noise, const MicroRefitConfig& config, PhaseMaps& maps) {
+std::size_t join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                            const MicroMotion& motion, float third_rad, const NoiseModel& noise,
+                            const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips) {
   const auto width = static_cast<std::size_t>(turn.width());
   const float torn = config.torn_sigmas * config.torn_sigmas;
-  std::vector<float> missed(width);
+  std::vector<float> missed(width), one_more(width), one_less(width);
+  const OrderDoubt doubt{one_more.data(), one_less.data()};
+  const Turn order_step{code.cosine[1], code.sine[1]};
   CodeRows rows(motion, maps, &turn);
   rows.expect(code, third_rad);
+  strips.find_ends(spans, turn.height());
   for (int v = 0; v < turn.height(); ++v) {
     PixelReject* reject = &maps.reject(0, v);
-    join_code_row(rows.at(v), noise, config.outlier_sigmas, width,
-                  {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data()});
+    join_code_row(rows.at(v), noise, order_step, config.outlier_sigmas, width,
+                  {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data(), doubt});
+    strips.take_row(v, doubt);
     for (std::size_t u = 0; u < width; ++u) {
       const bool edge = (missed[u] > torn) & (reject[u] == PixelReject::kNone);
       reject[u] = edge ? PixelReject::kEdge : reject[u];
     }
   }
+  return strips.withdraw(config.strip_evidence, maps.reject);
 }
 
 }  // namespace enamel::algo

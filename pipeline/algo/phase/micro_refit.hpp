@@ -12,9 +12,12 @@
 // phi with slope -g r B sin r Phi, which brings sigma from 0.816 to 0.726 sigma_n/B on average (algorithms.md §1).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "pipeline/algo/phase/code_strips.hpp"
 #include "pipeline/algo/phase/grid_rows.hpp"
 #include "pipeline/algo/phase/micro_code.hpp"
 #include "pipeline/algo/phase/phase.hpp"
@@ -32,6 +35,9 @@ struct MicroRefitConfig {
   float outlier_sigmas = 4;         ///< a code frame further off does not join
   /// Further off, and the four frames did not see one point of one surface: an edge passed by.
   float torn_sigmas = 8;
+  /// Log likelihood ratio beyond which a strip along an edge is of another order (code_strips.hpp). Noise alone reaches
+  /// it with a probability below exp(-12).
+  float strip_evidence = 12;
 };
 
 /// What a rigid motion does to every pixel, beside what the blocks of micro_refit.hpp tell. Borrowed.
@@ -88,8 +94,11 @@ void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion,
 void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out);
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
-/// outlier, keep their three-frame solution; those whose code is torn_sigmas off are rejected as edges.
-void join_code_frame(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion, float third_rad,
-                     const NoiseModel& noise, const MicroRefitConfig& config, PhaseMaps& maps);
+/// outlier, keep their three-frame solution; those whose code is torn_sigmas off are rejected as edges, and strips
+/// along the ends of runs whose code speaks for another order as kRelative. spans: as for place_spans. Returns how many
+/// pixels such strips have.
+std::size_t join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                            const MicroMotion& motion, float third_rad, const NoiseModel& noise,
+                            const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips);
 
 }  // namespace enamel::algo

@@ -316,12 +316,24 @@ void undo_loop(const CodeRow& row, std::size_t width, const MovedRow& out) {
   (row.steady ? undo<true> : undo<false>)(Row(row), width, out);
 }
 
-void join_loop(const CodeRow& in, const NoiseModel& model, float outlier_sigmas, std::size_t width,
+/// How much better than with `squares` the code frame is explained where the order turns its angle: off is what it
+/// shows beyond gb cos, gb the light of the fringe there.
+[[gnu::always_inline]] inline float doubt_of(float off, float squares, float gb, Turn was, Turn now, float own,
+                                             float slopes) {
+  constexpr float kMost = 4;
+  const float left = off + gb * (was.cos - now.cos), slope = gb * now.sin;
+  const float better = 0.5F * (squares - left * left / (own + slopes * slope * slope));
+  return smaller(larger(better, -kMost), kMost);
+}
+
+void join_loop(const CodeRow& in, const NoiseModel& model, Turn order_step, float outlier_sigmas, std::size_t width,
                const JoinedRow& out) {
   const NoiseModel noise = model;  // copies cannot alias what is written
   const Row row(in);
   const float r = 1 + row.wave.inverse_ratio, gate = outlier_sigmas * outlier_sigmas;
+  const Turn step = order_step, back = -step;
   float *phase = out.phase, *sigma = out.sigma, *missed = out.missed;
+  float *one_more = out.doubt.one_more, *one_less = out.doubt.one_less;
   ENAMEL_INDEPENDENT  // `phase` may be the row's own
       for (std::size_t u = 0; u < width; ++u) {
     const float turned = row.change<false>(u).turned(kCodeTime), was = row.phase[u], gain = row.gain[u];
@@ -336,6 +348,11 @@ void join_loop(const CodeRow& in, const NoiseModel& model, float outlier_sigmas,
     const float squares = off * off * inverse;
     const bool placed = row.placed(u), joins = (squares < gate) & placed;  // false for NaN
     missed[u] = select(placed, squares, 0);
+    const bool seen = placed & (squares == squares);
+    const float slopes = r * r * variance;
+    const Turn after = k.angle + step, before = k.angle + back;
+    one_more[u] = select(seen, doubt_of(off, squares, gb, k.angle, after, own, slopes), 0);
+    one_less[u] = select(seen, doubt_of(off, squares, gb, k.angle, before, own, slopes), 0);
     const float share = select(joins, variance * slope * inverse, 0);
     phase[u] = was + share * select(joins, off, 0);
     sigma[u] = root(variance * (1 - share * slope));
@@ -376,9 +393,9 @@ void undo_motion_row(const CodeRow& row, std::size_t width, const MovedRow& out)
   HWY_DYNAMIC_DISPATCH(undo_loop)(row, width, out);
 }
 
-void join_code_row(const CodeRow& row, const NoiseModel& noise, float outlier_sigmas, std::size_t width,
-                   const JoinedRow& out) {
-  HWY_DYNAMIC_DISPATCH(join_loop)(row, noise, outlier_sigmas, width, out);
+void join_code_row(const CodeRow& row, const NoiseModel& noise, Turn order_step, float outlier_sigmas,
+                   std::size_t width, const JoinedRow& out) {
+  HWY_DYNAMIC_DISPATCH(join_loop)(row, noise, order_step, outlier_sigmas, width, out);
 }
 
 }  // namespace enamel::algo

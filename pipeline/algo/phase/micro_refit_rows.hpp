@@ -3,6 +3,8 @@
 
 #include <cstddef>
 
+#include "pipeline/algo/phase/code_strips.hpp"
+#include "pipeline/algo/phase/frame_turns.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
 #include "pipeline/algo/phase/micro_refit.hpp"
 
@@ -73,8 +75,10 @@ void undo_motion_row(const CodeRow& row, std::size_t width, const MovedRow& out)
 struct JoinedRow {
   float *phase, *sigma;  ///< may be the row's own
   float* missed;  ///< by how many sigmas the code is off its prediction, squared; 0 without order, NaN without code
+  OrderDoubt doubt;
 };
-void join_code_row(const CodeRow& row, const NoiseModel& noise, float outlier_sigmas, std::size_t width,
-                   const JoinedRow& out);
+/// order_step: the angle by which the next order turns the code.
+void join_code_row(const CodeRow& row, const NoiseModel& noise, Turn order_step, float outlier_sigmas,
+                   std::size_t width, const JoinedRow& out);
 
 }  // namespace enamel::algo

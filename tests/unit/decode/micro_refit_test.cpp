@@ -33,6 +33,7 @@ struct Refit {
   Map<std::int16_t> turn;
   std::vector<CellSpan> spans;
   MicroMotion motion;
+  CodeStrips strips;
 
   explicit Refit(const Options& o, bool saturated_code = false) {
     const calib::Rig rig = test::micro_rig(8, 8);
@@ -52,7 +53,7 @@ struct Refit {
     correct_third_harmonic(turn, third, maps);
     fit_micro_motion(turn, code, third, noise, {}, maps, motion);
     undo_micro_motion(turn, motion, maps);
-    join_code_frame(turn, code, motion, third, noise, {}, maps);
+    join_code_frame(spans, turn, code, motion, third, noise, {}, maps, strips);
   }
 
   [[nodiscard]] double rms_of(const PhaseMaps& m, bool over_sigma = false) const {

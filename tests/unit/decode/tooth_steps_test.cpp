@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
@@ -146,6 +147,29 @@ TEST(ToothSteps, step_of_the_modulation_may_hide_a_jump) {
   algo::DecodeConfig blind;  // the control: as unlikely a jump as anywhere else
   blind.order.shade_jump_cost = blind.order.unseen_jump_cost;
   EXPECT_LT(wrong_on_teeth({}), wrong_on_teeth(blind) * 9 / 10);
+}
+
+/// Pixels of the largest wrong region of mode M in rows of teeth where a strip of gum, narrow and long, is left beside
+/// a tooth one fringe higher.
+std::size_t largest_wrong_of_micro(const algo::DecodeConfig& config) {
+  const calib::Rig t = cropped_rig(400, 300), m = micro_rig(400, 300);
+  const algo::BurstDecoder decoder = algo::BurstDecoder::make(m, config).value();
+  std::size_t largest = 0;
+  for (const std::uint64_t seed : {50412U, 60005U, 60313U}) {
+    const ToothSteps steps = make_tooth_steps(t, seed);
+    const auto scene = render(
+        m, [&steps](int u, int v) { return steps.depth_mm(u, v); }, steps.options(seed));
+    const algo::DecodedBurst burst = decoder.decode(scene.frames.view());
+    largest = std::max(largest, score_orders(burst, scene, steps.light, steps.near_jump).largest_wrong_px);
+  }
+  return largest;
+}
+
+TEST(ToothSteps, narrow_strips_of_gum_are_told_from_the_tooth_by_their_code_along_the_edge) {
+  algo::DecodeConfig blind;  // the control: no strip is ever convincing
+  blind.micro_refit.strip_evidence = std::numeric_limits<float>::infinity();
+  EXPECT_GT(largest_wrong_of_micro(blind), kLargeWrong_px);
+  EXPECT_LE(largest_wrong_of_micro({}), kLargeWrong_px);
 }
 
 }  // namespace
