@@ -9,7 +9,7 @@ namespace enamel::bench {
 namespace {
 
 constexpr int kWidth = 400, kHeight = 300;
-constexpr int kEvery = 10;  ///< bursts of mode T for one of mode M and of the marker
+constexpr int kEvery = 10;  ///< bursts of the codes for one of the marker
 
 test::SyntheticBurst render(const calib::Rig& rig, const test::ToothSteps& steps, std::uint64_t seed) {
   return test::render(
@@ -65,8 +65,7 @@ Json orders_study(int bursts) {
     const auto burst = render(t, steps, seed);
     by_t.decode(burst.frames.view(), workspace, decoded);
     with_t += test::score_orders(decoded, burst, steps.light, steps.near_jump);
-    if (k % kEvery != 0) continue;
-    with_marker += score_marker(marked, by_t.rays(), steps, decoded, seed);
+    if (k % kEvery == 0) with_marker += score_marker(marked, by_t.rays(), steps, decoded, seed);
     const auto other = render(m, steps, seed);
     by_m.decode(other.frames.view(), workspace, decoded);
     with_m += test::score_orders(decoded, other, steps.light, steps.near_jump);

@@ -25,6 +25,11 @@ Cut best_cut(std::span<const float> doubts) {
   return best;
 }
 
+/// Without a gap and without a jump of a whole fringe.
+bool goes_on(const CellSpan& a, const CellSpan& b) {
+  return a.row == b.row && a.end == b.begin && std::abs(a.cell - b.cell) <= 1;
+}
+
 }  // namespace
 
 void CodeStrips::find_ends(std::span<const CellSpan> spans, int height) {
@@ -34,9 +39,9 @@ void CodeStrips::find_ends(std::span<const CellSpan> spans, int height) {
   for (int v = 0; v <= height; ++v) {
     for (Side& side : sides_) side.first_of_row.push_back(side.ends.size());
     while (k < spans.size() && spans[k].row == v) {
-      const std::int32_t begin = spans[k].begin;
-      std::int32_t end = spans[k++].end;
-      while (k < spans.size() && spans[k].row == v && spans[k].begin == end) end = spans[k++].end;
+      const std::int32_t begin = spans[k++].begin;
+      while (k < spans.size() && goes_on(spans[k - 1], spans[k])) ++k;
+      const std::int32_t end = spans[k - 1].end;
       sides_[0].ends.push_back({begin, end - begin, -1});
       sides_[1].ends.push_back({end - 1, end - begin, -1});
     }

@@ -26,7 +26,8 @@ struct OrderDoubt {
 /// One burst's; keeps its memory between bursts. Not thread-safe.
 class CodeStrips {
  public:
-  /// spans: decided cells in the order of rows, as place_spans takes them. Spans that touch make a run.
+  /// spans: decided cells in the order of rows, as place_spans takes them. Those that touch make a run, but for where
+  /// the order jumps.
   void find_ends(std::span<const CellSpan> spans, int height);
 
   /// What the pixels of row v say; each row once.

@@ -22,6 +22,7 @@ struct Edge {
   double drift = 0;
   int from = 0, to = 0;
   float of_others = -3;
+  bool jump = false;  ///< the run begins where the order jumps, not beside a gap
 
   [[nodiscard]] int begin(int v) const { return 20 + static_cast<int>(std::abs(v - kHeight / 2) * drift); }
   [[nodiscard]] bool in_strip(int u, int v) const {
@@ -33,6 +34,7 @@ struct Edge {
     Normals normal(seed);
     std::vector<algo::CellSpan> spans;
     for (int v = 0; v < kHeight; ++v) {
+      if (jump) spans.push_back({v, begin(v) - 10, begin(v), 6, false});
       spans.push_back({v, begin(v), begin(v) + 9, 4, false});  // two cells, one run
       spans.push_back({v, begin(v) + 9, kWidth - 10, 5, false});
     }
@@ -61,8 +63,8 @@ std::size_t count(const Map<PixelReject>& reject, PixelReject why) {
 }
 
 TEST(CodeStrips, a_strip_of_three_pixels_is_found_along_its_edge) {
-  for (const double drift : {0.0, 0.5, 1.0}) {
-    const Edge edge{.drift = drift, .from = 10, .to = 50};
+  for (const double drift : {0.0, 0.5, 1.0, 0.25}) {
+    const Edge edge{.drift = drift, .from = 10, .to = 50, .jump = drift == 0.25};
     const Map<PixelReject> reject = edge.judged(1);
     for (int v = 0; v < kHeight; ++v) {
       for (int u = 0; u < kWidth; ++u) {
