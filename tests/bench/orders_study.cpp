@@ -1,4 +1,9 @@
 // Wrong orders over many random rows of teeth: the code of modes T and M, and the single marker beside them.
+#include <algorithm>
+#include <future>
+#include <thread>
+#include <vector>
+
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "tests/bench/study.hpp"
 #include "tests/support/marker_baseline.hpp"
@@ -47,9 +52,18 @@ Json counts_json(const test::OrderCounts& c) {
           {"bursts_with_large_wrong", c.bursts_with_large_wrong}};
 }
 
-}  // namespace
+/// Counts of some of the bursts.
+struct Counts {
+  test::OrderCounts t, m, marker;
 
-Json orders_study(int bursts) {
+  Counts& operator+=(const Counts& o) {
+    t += o.t, m += o.m, marker += o.marker;
+    return *this;
+  }
+};
+
+/// Bursts first, first + step ... below `end`.
+Counts count_orders(int first, int step, int end) {
   const calib::Rig t = test::cropped_rig(kWidth, kHeight), m = test::micro_rig(kWidth, kHeight);
   calib::Rig marked = t;
   marked.patterns.mode = calib::PatternMode::kSingle;
@@ -58,19 +72,30 @@ Json orders_study(int bursts) {
   const auto by_t = algo::BurstDecoder::make(t).value(), by_m = algo::BurstDecoder::make(m).value();
   algo::DecodeWorkspace workspace;
   algo::DecodedBurst decoded;
-  test::OrderCounts with_t, with_m, with_marker;
-  for (int k = 0; k < bursts; ++k) {
+  Counts out;
+  for (int k = first; k < end; k += step) {
     const auto seed = static_cast<std::uint64_t>(1000 + k);
     const test::ToothSteps steps = test::make_tooth_steps(t, seed);
     const auto burst = render(t, steps, seed);
     by_t.decode(burst.frames.view(), workspace, decoded);
-    with_t += test::score_orders(decoded, burst, steps.light, steps.near_jump);
-    if (k % kEvery == 0) with_marker += score_marker(marked, by_t.rays(), steps, decoded, seed);
+    out.t += test::score_orders(decoded, burst, steps.light, steps.near_jump);
+    if (k % kEvery == 0) out.marker += score_marker(marked, by_t.rays(), steps, decoded, seed);
     const auto other = render(m, steps, seed);
     by_m.decode(other.frames.view(), workspace, decoded);
-    with_m += test::score_orders(decoded, other, steps.light, steps.near_jump);
+    out.m += test::score_orders(decoded, other, steps.light, steps.near_jump);
   }
-  return {{"T", counts_json(with_t)}, {"M", counts_json(with_m)}, {"marker", counts_json(with_marker)}};
+  return out;
+}
+
+}  // namespace
+
+Json orders_study(int bursts) {
+  const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::vector<std::future<Counts>> parts;
+  for (int k = 0; k < threads; ++k) parts.push_back(std::async(std::launch::async, count_orders, k, threads, bursts));
+  Counts all;
+  for (auto& part : parts) all += part.get();
+  return {{"T", counts_json(all.t)}, {"M", counts_json(all.m)}, {"marker", counts_json(all.marker)}};
 }
 
 }  // namespace enamel::bench
