@@ -92,6 +92,7 @@ Counts count_orders(int first, int step, int end) {
 Json orders_study(int bursts) {
   const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   std::vector<std::future<Counts>> parts;
+  parts.reserve(static_cast<std::size_t>(threads));
   for (int k = 0; k < threads; ++k) parts.push_back(std::async(std::launch::async, count_orders, k, threads, bursts));
   Counts all;
   for (auto& part : parts) all += part.get();

@@ -69,8 +69,9 @@ using DetailLanes = std::array<float, kNodeLanes>;
 [[gnu::always_inline]] inline void motion_of(const PairSums<DetailLanes>& s, const DetailMotion& t, const float* q_at,
                                              const float* light_at, const DetailRow& row, const Place& at) {
   const auto begin = static_cast<std::size_t>(at.begin);
-  const auto right = static_cast<float>(2 * (at.x - kNode_px / 2)),
-             down = static_cast<float>(2 * at.y);  // px, of the node
+  const int right_px = 2 * at.x - kNode_px, down_px = 2 * at.y;  // of the node
+  static_assert(kNode_px % 2 == 0);
+  const auto right = static_cast<float>(right_px), down = static_cast<float>(down_px);
   const float* __restrict q_of = q_at, * __restrict light_of = light_at;
   const float* __restrict x_of = row.x + begin, * __restrict y_of = row.y + begin, * __restrict slope = row.slope + begin;
   const float* __restrict step_x = row.step_x + begin, * __restrict step_y = row.step_y + begin;

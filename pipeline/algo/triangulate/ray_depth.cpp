@@ -73,9 +73,10 @@ Cubic fit_pixel(const calib::Rig& rig, calib::PlanePoint pixel, calib::PlanePoin
 Vec3f projector_centre(const calib::Rig& rig) {
   const auto& T = rig.T_proj_cam;
   Vec3f centre;
-  for (std::size_t k = 0; k < 3; ++k)
-    centre[static_cast<Eigen::Index>(k)] =
-        static_cast<float>(-(T[0][k] * T[0][3] + T[1][k] * T[1][3] + T[2][k] * T[2][3]));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double turned = T[0][k] * T[0][3] + T[1][k] * T[1][3] + T[2][k] * T[2][3];
+    centre[static_cast<Eigen::Index>(k)] = static_cast<float>(-turned);
+  }
   return centre;
 }
 

@@ -18,6 +18,7 @@ std::size_t place_in_page(const StaggeredVector<float>& v) {
 
 TEST(Staggered, images_of_whole_pages_begin_at_different_places_within_a_page) {
   std::vector<StaggeredVector<float>> images;
+  images.reserve(12);
   for (int k = 0; k < 12; ++k) images.emplace_back(300 * kPage / sizeof(float), 1.5F);
   std::set<std::size_t> places;
   for (const auto& image : images) {

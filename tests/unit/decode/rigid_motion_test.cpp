@@ -41,9 +41,10 @@ struct MovingBall {
   }
   [[nodiscard]] Vector3d projector_mm() const {
     Eigen::Matrix4d T_proj_cam;
-    for (int row = 0; row < 4; ++row)
+    for (int row = 0; row < 4; ++row) {
       for (int column = 0; column < 4; ++column)
         T_proj_cam(row, column) = rig.T_proj_cam[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+    }
     return T_proj_cam.inverse().topRightCorner<3, 1>();
   }
   [[nodiscard]] double light(int u, int v, double tau) const {

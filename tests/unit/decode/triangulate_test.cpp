@@ -53,8 +53,8 @@ TEST(RayDepth, correction_moves_depth_by_what_it_says) {
   for (const std::size_t i : {0U, 640U * 400 + 500U, 640U * 480 - 1}) {
     const float phase = 0.9F * plain.phase_near_rad[i] + 0.1F * plain.phase_far_rad[i];
     const double q = static_cast<double>(plain.inverse_depth(i, phase));
-    const double delta =
-        calib::correction_at(*rig.correction, static_cast<double>(i % 640), static_cast<double>(i / 640), q);
+    const std::size_t u = i % 640, v = i / 640;
+    const double delta = calib::correction_at(*rig.correction, static_cast<double>(u), static_cast<double>(v), q);
     ASSERT_GT(std::abs(delta), 1e-8);
     // A float of 1/48 resolves 2e-9.
     EXPECT_NEAR(static_cast<double>(moved.inverse_depth(i, phase)) - q, delta, 1e-8);

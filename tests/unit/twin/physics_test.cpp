@@ -246,10 +246,11 @@ TEST(TwinPhysics, SlantedEdgeHasTheSpecifiedTransferFunction) {
 TEST(PointSpread, LeavesThePhaseOfAFringeAtTheBorder) {
   constexpr int kSize = 40;
   constexpr double kPerPx = 2 * kPi / 25;
+  const auto diagonal_of = [](int i) { return i % kSize + i / kSize; };
   std::array<std::vector<float>, 4> frames;
   for (std::size_t k = 0; k < 4; ++k) {
     for (int i = 0; i < kSize * kSize; ++i) {
-      const double phase = kPerPx * (i % kSize + i / kSize) + 0.5 * kPi * static_cast<double>(k);
+      const double phase = kPerPx * diagonal_of(i) + 0.5 * kPi * static_cast<double>(k);
       frames[k].push_back(static_cast<float>(100 + 60 * std::cos(phase)));
     }
     apply_psf(frames[k], kSize, kSize, 0.6);
@@ -258,7 +259,7 @@ TEST(PointSpread, LeavesThePhaseOfAFringeAtTheBorder) {
     const auto at = static_cast<std::size_t>(i);
     const double seen = std::atan2(static_cast<double>(frames[3][at] - frames[1][at]),
                                    static_cast<double>(frames[0][at] - frames[2][at]));
-    const double off = std::remainder(seen - kPerPx * (i % kSize + i / kSize), 2 * kPi);
+    const double off = std::remainder(seen - kPerPx * diagonal_of(i), 2 * kPi);
     ASSERT_LT(std::abs(off), 0.002) << i % kSize << ' ' << i / kSize;  // 0.06 where half the spread were cut off
   }
 }
