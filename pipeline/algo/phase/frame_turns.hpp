@@ -6,6 +6,8 @@
 
 namespace enamel::algo {
 
+inline constexpr float kCodeTime = -0.5F;  ///< of slot 1, mode M's code frame, frame intervals after mid-burst
+
 /// Of one pixel, per frame interval: eps and its change, dA/A and d2A/A.
 struct PixelChange {
   float rate, rate_change, growth, growth_change;

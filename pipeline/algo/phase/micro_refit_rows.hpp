@@ -13,8 +13,6 @@ namespace enamel::algo {
 /// In place of a turn, as place_spans marks them.
 inline constexpr float kUnplaced = kUnplacedTurn, kNoSurface = kNoTurn;
 
-inline constexpr float kCodeTime = -0.5F;  ///< of slot 1, frame intervals after mid-burst
-
 /// Pixels side by side, as compute_micro_phase measured them.
 struct CodePixels {
   const float *mean = nullptr, *cosine = nullptr, *sine = nullptr, *code = nullptr, *modulation = nullptr,
