@@ -112,7 +112,7 @@ void split_row(const PhaseMaps& phase, const FloodMaps& flood, int v, std::size_
     const Gap within{0, stepped ? rise : std::int8_t{0}, false};
     const Gap gap = follows ? measure_gap(phase, phi, at, pieces.back().end - 1, x, rise) : within;
     pieces.push_back({v, x, static_cast<std::int32_t>(end), flood.component[i], cell, -1, -1, 0, -1, joined,
-                      marks[u] == kAfterKink, marks[u] == kAfterShade, gap});
+                      marks[u] == kAfterKink, gap});
   }
 }
 
@@ -121,20 +121,20 @@ void mark_pixels(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps&
                  std::size_t at, PieceList& out) {
   const auto width = static_cast<std::size_t>(phase.phase_rad.width());
   auto& work = out.work;
-  kink_row(&work.unwrapped[at], &phase.sigma_rad[at], width, work.heights.data(), work.kinks.data());
+  kink_row(&work.unwrapped[at], &phase.sigma_rad[at], width, work.heights.data(), work.borders.data());
   if (cuts.empty()) {
     const int height = phase.phase_rad.height(), v = static_cast<int>(at / width);
     const ShadeRows rows{&phase.modulation_dn[at], &phase.sigma_rad[at], &flood.component[at],
                          std::min(v, kShadeReach_px), std::min(height - 1 - v, kShadeReach_px)};
-    shade_row(rows, width, work.shade_means.data(), work.heights.data(), work.shades.data());
-    for (std::size_t u = 0; u < width; ++u)
-      work.kinks[u] = static_cast<std::uint8_t>(work.kinks[u] | (work.shades[u] != 0 ? kShade : 0));
+    shade_row(rows, width, work.shade_means.data(), work.heights.data(), work.borders.data());
   } else {
+    std::uint8_t* __restrict borders = work.borders.data();
+    const std::uint8_t* __restrict cut = &cuts[at];
     for (std::size_t u = 0; u < width; ++u)
-      work.kinks[u] = static_cast<std::uint8_t>(work.kinks[u] | (cuts[at + u] != 0 ? kKink : 0));
+      borders[u] = static_cast<std::uint8_t>(borders[u] | (cut[u] != 0 ? kKink : 0));
   }
   const FloodRow row{&phase.phase_rad[at], &flood.turn[at], &flood.component[at], &links.east[at]};
-  mark_row(row, &work.unwrapped[at], work.kinks.data(), width, work.marks.data());
+  mark_row(row, &work.unwrapped[at], work.borders.data(), width, work.marks.data());
 }
 
 void prepare(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, PieceList& out) {
@@ -144,8 +144,7 @@ void prepare(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flo
   auto& work = out.work;
   out.pieces.clear();
   work.heights.resize(width);
-  work.kinks.resize(width);
-  work.shades.resize(width);
+  work.borders.resize(width);
   work.shade_means.resize(width);
   work.border.resize(width);
   work.marks.assign(width + kRunPadding, kSentinel);

@@ -26,9 +26,8 @@ struct Piece {
   std::int32_t up = -1, down = -1;  ///< the same surface and cell in the rows above and below, no step between
   std::int32_t low = 0, high = -1;  ///< shifts that the depth range allows
   bool joined = false;              ///< continues the run of the piece before it in the list ...
-  bool kink = false;   ///< ... but across a step: that step plus a jump of 2 pi would look the same; or a cut
-  bool shade = false;  ///< ... across a step of the modulation: another surface may begin there
-  Gap gap;             ///< before this piece; of its run's first and of those across a step
+  bool kink = false;  ///< ... but across a step: that step plus a jump of 2 pi would look the same; or a cut
+  Gap gap;            ///< before this piece; of its run's first and of those across a step
 };
 
 /// The part of a piece whose code is trusted, less trim_px at a run's ends, where blur and motion mix frames of two
@@ -53,8 +52,8 @@ struct PieceList {
     Map<float> unwrapped;        ///< flood's Phi; NaN outside all components
     std::vector<float> heights;  ///< of steps, a row's
     std::vector<float> shade_means;
-    std::vector<std::uint8_t> kinks, shades, marks;
-    std::vector<BorderColumn> border;
+    std::vector<std::uint8_t> borders, marks;  ///< PixelBorder and PixelMark, a row's
+    std::vector<BorderColumn> border;          ///< between two rows
     std::vector<float> most;  ///< columns linked to the best neighbour so far, of each piece of two rows
   } work;
 };

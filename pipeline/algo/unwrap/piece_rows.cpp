@@ -70,13 +70,12 @@ void kink_loop(const float* phi, const float* noise, std::size_t width, float* h
   }
 }
 
-void shade_loop(const ShadeRows& rows, std::size_t width, float* means, float* steps, std::uint8_t* out) {
+void shade_loop(const ShadeRows& rows, std::size_t width, float* means, float* steps, std::uint8_t* marks) {
   constexpr float kLeastShade = 0.2F;   // ripple of motion, 0.1 rad a frame, makes half of it
   constexpr float kNoiseSigmas = 9.5F;  // five sigma of the steps' combination of six samples, sqrt(3.5) sigma
   float* __restrict height = steps;
-  std::uint8_t* __restrict shade = out;
+  std::uint8_t* __restrict borders = marks;
   for (std::size_t u = 0; u < width; ++u) height[u] = 0;
-  for (std::size_t u = 0; u < width; ++u) shade[u] = 0;
   if (width <= 2 * kKinkContext_px) return;
   if (rows.above == kShadeReach_px && rows.below == kShadeReach_px) {
     mean_over_rows(rows, kShadeReach_px, kShadeReach_px, width, means);  // constants: the compiler unrolls them
@@ -95,7 +94,8 @@ void shade_loop(const ShadeRows& rows, std::size_t width, float* means, float* s
   for (std::size_t u = kKinkContext_px; u < end; ++u) {
     const bool step = height[u] > larger(noise * sigma[u], kLeastShade);
     const bool before = height[u - 1] > height[u], after = height[u + 1] >= height[u];
-    shade[u] = static_cast<std::uint8_t>(step & !before & !after);
+    const int highest = step & !before & !after;
+    borders[u] = static_cast<std::uint8_t>(borders[u] | (highest * kShade));
   }
 }
 
@@ -163,8 +163,8 @@ void kink_row(const float* phi, const float* sigma, std::size_t width, float* he
   HWY_DYNAMIC_DISPATCH(kink_loop)(phi, sigma, width, heights, kinks);
 }
 
-void shade_row(const ShadeRows& rows, std::size_t width, float* mean, float* heights, std::uint8_t* shades) {
-  HWY_DYNAMIC_DISPATCH(shade_loop)(rows, width, mean, heights, shades);
+void shade_row(const ShadeRows& rows, std::size_t width, float* mean, float* heights, std::uint8_t* borders) {
+  HWY_DYNAMIC_DISPATCH(shade_loop)(rows, width, mean, heights, borders);
 }
 
 void mark_row(const FloodRow& row, const float* phi, const std::uint8_t* kinks, std::size_t width,

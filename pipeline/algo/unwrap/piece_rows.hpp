@@ -47,10 +47,10 @@ struct ShadeRows {
   int above, below;
 };
 
-/// shades: 1 where the modulation steps between a pixel and the one before it, once, where the step is highest: by more
-/// than a fifth, and than noise explains, in the mean over the rows. It may be texture; it may be another surface that
-/// the phase does not tell from this one. mean, heights: scratch.
-void shade_row(const ShadeRows& rows, std::size_t width, float* mean, float* heights, std::uint8_t* shades);
+/// Adds kShade to borders where the modulation steps between a pixel and the one before it, once, where the step is
+/// highest: by more than a fifth, and than noise explains, in the mean over the rows. It may be texture; it may be
+/// another surface that the phase does not tell from this one. mean, heights: scratch.
+void shade_row(const ShadeRows& rows, std::size_t width, float* mean, float* heights, std::uint8_t* borders);
 
 void mark_row(const FloodRow& row, const float* phi, const std::uint8_t* kinks, std::size_t width, std::uint8_t* marks);
 
