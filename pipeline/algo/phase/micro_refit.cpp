@@ -151,9 +151,9 @@ float code_turn_of(float motion_rad, const MicroCode& code) noexcept {
   return (1 + code.inverse_ratio) * kCodeTime * motion_rad;
 }
 
-std::size_t join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                            const MicroMotion& motion, float third_rad, const NoiseModel& noise,
-                            const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips) {
+void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
+                     const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips) {
   const auto width = static_cast<std::size_t>(turn.width());
   const float torn = config.torn_sigmas * config.torn_sigmas;
   std::vector<float> missed(width), one_more(width), one_less(width);
@@ -172,7 +172,7 @@ std::size_t join_code_frame(std::span<const CellSpan> spans, const Map<std::int1
       reject[u] = edge ? PixelReject::kEdge : reject[u];
     }
   }
-  return strips.withdraw(config.strip_evidence, maps.reject);
+  strips.withdraw(config.strip_evidence, maps.reject);
 }
 
 }  // namespace enamel::algo

@@ -12,7 +12,6 @@
 // phi with slope -g r B sin r Phi, which brings sigma from 0.816 to 0.726 sigma_n/B on average (algorithms.md §1).
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -95,10 +94,9 @@ void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMa
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
 /// outlier, keep their three-frame solution; those whose code is torn_sigmas off are rejected as edges, and strips
-/// along the ends of runs whose code speaks for another order as kRelative. spans: as for place_spans. Returns how many
-/// pixels such strips have.
-std::size_t join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                            const MicroMotion& motion, float third_rad, const NoiseModel& noise,
-                            const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips);
+/// along the ends of runs whose code speaks for another order as kRelative. spans: as for place_spans.
+void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
+                     const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips);
 
 }  // namespace enamel::algo
