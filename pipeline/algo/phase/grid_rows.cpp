@@ -50,16 +50,16 @@ void expand_loop(const float* node, const Grid& grid, const GridColumns& columns
   const std::size_t last = static_cast<std::size_t>(grid.columns) - 1, cell = static_cast<std::size_t>(grid.cell_px);
   const std::size_t step = columns.step, first = columns.first, before = cell / 2 / step, pixels = cell / step;
   std::fill(out, out + std::min(before, width), node[0]);
-  const std::size_t shape = cell * 2 + step;
-  if (shape == 4 * 2 + 1) {
+  const auto is = [&](std::size_t of_cell, std::size_t of_step) { return cell == of_cell && step == of_step; };
+  if (is(4, 1)) {
     ramps<4, 1>(node, last, first, width, out);
-  } else if (shape == 8 * 2 + 1) {
+  } else if (is(8, 1)) {
     ramps<8, 1>(node, last, first, width, out);
-  } else if (shape == 32 * 2 + 1) {
+  } else if (is(32, 1)) {
     ramps<32, 1>(node, last, first, width, out);
-  } else if (shape == 8 * 2 + 2) {
+  } else if (is(8, 2)) {
     ramps<8, 2>(node, last, first, width, out);
-  } else if (shape == 32 * 2 + 2) {
+  } else if (is(32, 2)) {
     ramps<32, 2>(node, last, first, width, out);
   } else {
     const float share = 1.0F / static_cast<float>(grid.cell_px);

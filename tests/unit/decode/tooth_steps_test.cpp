@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "tests/support/order_score.hpp"
@@ -129,47 +130,39 @@ TEST(Synthetic, blur_takes_the_modulation_of_a_gaussian) {
   EXPECT_NEAR(swing({.psf_px = 4}), std::exp(-0.5 * std::pow(2 * std::numbers::pi * 4 / 26.6, 2)), 0.04);
 }
 
-/// Wrong pixels of twelve rows of teeth, where gum too narrow for the code lies beside a tooth one fringe higher.
-std::size_t wrong_on_teeth(const algo::DecodeConfig& config) {
-  const calib::Rig rig = cropped_rig(400, 300);
+/// What becomes of some rows of teeth before a rig of 400 x 300 px.
+OrderCounts decode_teeth(const calib::Rig& rig, const algo::DecodeConfig& config,
+                         const std::vector<std::uint64_t>& seeds) {
+  const calib::Rig scenes = cropped_rig(400, 300);
   const algo::BurstDecoder decoder = algo::BurstDecoder::make(rig, config).value();
-  std::size_t wrong = 0;
-  for (std::uint64_t seed = 70; seed < 82; ++seed) {
-    const ToothSteps steps = make_tooth_steps(rig, seed);
+  OrderCounts out;
+  for (const std::uint64_t seed : seeds) {
+    const ToothSteps steps = make_tooth_steps(scenes, seed);
     const auto scene = render(
         rig, [&steps](int u, int v) { return steps.depth_mm(u, v); }, steps.options(seed));
-    wrong += score_orders(decoder.decode(scene.frames.view()), scene, steps.light, steps.near_jump).wrong;
+    out += score_orders(decoder.decode(scene.frames.view()), scene, steps.light, steps.near_jump);
   }
-  return wrong;
+  return out;
 }
 
+/// Gum too narrow for the code lies beside a tooth one fringe higher.
 TEST(ToothSteps, step_of_the_modulation_may_hide_a_jump) {
+  const std::vector<std::uint64_t> seeds{70, 71, 72, 73, 74, 75, 76, 77, 78, 79, 80, 81};
+  const auto wrong = [&](const algo::DecodeConfig& c) { return decode_teeth(cropped_rig(400, 300), c, seeds).wrong; };
   algo::DecodeConfig blind;  // the control: as unlikely a jump as anywhere else
   blind.order.shade_jump_cost = blind.order.unseen_jump_cost;
-  EXPECT_LT(wrong_on_teeth({}), wrong_on_teeth(blind) * 9 / 10);
+  EXPECT_LT(wrong({}), wrong(blind) * 9 / 10);
 }
 
-/// Pixels of the largest wrong region of mode M in rows of teeth where a strip of gum, narrow and long, is left beside
-/// a tooth one fringe higher.
-std::size_t largest_wrong_of_micro(const algo::DecodeConfig& config) {
-  const calib::Rig t = cropped_rig(400, 300), m = micro_rig(400, 300);
-  const algo::BurstDecoder decoder = algo::BurstDecoder::make(m, config).value();
-  std::size_t largest = 0;
-  for (const std::uint64_t seed : {50412U, 60005U, 60313U}) {
-    const ToothSteps steps = make_tooth_steps(t, seed);
-    const auto scene = render(
-        m, [&steps](int u, int v) { return steps.depth_mm(u, v); }, steps.options(seed));
-    const algo::DecodedBurst burst = decoder.decode(scene.frames.view());
-    largest = std::max(largest, score_orders(burst, scene, steps.light, steps.near_jump).largest_wrong_px);
-  }
-  return largest;
-}
-
+/// A strip of gum, narrow and long, is left beside a tooth one fringe higher.
 TEST(ToothSteps, narrow_strips_of_gum_are_told_from_the_tooth_by_their_code_along_the_edge) {
+  const auto largest = [&](const algo::DecodeConfig& c) {
+    return decode_teeth(micro_rig(400, 300), c, {50412, 60005, 60313}).largest_wrong_px;
+  };
   algo::DecodeConfig blind;  // the control: no strip is ever convincing
   blind.micro_refit.strip_evidence = std::numeric_limits<float>::infinity();
-  EXPECT_GT(largest_wrong_of_micro(blind), kLargeWrong_px);
-  EXPECT_LE(largest_wrong_of_micro({}), kLargeWrong_px);
+  EXPECT_GT(largest(blind), kLargeWrong_px);
+  EXPECT_LE(largest({}), kLargeWrong_px);
 }
 
 }  // namespace
