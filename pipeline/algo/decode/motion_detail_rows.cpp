@@ -13,6 +13,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "pipeline/algo/decode/slope_pairs-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
@@ -20,42 +22,6 @@ constexpr float kSteepest = 3.7F;        ///< dz/dx of 75 degrees, the steepest 
 constexpr float kLeastDet = 4000;        ///< of the 2x2 normal equations: a fortieth of a full window's
 constexpr float kLeastLitCosine = 0.2F;  ///< of the light's incidence; beyond, slopes are known too badly to tell it
 constexpr float kMostChange = 0.3F;      ///< of light, per frame interval
-
-/// A vector type of g++ and clang: left to themselves, they unroll loops over eight lanes and then work lane by lane.
-using Lanes [[gnu::vector_size(4 * kNodeLanes)]] = float;
-
-[[gnu::always_inline]] inline void load(const float* from, Lanes& out) { std::memcpy(&out, from, sizeof out); }
-
-/// Sums over pairs of pixels opposite to each other: uu uv vv of their distances, u v of 1/z, u v of A.
-template <class T>
-struct PairSums {
-  T uu{}, uv{}, vv{}, uq{}, vq{}, ua{}, va{};
-};
-
-/// One lane's place in the images.
-struct Place {
-  int node_row, x, y, begin;
-};
-
-[[gnu::always_inline]] inline void add_pair(const MotionImages& images, const Place& at, int dx, int dy,
-                                            const Lanes& limit, PairSums<Lanes>& s) {
-  Lanes q_plus, q_minus, a_plus, a_minus;
-  load(images.inverse_depth.around(at.node_row, at.x + dx, at.y + dy) + at.begin, q_plus);
-  load(images.inverse_depth.around(at.node_row, at.x - dx, at.y - dy) + at.begin, q_minus);
-  load(images.light.around(at.node_row, at.x + dx, at.y + dy) + at.begin, a_plus);
-  load(images.light.around(at.node_row, at.x - dx, at.y - dy) + at.begin, a_minus);
-  const auto x = static_cast<float>(4 * dx), y = static_cast<float>(4 * dy);  // pixels of the full image
-  const Lanes none{}, most = limit * (std::abs(x) + std::abs(y)), step = q_plus - q_minus, change = a_plus - a_minus;
-  const auto same = (step < most) & (-step < most);  // false for NaN
-  const Lanes d = same ? step : none, a = same ? change : none;
-  s.uu += same ? none + x * x : none;
-  s.uv += same ? none + x * y : none;
-  s.vv += same ? none + y * y : none;
-  s.uq += x * d;
-  s.vq += y * d;
-  s.ua += x * a;
-  s.va += y * a;
-}
 
 using DetailLanes = std::array<float, kNodeLanes>;
 
@@ -67,7 +33,7 @@ using DetailLanes = std::array<float, kNodeLanes>;
 
 /// Equations of rigid_motion.hpp with the motion put in.
 [[gnu::always_inline]] inline void motion_of(const PairSums<DetailLanes>& s, const DetailMotion& t, const float* q_at,
-                                             const float* light_at, const DetailRow& row, const Place& at) {
+                                             const float* light_at, const DetailRow& row, const NodePlace& at) {
   const auto begin = static_cast<std::size_t>(at.begin);
   const int right_px = 2 * at.x - kNode_px, down_px = 2 * at.y;  // of the node
   static_assert(kNode_px % 2 == 0);
@@ -81,10 +47,10 @@ using DetailLanes = std::array<float, kNodeLanes>;
     const float det = s.uu[j] * s.vv[j] - s.uv[j] * s.uv[j], in_x = 1 / (det * step_x[j]);
     const float in_y = 1 / (det * step_y[j]);
     const float q = q_of[j], x = x_of[j] + right * step_x[j], y = y_of[j] + down * step_y[j], light = light_of[j];
-    const float m_x = (s.vv[j] * s.uq[j] - s.uv[j] * s.vq[j]) * in_x;
-    const float m_y = (s.uu[j] * s.vq[j] - s.uv[j] * s.uq[j]) * in_y, m_z = q - m_x * x - m_y * y;
-    const float a_x = (s.vv[j] * s.ua[j] - s.uv[j] * s.va[j]) * in_x;
-    const float a_y = (s.uu[j] * s.va[j] - s.uv[j] * s.ua[j]) * in_y;
+    const float m_x = (s.vv[j] * s.q_u[j] - s.uv[j] * s.q_v[j]) * in_x;
+    const float m_y = (s.uu[j] * s.q_v[j] - s.uv[j] * s.q_u[j]) * in_y, m_z = q - m_x * x - m_y * y;
+    const float a_x = (s.vv[j] * s.a_u[j] - s.uv[j] * s.a_v[j]) * in_x;
+    const float a_y = (s.uu[j] * s.a_v[j] - s.uv[j] * s.a_u[j]) * in_y;
     // U q, the point's motion; l q, from it to the projector.
     const float arm = 1 - q * t.about_mm;
     const float u_x = q * t.shift_mm[0] + t.turn_rad[1] * arm - t.turn_rad[2] * y;
@@ -112,7 +78,7 @@ void detail_loop(const MotionImages& images, int node_row, int place_x, int plac
   constexpr auto kLanes = static_cast<int>(kNodeLanes);
   const int beside = place_x + kNode_px / 2;  // a node further on: arrays begin at node 1
   for (int n = 0; n < count; n += kLanes) {
-    const Place at{node_row, beside, place_y, std::max(std::min(n, count - kLanes), 0)};
+    const NodePlace at{node_row, beside, place_y, std::max(std::min(n, count - kLanes), 0)};
     const auto begin = static_cast<std::size_t>(at.begin);
     const float* q = images.inverse_depth.around(node_row, beside, place_y) + at.begin;
     const float* light = images.light.around(node_row, beside, place_y) + at.begin;
@@ -122,10 +88,10 @@ void detail_loop(const MotionImages& images, int node_row, int place_x, int plac
     load(limits.data(), limit);
     PairSums<Lanes> pairs;
     for (int dy = 0; dy <= kDetailReach; ++dy) {
-      for (int dx = dy == 0 ? 1 : -kDetailReach; dx <= kDetailReach; ++dx) add_pair(images, at, dx, dy, limit, pairs);
+      for (int dx = dy == 0 ? 1 : -kDetailReach; dx <= kDetailReach; ++dx) add_pairs(images, at, dx, dy, limit, pairs);
     }
-    const PairSums<DetailLanes> sums{spread(pairs.uu), spread(pairs.uv), spread(pairs.vv), spread(pairs.uq),
-                                     spread(pairs.vq), spread(pairs.ua), spread(pairs.va)};
+    const PairSums<DetailLanes> sums{spread(pairs.uu),  spread(pairs.uv),  spread(pairs.vv), spread(pairs.q_u),
+                                     spread(pairs.q_v), spread(pairs.a_u), spread(pairs.a_v)};
     motion_of(sums, motion, q, light, row, at);
   }
 }

@@ -12,6 +12,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "pipeline/algo/decode/slope_pairs-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
@@ -55,49 +57,14 @@ void known_loop(const SampleRow& in, std::size_t count, float max_residual, cons
   }
 }
 
-/// A vector type of g++ and clang: left to themselves, they unroll loops over eight lanes and then work lane by lane.
-using Lanes [[gnu::vector_size(4 * kNodeLanes)]] = float;
-
-template <class T>
-[[gnu::always_inline]] inline void load(const float* from, T& out) {
-  std::memcpy(&out, from, sizeof out);
-}
-
-/// uu uv vv of the pairs' distances, u v of 1/z, u v of A.
-template <class T>
-struct SlopeSums {
-  T uu{}, uv{}, vv{}, q_u{}, q_v{}, a_u{}, a_v{};
-};
-
-/// The pairs at +-(dx, dy) of as many nodes as T has lanes.
-template <class T>
-[[gnu::always_inline]] inline void add_pairs(const MotionImages& images, int node_row, int dx, int dy, int begin,
-                                             const T& limit, SlopeSums<T>& sums) {
-  T q_plus, q_minus, a_plus, a_minus;
-  load(images.inverse_depth.around(node_row, dx, dy) + begin, q_plus);
-  load(images.inverse_depth.around(node_row, -dx, -dy) + begin, q_minus);
-  load(images.light.around(node_row, dx, dy) + begin, a_plus);
-  load(images.light.around(node_row, -dx, -dy) + begin, a_minus);
-  const auto x = static_cast<float>(4 * dx), y = static_cast<float>(4 * dy);  // pixels of the full image
-  const T none{}, most = limit * (std::abs(x) + std::abs(y)), step = q_plus - q_minus, change = a_plus - a_minus;
-  const auto same = (step < most) & (-step < most);  // false for NaN
-  const T d = same ? step : none, a = same ? change : none;
-  sums.uu += same ? none + x * x : none;
-  sums.uv += same ? none + x * y : none;
-  sums.vv += same ? none + y * y : none;
-  sums.q_u += x * d;
-  sums.q_v += y * d;
-  sums.a_u += x * a;
-  sums.a_v += y * a;
-}
-
 template <class T>
 [[gnu::always_inline]] inline void slopes_of(const MotionImages& images, int node_row, int begin, const SlopeRow& out) {
-  SlopeSums<T> s;
+  PairSums<T> s;
   T limit;
   load(out.limit + begin, limit);
   for (int dy = 0; dy <= kReach; ++dy) {
-    for (int dx = dy == 0 ? 1 : -kReach; dx <= kReach; ++dx) add_pairs(images, node_row, dx, dy, begin, limit, s);
+    for (int dx = dy == 0 ? 1 : -kReach; dx <= kReach; ++dx)
+      add_pairs(images, {node_row, 0, 0, begin}, dx, dy, limit, s);
   }
   const T det = s.uu * s.vv - s.uv * s.uv;
   const T q_u = s.vv * s.q_u - s.uv * s.q_v, q_v = s.uu * s.q_v - s.uv * s.q_u;
