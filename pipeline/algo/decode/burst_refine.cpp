@@ -40,7 +40,8 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     fit_flip_blur(b.phase, b.polarity, errors, black, config_.polarity, config_.flips, b.flips);
     diag.flip_blur_rad = b.flips.burst_rad;
     correct_saturated(b.saturated, errors, black, b.phase, b.scratch);
-    finish_phase(b.flips, errors, black, diag.noise, config_.flips, b.phase, b.polarity);
+    finish_phase(b.flips, errors, black, diag.noise, config_.flips, b.phase, b.polarity,
+                 diag.rigid.moved ? &b.misfit : nullptr);
     for (std::size_t k = 0; k < b.saturated.size(); ++k) b.phase.phase_rad[b.saturated[k].index] = b.scratch[k];
     step("motion");
   }
@@ -88,7 +89,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     step("motion");
     undo_micro_motion(turn, b.micro_motion, b.phase);
     join_code_frame(b.spans, turn, *micro_, b.micro_motion, diag.third_rad, diag.noise, config_.micro_refit, b.phase,
-                    b.strips);
+                    b.strips, diag.rigid.moved ? &b.misfit : nullptr);
     solve_micro_saturated({b.spans, *micro_, b.micro_motion, diag.third_rad, diag.noise, rays_->phase_mid_rad.data()},
                           config_.phase, b.phase, b.polarity.turn, b.filled);
     for (const std::size_t i : b.filled) {

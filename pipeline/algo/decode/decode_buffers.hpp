@@ -33,6 +33,7 @@ struct DecodeWorkspace::Buffers {
   MotionField field;
   MicroMotion micro_motion;
   CodeStrips strips;      ///< of mode M
+  Misfit misfit;          ///< of bursts that moved
   PhaseMaps moved;        ///< of mode M: `phase` less the motion, for the code's sake; sigma and mask are unused
   MicroCode turned_code;  ///< as that motion shows it
   std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame

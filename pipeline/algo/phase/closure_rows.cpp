@@ -104,9 +104,13 @@ struct Ahead {
   std::array<float, kPolarStretch> cosine, sine;
 };
 
-template <bool kSteady, bool kLight>
+/// What else a row's pixels are asked for.
+enum class Beside { kNothing, kLight, kRest };
+
+/// beside: light, or what frame 1 is off the solution by, which is half the closure residual.
+template <bool kSteady, Beside kBeside>
 [[gnu::always_inline]] inline void mid_burst(const PixelRow& in, std::size_t from, std::size_t count, Ahead& ahead,
-                                             float* light) {
+                                             float* beside) {
   const float* __restrict c = in.cosine + from, * __restrict s = in.sine + from, * __restrict r = in.code + from;
   const float* __restrict mean = in.mean + from, * __restrict w = in.errors.weight + from;
   const float* __restrict rate = in.errors.rate + from, * __restrict rho = in.errors.harmonic + from;
@@ -114,18 +118,22 @@ template <bool kSteady, bool kLight>
   const float* __restrict growth_change = in.errors.light_change + from;
   const float black_dn = in.errors.black_dn;
   float* __restrict x = ahead.cosine.data(), * __restrict y = ahead.sine.data();
-  float* __restrict lit = kLight ? light + from : nullptr;
+  float* __restrict other = kBeside != Beside::kNothing ? beside + from : nullptr;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < count; ++u) {
     const PixelChange d =
         kSteady ? PixelChange{rate[u], 0, 0, 0} : PixelChange{rate[u], rate_change[u], growth[u], growth_change[u]};
     const Turns turns = turns_of<kSteady>(d);
-    const Pixel p = solve(frames_of<kSteady>({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d), w[u], turns);
-    const Pixel h = solve(harmonic_of(p, turns), w[u], turns);
-    const float cosine = p.cosine - rho[u] * h.cosine, sine = p.sine - rho[u] * h.sine;
+    const Frames frames = frames_of<kSteady>({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d);
+    const Pixel p = solve(frames, w[u], turns);
+    const Frames harmonic = harmonic_of(p, turns);
+    const Pixel h = solve(harmonic, w[u], turns);
+    const float cosine = p.cosine - rho[u] * h.cosine, sine = p.sine - rho[u] * h.sine, lit = p.mean - rho[u] * h.mean;
     x[u] = cosine * c[u] + sine * s[u];
     y[u] = sine * c[u] - cosine * s[u];
-    if constexpr (kLight) lit[u] = p.mean - rho[u] * h.mean;
+    if constexpr (kBeside == Beside::kLight) other[u] = lit;
+    if constexpr (kBeside == Beside::kRest)
+      other[u] = frames.x1 - rho[u] * harmonic.x1 - lit + sine * turns.a1.cos + cosine * turns.a1.sin;
   }
 }
 
@@ -135,23 +143,42 @@ void add_angle(const Ahead& ahead, const float* measured, std::size_t count, flo
       for (std::size_t u = 0; u < count; ++u) phase[u] = measured[u] + atan2_poly(y[u], x[u]);
 }
 
-template <bool kSteady, bool kLight>
-void mid_burst_stretches(const PixelRow& in, std::size_t count, float* phase, float* light) {
+template <bool kSteady, Beside kBeside>
+void mid_burst_stretches(const PixelRow& in, std::size_t count, float* phase, float* beside) {
   Ahead ahead;
   for (std::size_t from = 0; from < count; from += kPolarStretch) {
     const std::size_t n = std::min(kPolarStretch, count - from);
-    mid_burst<kSteady, kLight>(in, from, n, ahead, light);
+    mid_burst<kSteady, kBeside>(in, from, n, ahead, beside);
     add_angle(ahead, in.phase + from, n, phase + from);
   }
 }
 
 void mid_burst_loop(const PixelRow& in, std::size_t count, float* phase, float* light) {
+  const bool steady = in.errors.steady;
   if (light != nullptr) {
-    if (in.errors.steady) return mid_burst_stretches<true, true>(in, count, phase, light);
-    return mid_burst_stretches<false, true>(in, count, phase, light);
+    (steady ? mid_burst_stretches<true, Beside::kLight> : mid_burst_stretches<false, Beside::kLight>)(in, count, phase,
+                                                                                                      light);
+  } else {
+    (steady ? mid_burst_stretches<true, Beside::kNothing>
+            : mid_burst_stretches<false, Beside::kNothing>)(in, count, phase, nullptr);
   }
-  if (in.errors.steady) return mid_burst_stretches<true, false>(in, count, phase, nullptr);
-  mid_burst_stretches<false, false>(in, count, phase, nullptr);
+}
+
+void closed_loop(const PixelRow& in, const float* modulation, const PixelReject* reject, const NoiseModel& model,
+                 std::size_t count, const ClosedRow& out) {
+  mid_burst_stretches<false, Beside::kRest>(in, count, out.phase_rad, out.squares);
+  const NoiseModel noise = model;  // a copy cannot alias what is written
+  const float* __restrict mean = in.mean, * __restrict s = in.sine, * __restrict w = in.errors.weight;
+  const float* __restrict b = modulation;
+  float* __restrict squares = out.squares, * __restrict share = out.noise;
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < count; ++u) {
+    // Of four frames: their variance goes with their light, whose mean is A where b = +1, else A - S/2.
+    const float variance = 4 * noise.variance(mean[u] - select(w[u] < 0, 0.5F * s[u], 0));
+    const bool used = (std::abs(w[u]) > 0.999F) & (reject[u] == PixelReject::kNone);
+    squares[u] = 4 * squares[u] * squares[u] / variance;
+    share[u] = select(used, variance / (b[u] * b[u] + 1e-6F), 0);
+  }
 }
 
 void thin_loop(const float* every, std::size_t count, float* second) {
@@ -210,6 +237,7 @@ namespace enamel::algo {
 
 HWY_EXPORT(add_loop);
 HWY_EXPORT(mid_burst_loop);
+HWY_EXPORT(closed_loop);
 HWY_EXPORT(thin_loop);
 HWY_EXPORT(gather_loop);
 HWY_EXPORT(left_loop);
@@ -262,6 +290,11 @@ void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, 
 
 void mid_burst_row(const PixelRow& row, std::size_t count, float* phase_rad, float* light_dn) {
   HWY_DYNAMIC_DISPATCH(mid_burst_loop)(row, count, phase_rad, light_dn);
+}
+
+void closed_row(const PixelRow& row, const float* modulation, const PixelReject* reject, const NoiseModel& noise,
+                std::size_t count, const ClosedRow& out) {
+  HWY_DYNAMIC_DISPATCH(closed_loop)(row, modulation, reject, noise, count, out);
 }
 
 void left_row(const PixelRow& row, std::size_t count, const LeftRow& out) {

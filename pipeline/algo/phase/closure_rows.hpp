@@ -100,6 +100,14 @@ class GatheredErrors {
 /// Phase and, unless null, A - black as they were at mid-burst, less the harmonic. phase_rad may be the row's own.
 void mid_burst_row(const PixelRow& row, std::size_t count, float* phase_rad, float* light_dn);
 
+/// Phase as above, and what the closure residual of the corrected frames is made of (misfit.hpp); 0 of pixels beside a
+/// flip. modulation: B; open: pixels that are not rejected.
+struct ClosedRow {
+  float *phase_rad, *squares, *noise;
+};
+void closed_row(const PixelRow& row, const float* modulation, const PixelReject* reject, const NoiseModel& noise,
+                std::size_t count, const ClosedRow& out);
+
 /// What frame 3 leaves of the prediction that the other three make under the motion and light given, in DN and with the
 /// sign of the closure residual, and by how much it grows per unit of each error. NaN within reach of a flip.
 struct LeftRow {

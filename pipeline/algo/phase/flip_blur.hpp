@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/algo/phase/closure.hpp"
+#include "pipeline/algo/phase/misfit.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 
 namespace enamel::algo {
@@ -42,8 +43,9 @@ void fit_flip_blur(const PhaseMaps& maps, const PolarityMaps& polarity, const Bu
 /// Joins frame 3 as near to the flips as `blur` allows, less its rounding, where apply_polarity did not: pixels that
 /// are not rejected. Rewrites sine_dn, phase_rad, sigma_rad and code_dn (the rounding taken off) of `maps` and the
 /// weights. Then brings phase_rad to mid-burst, as correct_phase does: both at once, row by row, while a row is in the
-/// processor's caches. Phases may leave [-pi, pi) a little.
+/// processor's caches. Phases may leave [-pi, pi) a little. Unless null, `misfit` then widens sigma_rad by what the
+/// frames still contradict each other by.
 void finish_phase(const FlipBlur& blur, const BurstErrors& errors, float black_dn, const NoiseModel& noise,
-                  const FlipBlurConfig& config, PhaseMaps& maps, PolarityMaps& polarity);
+                  const FlipBlurConfig& config, PhaseMaps& maps, PolarityMaps& polarity, Misfit* misfit);
 
 }  // namespace enamel::algo

@@ -153,25 +153,29 @@ float code_turn_of(float motion_rad, const MicroCode& code) noexcept {
 
 void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
                      const MicroMotion& motion, float third_rad, const NoiseModel& noise,
-                     const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips) {
+                     const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips, Misfit* misfit) {
   const auto width = static_cast<std::size_t>(turn.width());
   const float torn = config.torn_sigmas * config.torn_sigmas;
-  std::vector<float> missed(width), one_more(width), one_less(width);
+  std::vector<float> missed(width), noise_share(width), one_more(width), one_less(width);
   const OrderDoubt doubt{one_more.data(), one_less.data()};
   const Turn order_step{code.cosine[1], code.sine[1]};
   CodeRows rows(motion, maps, &turn);
   rows.expect(code, third_rad);
   strips.find_ends(spans, turn.height());
+  if (misfit != nullptr) misfit->start(turn.width(), turn.height());
   for (int v = 0; v < turn.height(); ++v) {
     PixelReject* reject = &maps.reject(0, v);
     join_code_row(rows.at(v), noise, order_step, config.outlier_sigmas, width,
-                  {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data(), doubt});
+                  {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data(), noise_share.data(), doubt});
     strips.take_row(v, doubt);
     for (std::size_t u = 0; u < width; ++u) {
       const bool edge = (missed[u] > torn) & (reject[u] == PixelReject::kNone);
       reject[u] = edge ? PixelReject::kEdge : reject[u];
+      noise_share[u] = reject[u] == PixelReject::kNone ? noise_share[u] : 0;
     }
+    if (misfit != nullptr) misfit->take_row(v, {missed.data(), noise_share.data()});
   }
+  if (misfit != nullptr) misfit->add_to(maps.sigma_rad, kPhaseOfCode);
   strips.withdraw(config.strip_evidence, maps.reject);
 }
 

@@ -19,6 +19,7 @@
 #include "pipeline/algo/phase/code_strips.hpp"
 #include "pipeline/algo/phase/grid_rows.hpp"
 #include "pipeline/algo/phase/micro_code.hpp"
+#include "pipeline/algo/phase/misfit.hpp"
 #include "pipeline/algo/phase/phase.hpp"
 
 namespace enamel::algo {
@@ -94,9 +95,10 @@ void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMa
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
 /// outlier, keep their three-frame solution; those whose code is torn_sigmas off are rejected as edges, and strips
-/// along the ends of runs whose code speaks for another order as kRelative. spans: as for place_spans.
+/// along the ends of runs whose code speaks for another order as kRelative. Unless null, `misfit` then widens sigma_rad
+/// by what the code frames still differ from their predictions by. spans: as for place_spans.
 void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
                      const MicroMotion& motion, float third_rad, const NoiseModel& noise,
-                     const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips);
+                     const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips, Misfit* misfit);
 
 }  // namespace enamel::algo

@@ -217,7 +217,7 @@ void join_loop(const CodeRow& in, const NoiseModel& model, Turn order_step, floa
   const Row row(in);
   const float r = 1 + row.wave.inverse_ratio, gate = outlier_sigmas * outlier_sigmas;
   const Turn step = order_step, back = -step;
-  float *phase = out.phase, *sigma = out.sigma, *missed = out.missed;
+  float *phase = out.phase, *sigma = out.sigma, *missed = out.missed, *share_of_noise = out.noise;
   float *one_more = out.doubt.one_more, *one_less = out.doubt.one_less;
   ENAMEL_INDEPENDENT  // `phase` may be the row's own
       for (std::size_t u = 0; u < width; ++u) {
@@ -229,10 +229,11 @@ void join_loop(const CodeRow& in, const NoiseModel& model, Turn order_step, floa
     const float fitted = gain * k.angle.cos;
     const float own =
         noise.variance(row.mean[u] + gb * k.light) + noise.variance(row.mean[u]) * kThird * (1 + 2 * fitted * fitted);
-    const float variance = sigma[u] * sigma[u], inverse = 1 / (own + slope * slope * variance);
+    const float variance = sigma[u] * sigma[u], of_residual = own + slope * slope * variance, inverse = 1 / of_residual;
     const float squares = off * off * inverse;
     const bool placed = row.placed(u), joins = (squares < gate) & placed;  // false for NaN
     missed[u] = select(placed, squares, 0);
+    share_of_noise[u] = select(placed, of_residual / (row.modulation[u] * row.modulation[u] + 1e-6F), 0);
     const bool seen = placed & (squares == squares);
     const float slopes = r * r * variance;
     const Turn after = k.angle + step, before = k.angle + back;

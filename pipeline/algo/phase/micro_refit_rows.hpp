@@ -73,6 +73,7 @@ void undo_motion_row(const CodeRow& row, std::size_t width, const MovedRow& out)
 struct JoinedRow {
   float *phase, *sigma;  ///< may be the row's own
   float* missed;  ///< by how many sigmas the code is off its prediction, squared; 0 without order, NaN without code
+  float* noise;   ///< variance of what it is off by, by noise, over B squared (misfit.hpp); 0 without order
   OrderDoubt doubt;
 };
 /// order_step: the angle by which the next order turns the code.

@@ -53,7 +53,7 @@ struct Refit {
     correct_third_harmonic(turn, third, maps);
     fit_micro_motion(turn, code, third, noise, {}, maps, motion);
     undo_micro_motion(turn, motion, maps);
-    join_code_frame(spans, turn, code, motion, third, noise, {}, maps, strips);
+    join_code_frame(spans, turn, code, motion, third, noise, {}, maps, strips, nullptr);
   }
 
   [[nodiscard]] double rms_of(const PhaseMaps& m, bool over_sigma = false) const {
