@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
@@ -69,6 +70,19 @@ TEST(Misfit, pixels_without_a_residual_and_those_at_an_edge_say_nothing) {
   const float unknown = std::numeric_limits<float>::quiet_NaN();
   const auto sigma = widened([&](int u, int v) { return u % 3 == 1 ? kEdge : v % 5 == 2 ? unknown : 1.0F; });
   EXPECT_LT(mean_of(sigma, 0, kWidth, 0, kHeight), 1.03 * static_cast<double>(kSigma_rad));
+}
+
+TEST(Misfit, one_pixel_and_odd_sizes_are_widened_too) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {9, 1}, {17, 3}}) {
+    Misfit misfit;
+    misfit.start(width, height);
+    const std::vector<float> squares(static_cast<std::size_t>(width), 25), share(squares.size(), kShare);
+    for (int v = 0; v < height; ++v) misfit.take_row(v, {squares.data(), share.data()});
+    Map<float> sigma(width, height, kSigma_rad);
+    misfit.add_to(sigma, kPhaseOfClosure);
+    for (const float s : sigma.pixels())
+      EXPECT_TRUE(s > 2 * kSigma_rad && s < 10 * kSigma_rad) << width << 'x' << height;
+  }
 }
 
 class MisfitOf : public testing::TestWithParam<bool> {
