@@ -100,8 +100,8 @@ class GatheredErrors {
 /// Phase and, unless null, A - black as they were at mid-burst, less the harmonic. phase_rad may be the row's own.
 void mid_burst_row(const PixelRow& row, std::size_t count, float* phase_rad, float* light_dn);
 
-/// Phase as above, and what the closure residual of the corrected frames is made of (misfit.hpp); 0 of pixels beside a
-/// flip. modulation: B; open: pixels that are not rejected.
+/// Phase as above, and what the closure residual of the corrected frames tells Misfit; rejected pixels and those beside
+/// a flip, which have three frames only, tell nothing. modulation: B, DN.
 struct ClosedRow {
   float *phase_rad, *squares, *noise;
 };
