@@ -154,14 +154,12 @@ void mid_burst_stretches(const PixelRow& in, std::size_t count, float* phase, fl
 }
 
 void mid_burst_loop(const PixelRow& in, std::size_t count, float* phase, float* light) {
-  const bool steady = in.errors.steady;
   if (light != nullptr) {
-    (steady ? mid_burst_stretches<true, Beside::kLight> : mid_burst_stretches<false, Beside::kLight>)(in, count, phase,
-                                                                                                      light);
-  } else {
-    (steady ? mid_burst_stretches<true, Beside::kNothing>
-            : mid_burst_stretches<false, Beside::kNothing>)(in, count, phase, nullptr);
+    if (in.errors.steady) return mid_burst_stretches<true, Beside::kLight>(in, count, phase, light);
+    return mid_burst_stretches<false, Beside::kLight>(in, count, phase, light);
   }
+  if (in.errors.steady) return mid_burst_stretches<true, Beside::kNothing>(in, count, phase, nullptr);
+  mid_burst_stretches<false, Beside::kNothing>(in, count, phase, nullptr);
 }
 
 void closed_loop(const PixelRow& in, const float* modulation, const PixelReject* reject, const NoiseModel& model,

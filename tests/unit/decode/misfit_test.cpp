@@ -17,6 +17,8 @@
 namespace enamel::algo {
 namespace {
 
+using test::MovingBall;
+
 constexpr int kWidth = 160, kHeight = 120;
 constexpr float kSigma_rad = 0.01F;
 /// Of four frames: their residual has variance 4 s^2, their phase s^2 / 2B^2.
@@ -85,12 +87,15 @@ TEST(Misfit, one_pixel_and_odd_sizes_are_widened_too) {
   }
 }
 
-class MisfitOf : public testing::TestWithParam<bool> {
- protected:
-  static calib::Rig rig() { return GetParam() ? test::micro_rig(480, 360) : test::cropped_rig(480, 360); }
-};
+class MisfitOf : public test::BothModes {};
 
 INSTANTIATE_TEST_SUITE_P(Modes, MisfitOf, testing::Bool(), [](const auto& mode) { return mode.param ? "M" : "T"; });
+
+/// The ball as it moves, and at rest.
+std::pair<DecodedBurst, DecodedBurst> decode_both(const MovingBall& ball) {
+  const auto decoder = BurstDecoder::make(ball.rig, {}).value();
+  return {decoder.decode(ball.render(true).frames.view()), decoder.decode(ball.at_rest().render(true).frames.view())};
+}
 
 /// Share of the decoded pixels that are off by more than four of the sigmas given.
 double beyond_four_sigmas(const MovingBall& ball, const DecodedBurst& burst, const Map<float>& sigma_mm) {
@@ -112,11 +117,7 @@ double beyond_four_sigmas(const MovingBall& ball, const DecodedBurst& burst, con
 TEST_P(MisfitOf, passing_fissures_do_not_exceed_their_sigma) {
   MovingBall ball{rig(), {0.060, 0.010, 0.01}, Eigen::Vector3d::Zero()};
   ball.fissure = 0.5;
-  MovingBall still = ball;
-  still.shift_mm = Eigen::Vector3d::Zero();
-  const auto decoder = BurstDecoder::make(ball.rig, {}).value();
-  const DecodedBurst moved = decoder.decode(ball.render(true).frames.view()),
-                     at_rest = decoder.decode(still.render(true).frames.view());
+  const auto [moved, at_rest] = decode_both(ball);
   ASSERT_TRUE(moved.accepted() && moved.diagnostics.rigid.moved);
   const double own = beyond_four_sigmas(ball, moved, moved.patch.sigma_mm),
                of_noise = beyond_four_sigmas(ball, moved, at_rest.patch.sigma_mm);
@@ -126,11 +127,7 @@ TEST_P(MisfitOf, passing_fissures_do_not_exceed_their_sigma) {
 /// Light that changes no faster than the motion is known at is undone, not doubted.
 TEST_P(MisfitOf, passing_texture_keeps_the_sigma_it_has_at_rest) {
   const MovingBall ball{rig(), {0.030, 0.005, 0.01}, Eigen::Vector3d::Zero()};
-  MovingBall still = ball;
-  still.shift_mm = Eigen::Vector3d::Zero();
-  const auto decoder = BurstDecoder::make(ball.rig, {}).value();
-  const DecodedBurst moved = decoder.decode(ball.render(true).frames.view()),
-                     at_rest = decoder.decode(still.render(true).frames.view());
+  const auto [moved, at_rest] = decode_both(ball);
   double ratio = 0, count = 0;
   for (int v = 120; v < 240; ++v) {
     for (int u = 160; u < 320; ++u) {

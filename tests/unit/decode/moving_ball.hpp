@@ -12,7 +12,7 @@
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::test {
 
 /// The ball seen `tau` frame intervals after mid-burst: depth, and the projector's light on it (Lambert).
 struct MovingBall {
@@ -24,6 +24,11 @@ struct MovingBall {
   double texture = 0.12;  ///< that sits on it
   double fissure = 0;     ///< darkness of lines along y on it, 1 mm apart and 0.04 mm wide (standard deviation)
 
+  [[nodiscard]] MovingBall at_rest() const {
+    MovingBall out = *this;
+    out.shift_mm = out.turn_rad = Eigen::Vector3d::Zero();
+    return out;
+  }
   [[nodiscard]] Eigen::AngleAxisd turn(double tau) const {
     const double angle = turn_rad.norm() * tau;
     return {angle, angle != 0 ? Eigen::Vector3d(turn_rad.normalized()) : Eigen::Vector3d(Eigen::Vector3d::UnitX())};
@@ -59,11 +64,11 @@ struct MovingBall {
     return albedo * std::pow(45.0, 2) * facing / std::pow(to_light.norm(), 3);
   }
   /// Frame k as it is at its own time.
-  [[nodiscard]] test::SyntheticBurst render(bool noise) const {
-    test::SyntheticBurst out;
+  [[nodiscard]] SyntheticBurst render(bool noise) const {
+    SyntheticBurst out;
     for (std::size_t k = 0; k < 4; ++k) {
       const double tau = static_cast<double>(k) - 1.5;
-      test::SceneOptions o;
+      SceneOptions o;
       o.noise = noise;
       o.harmonic = harmonic;
       o.light = [&](int u, int v) { return light(u, v, tau); };
@@ -75,7 +80,7 @@ struct MovingBall {
     return out;
   }
   /// Mean depth error where the normal's x lies between those given, um.
-  [[nodiscard]] double error_um(const DecodedBurst& burst, double from, double to) const {
+  [[nodiscard]] double error_um(const algo::DecodedBurst& burst, double from, double to) const {
     double sum = 0, count = 0;
     for (int v = 0; v < rig.camera.height; ++v) {
       for (int u = 0; u < rig.camera.width; ++u) {
@@ -89,7 +94,7 @@ struct MovingBall {
     return sum / count;
   }
   /// Mean depth error of a strip of the image's columns, um.
-  [[nodiscard]] double strip_error_um(const DecodedBurst& burst, int begin, int end) const {
+  [[nodiscard]] double strip_error_um(const algo::DecodedBurst& burst, int begin, int end) const {
     double sum = 0, count = 0;
     for (int v = 0; v < rig.camera.height; ++v) {
       for (int u = begin; u < end; ++u) {
@@ -102,7 +107,7 @@ struct MovingBall {
     return sum / count;
   }
   /// 1.48 times the median deviation of depth at mid-burst, um: what ripple and noise do, not a few pixels at edges.
-  [[nodiscard]] double sigma_um(const DecodedBurst& burst) const {
+  [[nodiscard]] double sigma_um(const algo::DecodedBurst& burst) const {
     std::vector<double> errors;
     for (int v = 0; v < rig.camera.height; ++v) {
       for (int u = 0; u < rig.camera.width; ++u) {
@@ -115,4 +120,10 @@ struct MovingBall {
   }
 };
 
-}  // namespace enamel::algo
+/// Tests of both modes: false is T, true M.
+class BothModes : public testing::TestWithParam<bool> {
+ protected:
+  static calib::Rig rig() { return GetParam() ? micro_rig(480, 360) : cropped_rig(480, 360); }
+};
+
+}  // namespace enamel::test

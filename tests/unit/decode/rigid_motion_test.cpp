@@ -14,6 +14,7 @@ namespace enamel::algo {
 namespace {
 
 using Eigen::Vector3d;
+using test::MovingBall;
 
 DecodedBurst decode(const calib::Rig& rig, const test::SyntheticBurst& burst, int passes, bool dense = true) {
   DecodeConfig config;
@@ -22,10 +23,7 @@ DecodedBurst decode(const calib::Rig& rig, const test::SyntheticBurst& burst, in
   return BurstDecoder::make(rig, config).value().decode(burst.frames.view());
 }
 
-class RigidMotionOf : public testing::TestWithParam<bool> {
- protected:
-  static calib::Rig rig() { return GetParam() ? test::micro_rig(480, 360) : test::cropped_rig(480, 360); }
-};
+class RigidMotionOf : public test::BothModes {};
 
 INSTANTIATE_TEST_SUITE_P(Modes, RigidMotionOf, testing::Bool(),
                          [](const auto& mode) { return mode.param ? "M" : "T"; });
@@ -44,7 +42,7 @@ TEST_P(RigidMotionOf, finds_shift_and_turn_and_takes_their_ripple_off_the_surfac
   EXPECT_LT((of_centre - ball.shift_mm).norm(), 0.02 * ball.shift_mm.norm()) << of_centre.transpose();
   EXPECT_LT((turn - ball.turn_rad).norm(), 3e-4) << "a ball's turn shows in its texture alone: " << turn.transpose();
 
-  const MovingBall still{ball.rig, Vector3d::Zero(), Vector3d::Zero()};
+  const MovingBall still = ball.at_rest();
   const double floor = still.sigma_um(decode(ball.rig, still.render(false), 2));  // rounding to 8 bit
   const auto ripple = [&](const DecodedBurst& b) {
     return std::sqrt(std::max(0.01, std::pow(ball.sigma_um(b), 2) - floor * floor));
@@ -73,8 +71,7 @@ TEST(RigidMotion, follows_a_narrow_surface) {
   const auto burst = ball.render(false);
   const DecodedBurst found = decode(ball.rig, burst, 2), coarse = decode(ball.rig, burst, 2, false);
   ASSERT_TRUE(found.accepted() && found.diagnostics.rigid.moved);
-  MovingBall still = ball;
-  still.shift_mm = Vector3d::Zero();
+  const MovingBall still = ball.at_rest();
   const double floor = still.sigma_um(decode(ball.rig, still.render(false), 2));  // rounding to 8 bit
   const auto left = [&](const DecodedBurst& b) { return std::pow(ball.sigma_um(b), 2) - floor * floor; };
   EXPECT_LT(left(found), 0.75 * left(coarse)) << left(found) << " of " << left(coarse) << " um^2, floor " << floor;
