@@ -30,6 +30,7 @@ struct DecodeConfig {
   PolarityConfig polarity;
   ClosureConfig closure;
   FlipBlurConfig flips;
+  TornConfig torn;
   RigidMotionConfig rigid;
   MicroRefitConfig micro_refit;
   int motion_passes = 2;  ///< the second sees slopes without the ripple that the first took off

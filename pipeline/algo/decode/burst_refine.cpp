@@ -40,8 +40,10 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     fit_flip_blur(b.phase, b.polarity, errors, black, config_.polarity, config_.flips, b.flips);
     diag.flip_blur_rad = b.flips.burst_rad;
     correct_saturated(b.saturated, errors, black, b.phase, b.scratch);
+    b.torn.start(b.spans, config_.torn, b.phase.reject.width(), b.phase.reject.height());
+    const MovedBurst moved{b.misfit, b.torn, signs_};
     finish_phase(b.flips, errors, black, diag.noise, config_.flips, b.phase, b.polarity,
-                 diag.rigid.moved ? &b.misfit : nullptr);
+                 diag.rigid.moved ? &moved : nullptr);
     for (std::size_t k = 0; k < b.saturated.size(); ++k) b.phase.phase_rad[b.saturated[k].index] = b.scratch[k];
     step("motion");
   }
@@ -60,6 +62,13 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
   DecodeDiagnostics& diag = out.diagnostics;
   const auto step = [&](const char* name) {
     if (workspace.on_step) workspace.on_step(name);
+  };
+  // What is shown of pixels solved from other frames than at first.
+  const auto show_anew = [&](const std::vector<std::size_t>& pixels) {
+    for (const std::size_t i : pixels) {
+      out.patch.texture_dn[i] = b.phase.mean_dn[i] - diag.noise.black_dn;
+      out.patch.modulation_dn[i] = b.phase.modulation_dn[i];
+    }
   };
   if (micro_) {
     cells_of(out.relative, b.relative_cells);
@@ -92,10 +101,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
                     b.strips, diag.rigid.moved ? &b.misfit : nullptr);
     solve_micro_saturated({b.spans, *micro_, b.micro_motion, diag.third_rad, diag.noise, rays_->phase_mid_rad.data()},
                           config_.phase, b.phase, b.polarity.turn, b.filled);
-    for (const std::size_t i : b.filled) {
-      out.patch.texture_dn[i] = b.phase.mean_dn[i] - diag.noise.black_dn;
-      out.patch.modulation_dn[i] = b.phase.modulation_dn[i];
-    }
+    show_anew(b.filled);
     step("refit");
     return b.polarity.turn;
   }
@@ -103,6 +109,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
   sort_out_saturated(b.saturated, signs_, diag.noise, config_.polarity, b.polarity.turn, b.phase);
   step("polarity");
   undo_errors(b, diag, step);
+  if (diag.rigid.moved) show_anew(b.torn.regained());
   return b.polarity.turn;
 }
 

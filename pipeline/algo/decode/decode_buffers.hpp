@@ -34,6 +34,7 @@ struct DecodeWorkspace::Buffers {
   MicroMotion micro_motion;
   CodeStrips strips;      ///< of mode M
   Misfit misfit;          ///< of bursts that moved
+  TornPixels torn;        ///< of those of mode T
   PhaseMaps moved;        ///< of mode M: `phase` less the motion, for the code's sake; sigma and mask are unused
   MicroCode turned_code;  ///< as that motion shows it
   std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "pipeline/algo/phase/frame_turns.hpp"
+#include "pipeline/algo/phase/frame_solve.hpp"
 #include "pipeline/algo/phase/polar_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
@@ -42,22 +42,13 @@ void add_loop(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::si
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// A pixel above black, or what is left of it at mid-burst.
-struct Pixel {
-  float mean, cosine, sine;
-};
-
-/// Values of the four frames, those of a pixel above black under the light of mid-burst.
-struct Frames {
-  float x0, x1, x2, x3;
-};
-
 /// kSteady: light stays as it is.
 template <bool kSteady>
-[[gnu::always_inline]] inline Frames frames_of(const Pixel& p, float residual, float weight, const PixelChange& d) {
+[[gnu::always_inline]] inline FourFrames frames_of(const FourStepPixel& p, float residual, float weight,
+                                                   const PixelChange& d) {
   const float b = select(weight < 0, -1, 1), r = select(residual == residual, residual, 0);
   const float three = p.sine + 0.5F * std::abs(weight) * r;  // S of three frames; less the residual that of frame 3
-  const Frames x{p.mean + p.cosine, p.mean - three, p.mean - p.cosine, p.mean + b * (three - r)};
+  const FourFrames x{p.mean + p.cosine, p.mean - three, p.mean - p.cosine, p.mean + b * (three - r)};
   if constexpr (kSteady) return x;
   const float l0 = d.light(-1.5F), l1 = d.light(-0.5F), l2 = d.light(0.5F), l3 = d.light(1.5F);
   const float early = l0 * l1, late = l2 * l3, inverse = 1 / (early * late);  // one division for four
@@ -69,7 +60,7 @@ template <bool kSteady>
 ///   x0 = A + C cos a0 - S sin a0      x1 = A - S cos a1 - C sin a1
 ///   x2 = A - C cos a2 + S sin a2      x3 = A + b (S cos a3 + C sin a3)
 /// Frames 1 and 3 enter as one, (1 - q)(A - x1) + q b (x3 - A) with q = w/2, so that noise counts as in polarity.hpp.
-[[gnu::always_inline]] inline Pixel solve(const Frames& x, float weight, const Turns& t) {
+[[gnu::always_inline]] inline FourStepPixel solve(const FourFrames& x, float weight, const Turns& t) {
   const float q = 0.5F * std::abs(weight), b = select(weight < 0, -1, 1), of_mean = 0.5F * (1 - q - q * b);
   const float even_c = t.a0.cos + t.a2.cos, even_s = -t.a0.sin - t.a2.sin, even = x.x0 - x.x2;
   const float odd_c = (1 - q) * t.a1.sin + q * t.a3.sin + of_mean * (t.a0.cos - t.a2.cos);
@@ -78,24 +69,6 @@ template <bool kSteady>
   const float inverse = 1 / (even_c * odd_s - even_s * odd_c);  // 1/2 at rest, positive for any motion below 0.5 rad
   const float c = (even * odd_s - even_s * odd) * inverse, s = (even_c * odd - even * odd_c) * inverse;
   return {0.5F * (x.x0 + x.x2 - c * (t.a0.cos - t.a2.cos) + s * (t.a0.sin - t.a2.sin)), c, s};
-}
-
-/// The same of frames 0 to 2 alone: weight 0.
-[[gnu::always_inline]] inline Pixel solve_three(const Frames& x, const Turns& t) {
-  const float even_c = t.a0.cos + t.a2.cos, even_s = -t.a0.sin - t.a2.sin, even = x.x0 - x.x2;
-  const float odd_c = t.a1.sin + 0.5F * (t.a0.cos - t.a2.cos), odd_s = t.a1.cos - 0.5F * (t.a0.sin - t.a2.sin);
-  const float odd = 0.5F * (x.x0 + x.x2) - x.x1;
-  const float inverse = 1 / (even_c * odd_s - even_s * odd_c);
-  const float c = (even * odd_s - even_s * odd) * inverse, s = (even_c * odd - even * odd_c) * inverse;
-  return {0.5F * (x.x0 + x.x2 - c * (t.a0.cos - t.a2.cos) + s * (t.a0.sin - t.a2.sin)), c, s};
-}
-
-/// What the frames of `p` show of a second harmonic, per B2/B.
-[[gnu::always_inline]] inline Frames harmonic_of(const Pixel& p, const Turns& t) {
-  const float inv = 1 / root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F);
-  const float cos2 = (p.cosine - p.sine) * (p.cosine + p.sine) * inv, sin2 = 2 * p.cosine * p.sine * inv;
-  const auto at = [&](const Turn& a) { return cos2 * (1 - 2 * a.sin * a.sin) - sin2 * 2 * a.sin * a.cos; };
-  return {at(t.a0), -at(t.a1), at(t.a2), -at(t.a3)};
 }
 
 /// How far the phase at mid-burst is from that measured, as a vector: its own loop is short enough for its angle to be
@@ -124,10 +97,10 @@ template <bool kSteady, Beside kBeside>
     const PixelChange d =
         kSteady ? PixelChange{rate[u], 0, 0, 0} : PixelChange{rate[u], rate_change[u], growth[u], growth_change[u]};
     const Turns turns = turns_of<kSteady>(d);
-    const Frames frames = frames_of<kSteady>({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d);
-    const Pixel p = solve(frames, w[u], turns);
-    const Frames harmonic = harmonic_of(p, turns);
-    const Pixel h = solve(harmonic, w[u], turns);
+    const FourFrames frames = frames_of<kSteady>({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d);
+    const FourStepPixel p = solve(frames, w[u], turns);
+    const FourFrames harmonic = harmonic_of(p, turns);
+    const FourStepPixel h = solve(harmonic, w[u], turns);
     const float cosine = p.cosine - rho[u] * h.cosine, sine = p.sine - rho[u] * h.sine, lit = p.mean - rho[u] * h.mean;
     x[u] = cosine * c[u] + sine * s[u];
     y[u] = sine * c[u] - cosine * s[u];
@@ -212,11 +185,11 @@ void left_loop(const PixelRow& in, std::size_t count, const LeftRow& row) {
   for (std::size_t u = 0; u < count; ++u) {
     const PixelChange d{rate[u], rate_change[u], growth[u], growth_change[u]};
     const Turns turns = turns_of<false>(d);
-    const Frames x = frames_of<false>({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d);
-    const Pixel p = solve(x, w[u], turns);
+    const FourFrames x = frames_of<false>({mean[u] - black_dn, c[u], s[u]}, r[u], w[u], d);
+    const FourStepPixel p = solve(x, w[u], turns);
     const float b = select(w[u] < 0, -1, 1);
-    const auto unexplained = [&](const Frames& f) {
-      const Pixel three = solve_three(f, turns);
+    const auto unexplained = [&](const FourFrames& f) {
+      const FourStepPixel three = solve_first_three(f, turns);
       return d.light(1.5F) * (b * (three.mean - f.x3) + three.sine * turns.a3.cos + three.cosine * turns.a3.sin);
     };
     const bool plus = w[u] > 0;

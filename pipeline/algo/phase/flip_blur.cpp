@@ -60,27 +60,30 @@ void fit_flip_blur(const PhaseMaps& maps, const PolarityMaps& polarity, const Bu
 }
 
 void finish_phase(const FlipBlur& blur, const BurstErrors& errors, float black_dn, const NoiseModel& noise,
-                  const FlipBlurConfig& config, PhaseMaps& maps, PolarityMaps& polarity, Misfit* misfit) {
+                  const FlipBlurConfig& config, PhaseMaps& maps, PolarityMaps& polarity, const MovedBurst* moved) {
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   GridRows sigma(blur.grid(), maps.phase_rad.width());
   ErrorRows rows(errors, black_dn, maps.phase_rad.width());
-  std::vector<float> squares(misfit != nullptr ? width : 0), share(squares);
-  if (misfit != nullptr) misfit->start(maps.phase_rad.width(), maps.phase_rad.height());
+  std::vector<float> squares(moved != nullptr ? width : 0), share(squares);
+  if (moved != nullptr) moved->misfit.start(maps.phase_rad.width(), maps.phase_rad.height());
   for (int v = 0; v < maps.phase_rad.height(); ++v) {
     const std::size_t at = maps.phase_rad.index(0, v);
     const RowErrors e = rows.at(polarity, v);
     rejoin_flip_row({sigma.row(v), e.rate, config.drop_sigmas, config.full_sigmas}, noise, at, width, maps,
                     polarity.weight);
     const PixelRow row = pixel_row(maps, e, at);
-    if (misfit == nullptr) {
+    if (moved == nullptr) {
       mid_burst_row(row, width, &maps.phase_rad[at], nullptr);
     } else {
-      closed_row(row, &maps.modulation_dn[at], &maps.reject[at], noise, width,
-                 {&maps.phase_rad[at], squares.data(), share.data()});
-      misfit->take_row(v, {squares.data(), share.data()});
+      const ClosedRow closed{&maps.phase_rad[at], squares.data(), share.data()};
+      closed_row(row, &maps.modulation_dn[at], &maps.reject[at], noise, width, closed);
+      moved->torn.take_row(v, at, row, closed, &maps.reject[at]);
+      moved->misfit.take_row(v, {squares.data(), share.data()});
     }
   }
-  if (misfit != nullptr) misfit->add_to(maps.sigma_rad, kPhaseOfClosure);
+  if (moved == nullptr) return;
+  moved->torn.regain(moved->signs, noise, maps, polarity.turn);
+  moved->misfit.add_to(maps.sigma_rad, kPhaseOfClosure);
 }
 
 }  // namespace enamel::algo
