@@ -2,6 +2,7 @@
 import json
 import os
 import platform
+import re
 import subprocess
 
 
@@ -39,6 +40,21 @@ class Page:
             json.dump({"machine": where, "rows": self.rows, **figures}, f, indent=1,
                       default=lambda x: x.item() if hasattr(x, "item") else str(x))
             f.write("\n")
+
+    def within(self, out, name):
+        """The page OUT/NAME with this page's only section in place of its own of that title; its figures."""
+        with open(f"{out}/{name}.json", encoding="utf-8") as f:
+            figures = json.load(f)
+        with open(f"{out}/{name}.md", encoding="utf-8") as f:
+            blocks = re.split(r"(?m)^(?=## )", f.read())[1:]
+        title = f"{self.text[1]}\n"
+        if not any(b.startswith(title) for b in blocks):
+            raise ValueError(f"{out}/{name}.md has no section '{title.strip()}': make the whole page first")
+        page, own = Page(), {r["what"]: r for r in self.rows}
+        page.rows = [own.get(r["what"], r) for r in figures.pop("rows")]
+        mine = "\n".join(self.text[1:]) + "\n\n"
+        page.text = ["", *"".join(mine if b.startswith(title) else b for b in blocks).rstrip("\n").split("\n")]
+        return page, figures
 
 
 def machine():

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""decode_page.py WORK OUT ENAMEL: gathers what tools/bench measured, adds peers, writes OUT/decode.json, decode.md, PNGs."""
+"""decode_page.py WORK OUT ENAMEL [--rendered]: gathers what tools/bench measured, adds peers, writes OUT/decode.json, decode.md,
+PNGs. --rendered: only the section of rendered bursts, into the page that is there."""
 import json
 import os
 import sys
@@ -150,9 +151,9 @@ def captured_rows(page, study, out, work):
     page.note("![maps of burst 0](plaster-eye.png)\n\n![ripple before and after](plaster-ripple.png)")
 
 
-def oracle_section(page, rows, out, work):
+def oracle_section(page, rows, out, work, when=""):
     page.section("Rendered bursts with exact truth (`enamel decode`, judged by their own scorer)",
-                 "SIMULATED. Worst burst of each set; *floor* is the scorer's noise floor of that burst.")
+                 f"SIMULATED. Worst burst of each set; *floor* is the scorer's noise floor of that burst.{when}")
     if rows is None:
         page.row("plane, spheres, steps, sweep", "–", f"skipped: {SHARED}/data/oracle or {SHARED}/score is absent", None)
         return
@@ -204,6 +205,16 @@ def time_rows(page, decode):
         page.row(title(name), "≤ 9 ms", f"{totals[name]:.1f} ms{beside}: {parts}", totals[name] <= 9)
 
 
+def renew_rendered(work, out, program):
+    page, rows = Page(), peers.oracle_rows(SHARED, program, work)
+    if rows is None:
+        sys.exit(f"error: {SHARED}/data/oracle or {SHARED}/score is absent; set ENAMEL_SHARED")
+    oracle_section(page, rows, out, work, f" Measured at commit {machine()['commit']}, after the rest of this page.")
+    page, figures = page.within(out, "decode")
+    where = figures.pop("machine")
+    page.write(out, "decode", "tools/bench", where, {**figures, "oracle": rows})
+
+
 def main(work, out, program):
     def load(name):
         return json.load(open(f"{work}/{name}.json", encoding="utf-8"))
@@ -231,6 +242,9 @@ def main(work, out, program):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 4:
+    if len(sys.argv) == 5 and sys.argv[4] == "--rendered":
+        renew_rendered(*sys.argv[1:4])
+    elif len(sys.argv) == 4:
+        main(*sys.argv[1:])
+    else:
         sys.exit(__doc__)
-    main(*sys.argv[1:])
