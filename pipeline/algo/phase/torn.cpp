@@ -66,10 +66,11 @@ struct TornPixels::Surface {
   }
 };
 
-void TornPixels::start(std::span<const CellSpan> spans, const TornConfig& config, int width, int height) {
+void TornPixels::start(std::span<const CellSpan> spans, std::span<const SaturatedPixel> saturated,
+                       const TornConfig& config, int width, int height) {
   config_ = config;
   width_ = width, height_ = height;
-  spans_ = spans;
+  spans_ = spans, saturated_ = saturated;
   pixels_.clear();
   regained_.clear();
 }
@@ -90,14 +91,21 @@ void TornPixels::take_row(int v, std::size_t at, const PixelRow& row, const Clos
   if (v < kBehind || v + kBehind >= height_ || width_ <= 2 * kBehind) return;
   const auto margin = static_cast<std::size_t>(kBehind), last = static_cast<std::size_t>(width_) - margin;
   for (std::size_t u = std::max(begin, margin); u < std::min(end, last); ++u)
-    if (reject[u] == PixelReject::kEdge) take(u, at + u, row);
+    if (reject[u] == PixelReject::kEdge && !was_saturated(at + u)) take(u, at + u, row);
 }
 
-/// Frames as polarity.hpp left them: frame 3 in the residual, its sign in that of the weight, even of weight 0.
+bool TornPixels::was_saturated(std::size_t index) {
+  while (!saturated_.empty() && saturated_.front().index < index) saturated_ = saturated_.subspan(1);
+  return !saturated_.empty() && saturated_.front().index == index;
+}
+
+/// Frames as polarity.hpp left them: frame 3 in the residual, NaN without it, its sign in that of the weight, even of
+/// weight 0.
 void TornPixels::take(std::size_t u, std::size_t index, const PixelRow& row) {
   const RowErrors& e = row.errors;
   const float mean = row.mean[u] - e.black_dn, c = row.cosine[u], b = std::copysign(1.0F, e.weight[u]);
-  const float three = row.sine[u] + 0.5F * std::abs(e.weight[u]) * row.code[u];
+  const float residual = select(row.code[u] == row.code[u], row.code[u], 0);
+  const float three = row.sine[u] + 0.5F * std::abs(e.weight[u]) * residual;
   pixels_.push_back({index,
                      {mean + c, mean - three, mean - c, mean + b * (three - row.code[u])},
                      {e.rate[u], e.rate_change[u], e.light[u], e.light_change[u]},

@@ -18,6 +18,7 @@
 #include "pipeline/algo/phase/frame_solve.hpp"
 #include "pipeline/algo/phase/noise_model.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
+#include "pipeline/algo/phase/saturated.hpp"
 
 namespace enamel::algo {
 
@@ -34,8 +35,10 @@ struct TornConfig {
 /// One burst's; keeps its memory between bursts. Not thread-safe.
 class TornPixels {
  public:
-  /// spans: of all decided pieces, in row order; borrowed until the last row was taken.
-  void start(std::span<const CellSpan> spans, const TornConfig& config, int width, int height);
+  /// spans: of all decided pieces; saturated: solved without a frame, which are not asked; both in row order, borrowed
+  /// until the last row was taken. Size of the maps.
+  void start(std::span<const CellSpan> spans, std::span<const SaturatedPixel> saturated, const TornConfig& config,
+             int width, int height);
 
   /// Every row once, in order, after frame 3 joined; `row` begins at pixel `at` of the maps. closed: of the row; its
   /// `noise` becomes 0 where a pixel is torn, which is rejected (kEdge).
@@ -68,6 +71,7 @@ class TornPixels {
   struct Surface;  ///< what holds so far
   struct Line;     ///< of three of its pixels, on to the pixel asked
 
+  [[nodiscard]] bool was_saturated(std::size_t index);
   void take(std::size_t u, std::size_t index, const PixelRow& row);
   [[nodiscard]] std::optional<Found> find(Pixel& pixel, const Surface& surface) const;
   [[nodiscard]] bool could_be(float mean, const Line& line, const NoiseModel& noise) const;
@@ -78,6 +82,7 @@ class TornPixels {
 
   TornConfig config_;
   std::span<const CellSpan> spans_;  ///< those of rows not taken yet
+  std::span<const SaturatedPixel> saturated_;
   std::vector<Pixel> pixels_;
   std::vector<Found> found_;
   std::vector<std::size_t> regained_;
