@@ -56,9 +56,7 @@ template <bool kSteady>
   return {x.x0 * (of_early * l1), x.x1 * (of_early * l0), x.x2 * (of_late * l3), x.x3 * (of_late * l2)};
 }
 
-/// A, C and S at mid-burst, exactly, by the equations of the frames used, each at its own time:
-///   x0 = A + C cos a0 - S sin a0      x1 = A - S cos a1 - C sin a1
-///   x2 = A - C cos a2 + S sin a2      x3 = A + b (S cos a3 + C sin a3)
+/// A, C and S at mid-burst, exactly, by the equations of the frames used (frame_solve.hpp), each at its own time.
 /// Frames 1 and 3 enter as one, (1 - q)(A - x1) + q b (x3 - A) with q = w/2, so that noise counts as in polarity.hpp.
 [[gnu::always_inline]] inline FourStepPixel solve(const FourFrames& x, float weight, const Turns& t) {
   const float q = 0.5F * std::abs(weight), b = select(weight < 0, -1, 1), of_mean = 0.5F * (1 - q - q * b);

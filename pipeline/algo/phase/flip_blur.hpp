@@ -37,7 +37,7 @@ struct FlipBlur {
   } work;
 };
 
-/// What is asked of a burst that moved besides. torn: started.
+/// For what only bursts that moved are asked. torn: started.
 struct MovedBurst {
   Misfit& misfit;
   TornPixels& torn;
@@ -51,8 +51,8 @@ void fit_flip_blur(const PhaseMaps& maps, const PolarityMaps& polarity, const Bu
 /// Joins frame 3 as near to the flips as `blur` allows, less its rounding, where apply_polarity did not: pixels that
 /// are not rejected. Rewrites sine_dn, phase_rad, sigma_rad and code_dn (the rounding taken off) of `maps` and the
 /// weights. Then brings phase_rad to mid-burst, as correct_phase does: both at once, row by row, while a row is in the
-/// processor's caches. Phases may leave [-pi, pi) a little. Unless `moved` is null, torn pixels
-/// are then sorted out (torn.hpp) and sigma_rad is widened by what the frames still contradict each other by.
+/// processor's caches. Phases may leave [-pi, pi) a little. Unless `moved` is null, torn pixels are then
+/// sorted out (torn.hpp), and sigma_rad is widened by what the frames still contradict each other by.
 void finish_phase(const FlipBlur& blur, const BurstErrors& errors, float black_dn, const NoiseModel& noise,
                   const FlipBlurConfig& config, PhaseMaps& maps, PolarityMaps& polarity, const MovedBurst* moved);
 
