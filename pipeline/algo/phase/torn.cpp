@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -14,7 +15,8 @@ constexpr int kBehind = 3;            ///< pixels that a line goes through
 constexpr float kClearOfFlip = 0.4F;  ///< |sin phi|; nearer to a flip blur rounds frame 3
 
 /// To a pixel's neighbours in a picture `width` wide.
-std::array<std::ptrdiff_t, 8> steps_of(int width) {
+using Steps = std::array<std::ptrdiff_t, 8>;
+Steps steps_of(int width) {
   const auto w = static_cast<std::ptrdiff_t>(width);
   return {-w - 1, -w, -w + 1, -1, 1, w - 1, w, w + 1};
 }
@@ -54,15 +56,26 @@ struct TornPixels::Surface {
   const CellSigns& signs;
   const NoiseModel& noise;
 
-  /// Through the pixel `step` from `index` and those behind it, where they hold.
-  [[nodiscard]] std::optional<Line> behind(std::size_t index, std::ptrdiff_t step) const {
+  /// A bit for each step whose next pixel and those behind it hold. Without branches: nobody could predict them.
+  [[nodiscard]] unsigned lines_to(std::size_t index, const Steps& steps) const {
+    static_assert(static_cast<unsigned>(PixelReject::kNone) == 0);
+    const PixelReject* reject = maps.reject.pixels().data() + index;
+    unsigned lines = 0;
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      unsigned left_out = 0;
+      for (int n = 1; n <= kBehind; ++n) left_out |= static_cast<unsigned>(reject[n * steps[k]]);
+      lines |= (left_out == 0 ? 1U : 0U) << k;
+    }
+    return lines;
+  }
+
+  /// Through the pixel `step` from `index` and those behind it.
+  [[nodiscard]] Line behind(std::size_t index, std::ptrdiff_t step) const {
     const auto at = [&](int k) { return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(index) + k * step); };
-    for (int k = 1; k <= kBehind; ++k)
-      if (maps.reject[at(k)] != PixelReject::kNone) return std::nullopt;
     const auto phi = [&](int k) { return maps.phase_rad[at(k)] + kTwoPiF * static_cast<float>(turn[at(k)]); };
     const float near = phi(1), slope = 0.5F * (near - phi(kBehind));
     // 1.5 times the first less half of the third: 2.5 times the variance of one.
-    return Line{near + slope, maps.sigma_rad[at(1)] * root(2.5F), maps.mean_dn[at(1)], maps.modulation_dn[at(1)]};
+    return {near + slope, maps.sigma_rad[at(1)] * root(2.5F), maps.mean_dn[at(1)], maps.modulation_dn[at(1)]};
   }
 };
 
@@ -164,20 +177,19 @@ std::optional<TornPixels::Found> TornPixels::find(Pixel& pixel, const Surface& s
     least = sigmas;
     best = Found{pixel.index, way, line.expected_rad + off};
   };
-  const auto steps = steps_of(width_);
-  for (std::size_t k = 0; k < steps.size(); ++k) {
-    const auto line = (pixel.asked >> k & 1U) == 0 ? surface.behind(pixel.index, steps[k]) : std::nullopt;
-    if (!line) continue;
-    pixel.asked |= 1U << k;
-    if (could_be(0.5F * (x.x0 + x.x2), *line, noise)) {
+  const Steps steps = steps_of(width_);
+  unsigned lines = surface.lines_to(pixel.index, steps) & ~pixel.asked;
+  pixel.asked |= lines;
+  for (; lines != 0; lines &= lines - 1) {
+    const Line line = surface.behind(pixel.index, steps[static_cast<std::size_t>(std::countr_zero(lines))]);
+    if (could_be(0.5F * (x.x0 + x.x2), line, noise)) {
       if (!first) first = first_three(pixel, noise);
-      offer(*first, *line);
+      offer(*first, line);
     }
-    const bool plus = surface.signs.at(static_cast<int>(std::floor(line->expected_rad / kPiF))) > 0;
-    if (plus && could_be(0.5F * (x.x1 + x.x3), *line, noise)) {
-      if (!last) last = last_three(pixel, noise);
-      if (std::abs(last->sine) > kClearOfFlip) offer(*last, *line);
-    }
+    if (!could_be(0.5F * (x.x1 + x.x3), line, noise)) continue;
+    if (!(surface.signs.at(static_cast<int>(std::floor(line.expected_rad / kPiF))) > 0)) continue;
+    if (!last) last = last_three(pixel, noise);
+    if (std::abs(last->sine) > kClearOfFlip) offer(*last, line);
   }
   return best;
 }
