@@ -37,7 +37,7 @@ FourStepPixel less(const FourStepPixel& p, float share, const FourStepPixel& har
   return {p.mean - share * harmonic.mean, p.cosine - share * harmonic.cosine, p.sine - share * harmonic.sine};
 }
 
-/// Sigma of the phase of a vector of length b, from the derivatives of b times the phase by the frames.
+/// Sigma of the phase of a vector of length b, from the derivatives of b^2 times the phase by the frames.
 float sigma_of(const FourFrames& d, const FourFrames& variance, float b) {
   const float sum =
       d.x0 * d.x0 * variance.x0 + d.x1 * d.x1 * variance.x1 + d.x2 * d.x2 * variance.x2 + d.x3 * d.x3 * variance.x3;
@@ -126,24 +126,31 @@ void TornPixels::take(std::size_t u, std::size_t index, const PixelRow& row) {
                      0});
 }
 
-TornPixels::Way TornPixels::first_three(const Pixel& pixel, const NoiseModel& noise) {
+/// by_frames: derivatives of b^2 times the phase by the frames, at C and S.
+template <class Solve, class ByFrames>
+TornPixels::Way TornPixels::solved(const Pixel& pixel, const NoiseModel& noise, Solve solve, ByFrames by_frames) {
   const Turns turns = turns_of<false>(pixel.change);
-  const FourStepPixel all = solve_first_three(less_light(pixel.frames, pixel.change), turns);
-  const FourStepPixel p = less(all, pixel.harmonic, solve_first_three(harmonic_of(all, turns), turns));
+  const FourStepPixel all = solve(less_light(pixel.frames, pixel.change), turns);
+  const FourStepPixel p = less(all, pixel.harmonic, solve(harmonic_of(all, turns), turns));
   const float c = p.cosine, s = p.sine, b = root(c * c + s * s);
-  const FourFrames by_frames{0.5F * (c - s), -c, 0.5F * (c + s), 0};
-  return {atan2_poly(s, c), sigma_of(by_frames, variances_of(pixel.frames, noise), b), p.mean + noise.black_dn, b,
+  return {atan2_poly(s, c), sigma_of(by_frames(c, s), variances_of(pixel.frames, noise), b), p.mean + noise.black_dn, b,
           s / (b + 1e-6F)};
 }
 
+TornPixels::Way TornPixels::first_three(const Pixel& pixel, const NoiseModel& noise) {
+  return solved(
+      pixel, noise, [](const FourFrames& x, const Turns& t) { return solve_first_three(x, t); },
+      [](float c, float s) {
+        return FourFrames{0.5F * (c - s), -c, 0.5F * (c + s), 0};
+      });
+}
+
 TornPixels::Way TornPixels::last_three(const Pixel& pixel, const NoiseModel& noise) {
-  const Turns turns = turns_of<false>(pixel.change);
-  const FourStepPixel all = solve_last_three(less_light(pixel.frames, pixel.change), turns);
-  const FourStepPixel p = less(all, pixel.harmonic, solve_last_three(harmonic_of(all, turns), turns));
-  const float c = p.cosine, s = p.sine, b = root(c * c + s * s);
-  const FourFrames by_frames{0, -0.5F * (c + s), s, 0.5F * (c - s)};
-  return {atan2_poly(s, c), sigma_of(by_frames, variances_of(pixel.frames, noise), b), p.mean + noise.black_dn, b,
-          s / (b + 1e-6F)};
+  return solved(
+      pixel, noise, [](const FourFrames& x, const Turns& t) { return solve_last_three(x, t); },
+      [](float c, float s) {
+        return FourFrames{0, -0.5F * (c + s), s, 0.5F * (c - s)};
+      });
 }
 
 /// Whether a way of this mean light could continue the line, before its equations are solved: most cannot.

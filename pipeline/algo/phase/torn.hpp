@@ -77,6 +77,8 @@ class TornPixels {
   [[nodiscard]] bool could_be(float mean, const Line& line, const NoiseModel& noise) const;
   [[nodiscard]] float sigmas_off(const Way& way, float off_rad, const Line& line, const NoiseModel& noise) const;
   void put(PhaseMaps& maps, Map<std::int16_t>& turn);
+  template <class Solve, class ByFrames>
+  [[nodiscard]] static Way solved(const Pixel& pixel, const NoiseModel& noise, Solve solve, ByFrames by_frames);
   [[nodiscard]] static Way first_three(const Pixel& pixel, const NoiseModel& noise);
   [[nodiscard]] static Way last_three(const Pixel& pixel, const NoiseModel& noise);
 
