@@ -39,8 +39,8 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     diag.unrest = odd.unrest;
     fit_flip_blur(b.phase, b.polarity, errors, black, config_.polarity, config_.flips, b.flips);
     diag.flip_blur_rad = b.flips.burst_rad;
-    correct_saturated(b.saturated, errors, black, b.phase, b.scratch);
-    b.torn.start(b.spans, b.saturated, config_.torn, b.phase.reject.width(), b.phase.reject.height());
+    correct_saturated(b.saturated, b.polarity, errors, black, b.phase, b.scratch);
+    b.torn.start(b.spans, b.saturated, config_.torn, config_.phase, b.phase.reject.width(), b.phase.reject.height());
     const MovedBurst moved{b.misfit, b.torn, signs_};
     finish_phase(b.flips, errors, black, diag.noise, config_.flips, b.phase, b.polarity,
                  diag.rigid.moved ? &moved : nullptr);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/algo/phase/closure.hpp"
+#include "pipeline/algo/phase/frame_turns.hpp"
 #include "protocol/base/staggered.hpp"
 
 namespace enamel::algo {
@@ -21,6 +22,8 @@ struct RowErrors {
               *light_change = nullptr;
   float black_dn = 0;
   bool steady = false;  ///< light, rate_change and light_change are 0
+
+  [[nodiscard]] PixelChange change(std::size_t u) const { return {rate[u], rate_change[u], light[u], light_change[u]}; }
 };
 
 /// The errors of a burst, row by row.

@@ -1,5 +1,5 @@
-// The equations of mode T's frames at their own times, solved for one pixel at mid-burst, for loops over rows and for
-// single pixels. With what each frame's phase differs by from mid-burst, a_k (frame_turns.hpp):
+// The equations of mode T's frames at their own times, solved for one pixel at mid-burst, for loops over rows (single
+// pixels: three_frames.hpp). With what each frame's phase differs by from mid-burst, a_k (frame_turns.hpp):
 //   x0 = A + C cos a0 - S sin a0      x1 = A - S cos a1 - C sin a1
 //   x2 = A - C cos a2 + S sin a2      x3 = A + b (S cos a3 + C sin a3)
 // Private to algo/phase.
@@ -27,16 +27,6 @@ struct FourFrames {
   const float inverse = 1 / (even_c * odd_s - even_s * odd_c);
   const float c = (even * odd_s - even_s * odd) * inverse, s = (even_c * odd - even * odd_c) * inverse;
   return {0.5F * (x.x0 + x.x2 - c * (t.a0.cos - t.a2.cos) + s * (t.a0.sin - t.a2.sin)), c, s};
-}
-
-/// Of frames 1 to 3 where b = +1; elsewhere frame 3 repeats frame 1.
-[[nodiscard, gnu::always_inline]] inline FourStepPixel solve_last_three(const FourFrames& x, const Turns& t) {
-  const float odd_c = t.a3.sin + t.a1.sin, odd_s = t.a3.cos + t.a1.cos, odd = x.x3 - x.x1;
-  const float even_c = t.a2.cos + 0.5F * (t.a3.sin - t.a1.sin), even_s = 0.5F * (t.a3.cos - t.a1.cos) - t.a2.sin;
-  const float even = 0.5F * (x.x1 + x.x3) - x.x2;
-  const float inverse = 1 / (even_c * odd_s - even_s * odd_c);
-  const float c = (even * odd_s - even_s * odd) * inverse, s = (even_c * odd - even * odd_c) * inverse;
-  return {x.x2 + c * t.a2.cos - s * t.a2.sin, c, s};
 }
 
 /// What the frames of `p` show of a second harmonic, per B2/B.

@@ -33,8 +33,7 @@ struct MicroRefitConfig {
   float gain_prior = 0.05F;         ///< spread of a block's g about the burst's
   float largest_motion_rad = 0.4F;  ///< estimates are held to this
   float outlier_sigmas = 4;         ///< a code frame further off does not join
-  /// Further off, and the four frames did not see one point of one surface: an edge passed by.
-  float torn_sigmas = 8;
+  float torn_sigmas = kTornSigmas;  ///< ... and further off, an edge passed by
   /// Log likelihood ratio beyond which a strip along an edge is of another order (code_strips.hpp). Noise alone reaches
   /// it with a probability below exp(-12).
   float strip_evidence = 12;

@@ -17,6 +17,8 @@
 namespace enamel::algo {
 
 inline constexpr float kPhaseOfClosure = 0.5F, kPhaseOfCode = 0.7F;  ///< c
+/// Residual over its noise beyond which the four frames did not see one point of one surface: an edge passed by.
+inline constexpr float kTornSigmas = 8;
 inline constexpr float kMostMisfit = 0.6F;  ///< r/B; beyond it the pixel sees an edge or a glint, not motion
 
 /// Of a row's pixels: r^2 over its variance by noise, and that variance over B^2; 0 where a pixel says nothing.

@@ -24,26 +24,6 @@ Steps steps_of(int width) {
 /// To within half a turn.
 float wrapped(float rad) { return rad - kTwoPiF * std::floor(rad / kTwoPiF + 0.5F); }
 
-FourFrames variances_of(const FourFrames& x, const NoiseModel& noise) {
-  const auto at = [&](float above_black) { return noise.variance(above_black + noise.black_dn); };
-  return {at(x.x0), at(x.x1), at(x.x2), at(x.x3)};
-}
-
-FourFrames less_light(const FourFrames& x, const PixelChange& d) {
-  return {x.x0 / d.light(-1.5F), x.x1 / d.light(-0.5F), x.x2 / d.light(0.5F), x.x3 / d.light(1.5F)};
-}
-
-FourStepPixel less(const FourStepPixel& p, float share, const FourStepPixel& harmonic) {
-  return {p.mean - share * harmonic.mean, p.cosine - share * harmonic.cosine, p.sine - share * harmonic.sine};
-}
-
-/// Sigma of the phase of a vector of length b, from the derivatives of b^2 times the phase by the frames.
-float sigma_of(const FourFrames& d, const FourFrames& variance, float b) {
-  const float sum =
-      d.x0 * d.x0 * variance.x0 + d.x1 * d.x1 * variance.x1 + d.x2 * d.x2 * variance.x2 + d.x3 * d.x3 * variance.x3;
-  return root(sum) / (b * b + 1e-6F);
-}
-
 }  // namespace
 
 struct TornPixels::Line {
@@ -80,8 +60,9 @@ struct TornPixels::Surface {
 };
 
 void TornPixels::start(std::span<const CellSpan> spans, std::span<const SaturatedPixel> saturated,
-                       const TornConfig& config, int width, int height) {
+                       const TornConfig& config, const PhaseConfig& gates, int width, int height) {
   config_ = config;
+  max_sigma_rad_ = gates.max_sigma_rad;
   width_ = width, height_ = height;
   spans_ = spans, saturated_ = saturated;
   pixels_.clear();
@@ -121,36 +102,16 @@ void TornPixels::take(std::size_t u, std::size_t index, const PixelRow& row) {
   const float three = row.sine[u] + 0.5F * std::abs(e.weight[u]) * residual;
   pixels_.push_back({index,
                      {mean + c, mean - three, mean - c, mean + b * (three - row.code[u])},
-                     {e.rate[u], e.rate_change[u], e.light[u], e.light_change[u]},
+                     e.change(u),
                      e.harmonic[u],
                      0});
 }
 
-/// by_frames: derivatives of b^2 times the phase by the frames, at C and S.
-template <class Solve, class ByFrames>
-TornPixels::Way TornPixels::solved(const Pixel& pixel, const NoiseModel& noise, Solve solve, ByFrames by_frames) {
-  const Turns turns = turns_of<false>(pixel.change);
-  const FourStepPixel all = solve(less_light(pixel.frames, pixel.change), turns);
-  const FourStepPixel p = less(all, pixel.harmonic, solve(harmonic_of(all, turns), turns));
-  const float c = p.cosine, s = p.sine, b = root(c * c + s * s);
-  return {atan2_poly(s, c), sigma_of(by_frames(c, s), variances_of(pixel.frames, noise), b), p.mean + noise.black_dn, b,
-          s / (b + 1e-6F)};
-}
-
-TornPixels::Way TornPixels::first_three(const Pixel& pixel, const NoiseModel& noise) {
-  return solved(
-      pixel, noise, [](const FourFrames& x, const Turns& t) { return solve_first_three(x, t); },
-      [](float c, float s) {
-        return FourFrames{0.5F * (c - s), -c, 0.5F * (c + s), 0};
-      });
-}
-
-TornPixels::Way TornPixels::last_three(const Pixel& pixel, const NoiseModel& noise) {
-  return solved(
-      pixel, noise, [](const FourFrames& x, const Turns& t) { return solve_last_three(x, t); },
-      [](float c, float s) {
-        return FourFrames{0, -0.5F * (c + s), s, 0.5F * (c - s)};
-      });
+TornPixels::Way TornPixels::way_without(std::size_t missing, const Pixel& pixel, const NoiseModel& noise) {
+  const FourStepPixel p = solve_without(missing, pixel.frames, pixel.change, pixel.harmonic);
+  const float b = root(p.cosine * p.cosine + p.sine * p.sine);
+  return {atan2_poly(p.sine, p.cosine), sigma_without(missing, p, pixel.frames, noise), p.mean + noise.black_dn, b,
+          p.sine / (b + 1e-6F)};
 }
 
 /// Whether a way of this mean light could continue the line, before its equations are solved: most cannot.
@@ -163,7 +124,7 @@ bool TornPixels::could_be(float mean, const Line& line, const NoiseModel& noise)
 float TornPixels::sigmas_off(const Way& way, float off_rad, const Line& line, const NoiseModel& noise) const {
   const float same = config_.same_light, slack = 2 * root(noise.variance(line.mean_dn));  // noise of both
   const float own2 = way.sigma_rad * way.sigma_rad, mixed2 = config_.mixed_rad * config_.mixed_rad;
-  const bool fits = own2 + mixed2 < config_.most_sigma_rad * config_.most_sigma_rad &&
+  const bool fits = own2 + mixed2 < max_sigma_rad_ * max_sigma_rad_ &&
                     std::abs(off_rad) < config_.most_turn_rad &&
                     std::abs(way.mean_dn - line.mean_dn) < same * (line.mean_dn - noise.black_dn) + slack &&
                     std::abs(way.modulation_dn - line.modulation_dn) < 1.5F * same * line.modulation_dn + slack;
@@ -174,7 +135,7 @@ float TornPixels::sigmas_off(const Way& way, float off_rad, const Line& line, co
 /// The way that continues one of the lines towards the pixel best, of those not asked before.
 std::optional<TornPixels::Found> TornPixels::find(Pixel& pixel, const Surface& surface) const {
   const NoiseModel& noise = surface.noise;
-  const FourFrames& x = pixel.frames;
+  const Frames& x = pixel.frames;
   std::optional<Way> first, last;
   std::optional<Found> best;
   float least = std::numeric_limits<float>::infinity();
@@ -189,13 +150,13 @@ std::optional<TornPixels::Found> TornPixels::find(Pixel& pixel, const Surface& s
   pixel.asked |= lines;
   for (; lines != 0; lines &= lines - 1) {
     const Line line = surface.behind(pixel.index, steps[static_cast<std::size_t>(std::countr_zero(lines))]);
-    if (could_be(0.5F * (x.x0 + x.x2), line, noise)) {
-      if (!first) first = first_three(pixel, noise);
+    if (could_be(0.5F * (x[0] + x[2]), line, noise)) {
+      if (!first) first = way_without(3, pixel, noise);
       offer(*first, line);
     }
-    if (!could_be(0.5F * (x.x1 + x.x3), line, noise)) continue;
+    if (!could_be(0.5F * (x[1] + x[3]), line, noise)) continue;
     if (!(surface.signs.at(static_cast<int>(std::floor(line.expected_rad / kPiF))) > 0)) continue;
-    if (!last) last = last_three(pixel, noise);
+    if (!last) last = way_without(0, pixel, noise);
     if (std::abs(last->sine) > kClearOfFlip) offer(*last, line);
   }
   return best;

@@ -1,7 +1,7 @@
 // Pixels of mode T that an edge passed by while the frames of a burst were taken. Frames before and after it show two
 // surfaces, and the closure residual stands out of noise by more than motion and light explain; such pixels are left
 // out. But where the first three frames, or the last three, continue the surface beside the pixel in phase, light and
-// modulation, they saw that surface and are enough (frame_solve.hpp). Pixels that were left out as edges before motion
+// modulation, they saw that surface and are enough (three_frames.hpp). Pixels that were left out as edges before motion
 // and orders were known are asked the same, pixel by pixel away from what holds. Nothing of the neighbours goes into
 // the phase: they choose the frames.
 #pragma once
@@ -15,30 +15,31 @@
 #include "pipeline/algo/phase/cell_signs.hpp"
 #include "pipeline/algo/phase/cell_span.hpp"
 #include "pipeline/algo/phase/closure_rows.hpp"
-#include "pipeline/algo/phase/frame_solve.hpp"
+#include "pipeline/algo/phase/misfit.hpp"
 #include "pipeline/algo/phase/noise_model.hpp"
+#include "pipeline/algo/phase/phase.hpp"
 #include "pipeline/algo/phase/polarity.hpp"
 #include "pipeline/algo/phase/saturated.hpp"
+#include "pipeline/algo/phase/three_frames.hpp"
 
 namespace enamel::algo {
 
 struct TornConfig {
-  float sigmas = 8;              ///< a residual this far off its noise is an edge's, as in mode M
+  float sigmas = kTornSigmas;    ///< of the closure residual
   int reach_px = 3;              ///< from pixels that hold; at 2 px a frame an edge is 3 px off its place at mid-burst
   float continues_sigmas = 3;    ///< a phase may be off the line through the three pixels beside it by
   float most_turn_rad = 0.3F;    ///< ... and no more than this
   float same_light = 0.1F;       ///< A may differ by this share from the pixel beside it, B by half as much again
   float mixed_rad = 0.07F;       ///< joins sigma: so much of another surface's light turns the phase by this, rms
-  float most_sigma_rad = 0.15F;  ///< with it; noisier pixels stay out, as in phase.hpp
 };
 
 /// One burst's; keeps its memory between bursts. Not thread-safe.
 class TornPixels {
  public:
   /// spans: of all decided pieces; saturated: solved without a frame, which are not asked; both in row order, borrowed
-  /// until the last row was taken. Size of the maps.
+  /// until the last row was taken. gates: of pixels in general, which those given back have to pass. Size of the maps.
   void start(std::span<const CellSpan> spans, std::span<const SaturatedPixel> saturated, const TornConfig& config,
-             int width, int height);
+             const PhaseConfig& gates, int width, int height);
 
   /// Every row once, in order, after frame 3 joined; `row` begins at pixel `at` of the maps. closed: of the row; its
   /// `noise` becomes 0 where a pixel is torn, which is rejected (kEdge).
@@ -54,7 +55,7 @@ class TornPixels {
   /// A pixel left out: its frames above black as they were taken, and what motion does to them.
   struct Pixel {
     std::size_t index;
-    FourFrames frames;
+    Frames frames;
     PixelChange change;
     float harmonic;
     unsigned asked;  ///< lines that it did not continue, a bit each
@@ -77,12 +78,10 @@ class TornPixels {
   [[nodiscard]] bool could_be(float mean, const Line& line, const NoiseModel& noise) const;
   [[nodiscard]] float sigmas_off(const Way& way, float off_rad, const Line& line, const NoiseModel& noise) const;
   void put(PhaseMaps& maps, Map<std::int16_t>& turn);
-  template <class Solve, class ByFrames>
-  [[nodiscard]] static Way solved(const Pixel& pixel, const NoiseModel& noise, Solve solve, ByFrames by_frames);
-  [[nodiscard]] static Way first_three(const Pixel& pixel, const NoiseModel& noise);
-  [[nodiscard]] static Way last_three(const Pixel& pixel, const NoiseModel& noise);
+  [[nodiscard]] static Way way_without(std::size_t missing, const Pixel& pixel, const NoiseModel& noise);
 
   TornConfig config_;
+  float max_sigma_rad_ = 0;
   std::span<const CellSpan> spans_;  ///< those of rows not taken yet
   std::span<const SaturatedPixel> saturated_;
   std::vector<Pixel> pixels_;

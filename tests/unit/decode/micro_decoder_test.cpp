@@ -138,18 +138,14 @@ TEST(MicroDecoder, motion_turns_the_code_and_leaves_the_orders_right) {
 /// A plane of uneven brightness that passes by along the fringes, by so many px a frame: its phase stays, its light
 /// does not.
 DecodedBurst painted_plane_passing(double px_per_frame, const BurstDecoder& by) {
-  test::FrameSet frames;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double passed_px = px_per_frame * (static_cast<double>(k) - 1.5);
+  const test::FrameSet frames = test::frames_in_motion([&](double tau) {
     test::SceneOptions o = noisy();
-    o.seed = k + 1;
     o.light = [&](int u, int v) {
-      return 0.75 + 0.12 * std::sin((v + passed_px) / 20.0) + 0.12 * std::sin(u / 25.0 + (v + passed_px) / 40.0);
+      const double at_px = v + tau * px_per_frame;
+      return 0.75 + 0.12 * std::sin(at_px / 20.0) + 0.12 * std::sin(u / 25.0 + at_px / 40.0);
     };
-    const auto at = test::render(wide_rig(), test::flat(48), o);
-    if (k == 0) frames = at.frames;
-    frames.frames[k] = at.frames.frames[k];
-  }
+    return test::render(wide_rig(), test::flat(48), o);
+  });
   return by.decode(frames.view());
 }
 

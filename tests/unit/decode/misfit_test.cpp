@@ -94,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, MisfitOf, testing::Bool(), [](const auto& mode) 
 /// The ball as it moves, and at rest.
 std::pair<DecodedBurst, DecodedBurst> decode_both(const MovingBall& ball) {
   const auto decoder = BurstDecoder::make(ball.rig, {}).value();
-  return {decoder.decode(ball.render(true).frames.view()), decoder.decode(ball.at_rest().render(true).frames.view())};
+  return {decoder.decode(ball.render(true).view()), decoder.decode(ball.at_rest().render(true).view())};
 }
 
 /// Share of the decoded pixels that are off by more than four of the sigmas given.

@@ -63,21 +63,15 @@ struct MovingBall {
     const double facing = std::max(0.0, p.normalized().dot(to_light));
     return albedo * std::pow(45.0, 2) * facing / std::pow(to_light.norm(), 3);
   }
-  /// Frame k as it is at its own time.
-  [[nodiscard]] SyntheticBurst render(bool noise) const {
-    SyntheticBurst out;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const double tau = static_cast<double>(k) - 1.5;
+  [[nodiscard]] FrameSet render(bool noise) const {
+    return frames_in_motion([&](double tau) {
       SceneOptions o;
       o.noise = noise;
       o.harmonic = harmonic;
       o.light = [&](int u, int v) { return light(u, v, tau); };
-      auto at = test::render(
+      return test::render(
           rig, [&](int u, int v) { return std::max(40.0, depth(u, v, tau)); }, o);
-      if (k == 0) out = at;
-      out.frames.frames[k] = at.frames.frames[k];
-    }
-    return out;
+    });
   }
   /// Mean depth error where the normal's x lies between those given, um.
   [[nodiscard]] double error_um(const algo::DecodedBurst& burst, double from, double to) const {

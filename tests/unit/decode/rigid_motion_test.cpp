@@ -16,11 +16,11 @@ namespace {
 using Eigen::Vector3d;
 using test::MovingBall;
 
-DecodedBurst decode(const calib::Rig& rig, const test::SyntheticBurst& burst, int passes, bool dense = true) {
+DecodedBurst decode(const calib::Rig& rig, const test::FrameSet& frames, int passes, bool dense = true) {
   DecodeConfig config;
   config.motion_passes = passes;
   config.rigid.dense = dense;
-  return BurstDecoder::make(rig, config).value().decode(burst.frames.view());
+  return BurstDecoder::make(rig, config).value().decode(frames.view());
 }
 
 class RigidMotionOf : public test::BothModes {};

@@ -9,6 +9,7 @@
 #include <functional>
 #include <numbers>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "calib/model/lens.hpp"
@@ -226,6 +227,19 @@ inline SyntheticBurst render(const calib::Rig& rig, const std::function<double(i
       bytes.push_back(static_cast<std::uint8_t>(level & 255));
       if (o.bits > 8) bytes.push_back(static_cast<std::uint8_t>(level >> 8));
     }
+  }
+  return out;
+}
+
+/// A burst whose frames show the scene at their own times. scene(tau): its burst, were it still as it is tau frame
+/// intervals after mid-burst.
+template <class Scene>
+FrameSet frames_in_motion(const Scene& scene) {
+  FrameSet out;
+  for (std::size_t k = 0; k < 4; ++k) {
+    FrameSet at = scene(static_cast<double>(k) - 1.5).frames;
+    if (k == 0) out = at;
+    out.frames[k] = std::move(at.frames[k]);
   }
   return out;
 }

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
@@ -17,16 +18,16 @@ constexpr FourStepPixel kPixel{90, 31, -44};
 constexpr PixelChange kChange{0.17F, -0.04F, 0, 0};
 
 /// Frames of kPixel at their own times, b = +1.
-FourFrames frames_of(const PixelChange& change) {
-  const auto turned = [&](double t) { return static_cast<double>(change.turned(static_cast<float>(t))); };
-  const double a = static_cast<double>(kPixel.mean), c = static_cast<double>(kPixel.cosine),
-               s = static_cast<double>(kPixel.sine);
-  const auto cosine = [&](double t) { return std::cos(turned(t)); };
-  const auto sine = [&](double t) { return std::sin(turned(t)); };
-  return {static_cast<float>(a + c * cosine(-1.5) - s * sine(-1.5)),
-          static_cast<float>(a - s * cosine(-0.5) - c * sine(-0.5)),
-          static_cast<float>(a - c * cosine(0.5) + s * sine(0.5)),
-          static_cast<float>(a + s * cosine(1.5) + c * sine(1.5))};
+Frames frames_of(const PixelChange& change) {
+  const auto [mean, cosine, sine] = kPixel;
+  Frames out{};
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const double turned = static_cast<double>(change.turned(static_cast<float>(k) - 1.5F));
+    const double phase = turned + static_cast<double>(k) * std::numbers::pi / 2;
+    out[k] = static_cast<float>(static_cast<double>(mean) + static_cast<double>(cosine) * std::cos(phase) -
+                                static_cast<double>(sine) * std::sin(phase));
+  }
+  return out;
 }
 
 void expect_pixel(const FourStepPixel& found) {
@@ -35,23 +36,21 @@ void expect_pixel(const FourStepPixel& found) {
   EXPECT_NEAR(found.sine, kPixel.sine, 1e-3);
 }
 
-TEST(FrameSolve, three_frames_at_their_own_times_give_the_pixel_at_mid_burst) {
-  const FourFrames frames = frames_of(kChange);
-  const Turns turns = turns_of<false>(kChange);
-  expect_pixel(solve_first_three(frames, turns));
-  expect_pixel(solve_last_three(frames, turns));
-  const FourStepPixel without = solve_last_three(frames, turns_of<false>({0, 0, 0, 0}));
-  EXPECT_GT(std::abs(without.cosine - kPixel.cosine), 3) << "negative control: as if nothing had moved";
+TEST(ThreeFrames, any_three_at_their_own_times_give_the_pixel_at_mid_burst) {
+  for (std::size_t missing = 0; missing < 4; ++missing) {
+    Frames frames = frames_of(kChange);
+    frames[missing] = 5;
+    expect_pixel(solve_without(missing, frames, kChange, 0));
+    const FourStepPixel still = solve_without(missing, frames);
+    EXPECT_GT(std::hypot(still.cosine - kPixel.cosine, still.sine - kPixel.sine), 3)
+        << "negative control: as if nothing had moved, without frame " << missing;
+  }
 }
 
-TEST(FrameSolve, each_three_do_without_the_fourth) {
-  FourFrames frames = frames_of(kChange);
-  const Turns turns = turns_of<false>(kChange);
-  frames.x3 = 5;
-  expect_pixel(solve_first_three(frames, turns));
-  frames = frames_of(kChange);
-  frames.x0 = 5;
-  expect_pixel(solve_last_three(frames, turns));
+TEST(ThreeFrames, at_rest_both_ways_agree_and_rows_solve_alike) {
+  const Frames still = frames_of({0, 0, 0, 0}), moved = frames_of(kChange);
+  for (std::size_t missing = 0; missing < 4; ++missing) expect_pixel(solve_without(missing, still));
+  expect_pixel(solve_first_three({moved[0], moved[1], moved[2], 5}, turns_of<false>(kChange)));
 }
 
 /// A plate before a plane, both coming nearer while the plate's right edge passes at `edge_px` a frame interval.
@@ -65,18 +64,13 @@ struct PassingPlate {
   [[nodiscard]] double depth(int u, double tau) const {
     return 46.5 + (u < kEdge + edge_px * tau ? 0 : behind_mm) + kAxial_mm * tau;
   }
-  [[nodiscard]] test::SyntheticBurst render() const {
-    test::SyntheticBurst out;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const double tau = static_cast<double>(k) - 1.5;
-      test::SceneOptions o;
-      o.noise = true;
-      auto at = test::render(
+  [[nodiscard]] test::FrameSet render() const {
+    test::SceneOptions o;
+    o.noise = true;
+    return test::frames_in_motion([&](double tau) {
+      return test::render(
           rig, [&](int u, int) { return depth(u, tau); }, o);
-      if (k == 0) out = at;
-      out.frames.frames[k] = at.frames.frames[k];
-    }
-    return out;
+    });
   }
 };
 
@@ -85,14 +79,15 @@ struct Count {
   std::size_t decoded = 0, wrong = 0;  ///< wrong: another surface than at mid-burst
 };
 
-Count beside_edges(const TornConfig& torn) {
+Count beside_edges(const TornConfig& torn, float max_sigma_rad = PhaseConfig{}.max_sigma_rad) {
   DecodeConfig config;
   config.torn = torn;
+  config.phase.max_sigma_rad = max_sigma_rad;
   Count out;
   for (const double behind_mm : {2.3, 3.0}) {
     for (const double edge_px : {2.0, -2.0, 1.3, -1.3}) {
       const PassingPlate plate{edge_px, behind_mm};
-      const DecodedBurst burst = BurstDecoder::make(plate.rig, config).value().decode(plate.render().frames.view());
+      const DecodedBurst burst = BurstDecoder::make(plate.rig, config).value().decode(plate.render().view());
       EXPECT_TRUE(burst.accepted() && burst.diagnostics.rigid.moved);
       for (int v = 0; v < PassingPlate::kHeight; ++v) {
         for (int u = PassingPlate::kEdge - PassingPlate::kReach_px; u < PassingPlate::kEdge + PassingPlate::kReach_px;
@@ -140,13 +135,18 @@ TEST(PassedEdge, pixels_are_given_back_where_three_frames_saw_one_surface) {
   EXPECT_GT(guessed, 2 * wrong) << "negative control: ways that need not continue anything";
 }
 
+TEST(PassedEdge, nothing_is_given_back_that_the_gate_of_noise_would_reject) {
+  const float below_mixed = 0.9F * TornConfig{}.mixed_rad;
+  EXPECT_EQ(beside_edges({}, below_mixed).decoded, beside_edges(rejecting(), below_mixed).decoded);
+}
+
 /// Given back, a pixel says how far it may be off; away from the edge nothing changes.
 TEST(PassedEdge, sigma_holds_for_what_is_given_back) {
   const PassingPlate plate{2.0, 2.3};
   const auto decode = [&](const TornConfig& torn) {
     DecodeConfig config;
     config.torn = torn;
-    return BurstDecoder::make(plate.rig, config).value().decode(plate.render().frames.view());
+    return BurstDecoder::make(plate.rig, config).value().decode(plate.render().view());
   };
   const DecodedBurst without = decode(rejecting()), with = decode({});
   double regained = 0, beyond = 0;
