@@ -1,7 +1,8 @@
 // Pixels of four-step modes with one saturated phase frame, solved from the other three (three_frames.hpp), frame 3 now
-// among them, as if its polarity b were +1. Where b = -1, frame 3 repeats frame 1. Without frame 1 both would be saturated, so b = +1 is certain. Without frame 0
-// or 2 two pictures are left for three unknowns: S comes out 0 and the phase stays at the crest, 0 or pi, near enough
-// for unwrapping to cross the spot. Such pixels are sorted out again once the cells and their polarity are known.
+// among them, as if its polarity b were +1. Where b = -1, frame 3 repeats frame 1. Without frame 1 both would be
+// saturated, so b = +1 is certain. Without frame 0 or 2 two pictures are left for three unknowns: S comes out 0 and the
+// phase stays at the crest, 0 or pi, near enough for unwrapping to cross the spot. Such pixels are sorted out again
+// once the cells and their polarity are known.
 #pragma once
 
 #include <cstddef>
@@ -34,7 +35,6 @@ void sort_out_saturated(const std::vector<SaturatedPixel>& pixels, const CellSig
 /// phase_rad of each pixel brought to mid-burst by its own three frames, as closure.hpp does for all others. Call
 /// before correct_phase or finish_phase, which take these for others, and put them in place after.
 void correct_saturated(const std::vector<SaturatedPixel>& pixels, const PolarityMaps& polarity,
-                       const BurstErrors& errors, float black_dn, const PhaseMaps& maps,
-                       std::vector<float>& phase_rad);
+                       const BurstErrors& errors, float black_dn, const PhaseMaps& maps, std::vector<float>& phase_rad);
 
 }  // namespace enamel::algo

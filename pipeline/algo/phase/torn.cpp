@@ -100,11 +100,8 @@ void TornPixels::take(std::size_t u, std::size_t index, const PixelRow& row) {
   const float mean = row.mean[u] - e.black_dn, c = row.cosine[u], b = std::copysign(1.0F, e.weight[u]);
   const float residual = select(row.code[u] == row.code[u], row.code[u], 0);
   const float three = row.sine[u] + 0.5F * std::abs(e.weight[u]) * residual;
-  pixels_.push_back({index,
-                     {mean + c, mean - three, mean - c, mean + b * (three - row.code[u])},
-                     e.change(u),
-                     e.harmonic[u],
-                     0});
+  pixels_.push_back(
+      {index, {mean + c, mean - three, mean - c, mean + b * (three - row.code[u])}, e.change(u), e.harmonic[u], 0});
 }
 
 TornPixels::Way TornPixels::way_without(std::size_t missing, const Pixel& pixel, const NoiseModel& noise) {
@@ -124,8 +121,7 @@ bool TornPixels::could_be(float mean, const Line& line, const NoiseModel& noise)
 float TornPixels::sigmas_off(const Way& way, float off_rad, const Line& line, const NoiseModel& noise) const {
   const float same = config_.same_light, slack = 2 * root(noise.variance(line.mean_dn));  // noise of both
   const float own2 = way.sigma_rad * way.sigma_rad, mixed2 = config_.mixed_rad * config_.mixed_rad;
-  const bool fits = own2 + mixed2 < max_sigma_rad_ * max_sigma_rad_ &&
-                    std::abs(off_rad) < config_.most_turn_rad &&
+  const bool fits = own2 + mixed2 < max_sigma_rad_ * max_sigma_rad_ && std::abs(off_rad) < config_.most_turn_rad &&
                     std::abs(way.mean_dn - line.mean_dn) < same * (line.mean_dn - noise.black_dn) + slack &&
                     std::abs(way.modulation_dn - line.modulation_dn) < 1.5F * same * line.modulation_dn + slack;
   const float sigmas = std::abs(off_rad) / root(own2 + line.sigma_rad * line.sigma_rad);
