@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +41,15 @@ class JsonSection {
   [[nodiscard]] double number(const char* key) {
     const nlohmann::json* v = find(key);
     return v == nullptr ? 0 : as_number(*v, name(key));
+  }
+  [[nodiscard]] double number_within(const char* key, double low, double high) {
+    const double n = number(key);
+    if (has(key) && !(n >= low && n <= high)) {
+      std::ostringstream what;
+      what << "must be from " << low << " to " << high;
+      refuse(key, what.str());
+    }
+    return n;
   }
   [[nodiscard]] double number_or(const char* key, double fallback) { return has(key) ? number(key) : fallback; }
 

@@ -4,12 +4,33 @@
 #include <cmath>
 
 #include "calib/model/json_section.hpp"
+#include "calib/model/lens.hpp"
 
 namespace enamel::calib {
 namespace {
 
 constexpr int kMaxSide_px = 16384;
+constexpr double kMinAmplitude = 0.01, kMaxLevel = 65535;  // of a projector, levels
+constexpr double kMaxPlace_px = 1e5;  // of a principal point: a crop or a shifted lens may have it far outside
+constexpr double kMaxFocal_px = 1e6;
+constexpr double kMaxAspect = 5;          // of a pixel's sides; projectors with diamond pixels have 2
+constexpr double kMaxMagnification = 2;   // by distortion; narrow lenses stay below 1.2
 constexpr double kRigidTolerance = 1e-4;  // six written decimals of a rotation matrix pass, a scaled one does not
+
+/// Whether the distortion can be undone all over the picture, and moves no point beside what a lens does.
+bool is_invertible(const LensValues& lens) {
+  for (const double y : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+      const PlanePoint pixel{x * (lens.width - 1), y * (lens.height - 1)}, ideal = undistort(lens, pixel);
+      const PlanePoint back = project(lens, ideal);
+      if (!(std::hypot(back.x - pixel.x, back.y - pixel.y) < 1e-3)) return false;  // NaN, too
+      const double seen = std::hypot((pixel.x - lens.cx) / lens.fx, (pixel.y - lens.cy) / lens.fy);
+      const double was = std::hypot(ideal.x, ideal.y), slack = 1e-3;
+      if (was > kMaxMagnification * seen + slack || seen > kMaxMagnification * was + slack) return false;
+    }
+  }
+  return true;
+}
 
 LensValues read_lens(JsonSection s, std::vector<std::string>& unknown) {
   LensValues lens;
@@ -17,12 +38,17 @@ LensValues read_lens(JsonSection s, std::vector<std::string>& unknown) {
   lens.height = s.integer("height", 1, kMaxSide_px);
   lens.fx = s.number("fx");
   lens.fy = s.number("fy");
-  lens.cx = s.number("cx");
-  lens.cy = s.number("cy");
+  lens.cx = s.number_within("cx", -kMaxPlace_px, kMaxPlace_px);
+  lens.cy = s.number_within("cy", -kMaxPlace_px, kMaxPlace_px);
   const auto dist = s.numbers("dist", 5);
   for (std::size_t i = 0; i < 5; ++i) lens.dist[i] = dist[i];
   if (!(lens.fx > 0)) s.refuse("fx", "must be positive: this lens is not calibrated");
   if (!(lens.fy > 0)) s.refuse("fy", "must be positive: this lens is not calibrated");
+  if (!(lens.fx <= kMaxFocal_px)) s.refuse("fx", "is no focal length in pixels");
+  if (!(lens.fy <= kMaxAspect * lens.fx && lens.fx <= kMaxAspect * lens.fy))
+    s.refuse("fy", "differs from fx by more than any pixel's shape explains");
+  else if (!is_invertible(lens))
+    s.refuse("dist", "cannot be undone all over the picture: these are no lens's coefficients");
   s.append_unknown(unknown);
   return lens;
 }
@@ -83,24 +109,19 @@ PatternValues read_patterns(JsonSection s, std::vector<std::string>& unknown) {
     p.code_ratio = s.number("code_ratio");
     if (!(p.code_ratio > 1)) s.refuse("code_ratio", "must be above 1");
   }
-  p.mean = s.number_or("mean", p.mean);
-  p.amplitude = s.number_or("amplitude", p.amplitude);
-  if (!(p.amplitude > 0)) s.refuse("amplitude", "must be positive");
+  if (s.has("mean")) p.mean = s.number_within("mean", 0, kMaxLevel);
+  if (s.has("amplitude")) p.amplitude = s.number_within("amplitude", kMinAmplitude, kMaxLevel);
   s.append_unknown(unknown);
   return p;
 }
 
 NoiseValues read_noise(JsonSection s, std::vector<std::string>& unknown) {
   NoiseValues n;
-  n.full_well_e = s.number("full_well_e");
-  n.read_noise_e = s.number("read_noise_e");
+  n.full_well_e = s.number_within("full_well_e", 1, 1e9);
+  n.read_noise_e = s.number_within("read_noise_e", 0, 1e5);
   n.bits = s.integer("bits", 8, 16);
-  n.gain_e_per_dn = s.number("gain_e_per_dn");
-  n.black_dn = s.number("black_dn");
-  if (!(n.full_well_e > 0)) s.refuse("full_well_e", "must be positive");
-  if (!(n.gain_e_per_dn > 0)) s.refuse("gain_e_per_dn", "must be positive");
-  if (!(n.read_noise_e >= 0)) s.refuse("read_noise_e", "must not be negative");
-  if (!(n.black_dn >= 0)) s.refuse("black_dn", "must not be negative");
+  n.gain_e_per_dn = s.number_within("gain_e_per_dn", 1e-4, 1e5);
+  n.black_dn = s.number_within("black_dn", 0, std::ldexp(1.0, n.bits) - 1);
   s.append_unknown(unknown);
   return n;
 }

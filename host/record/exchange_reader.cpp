@@ -30,7 +30,9 @@ int int_at(const nlohmann::json& root, const char* section, const char* key) {
 
 Result<ExpectedImage> expected_image(const std::string& rig_text, const std::string& path) {
   const auto root = nlohmann::json::parse(rig_text, nullptr, false);
-  if (root.is_discarded() || !root.is_object()) return fail(ErrorCode::kRigInvalid, path + ": not a JSON object");
+  if (root.is_discarded())
+    return fail(ErrorCode::kRigInvalid, path + ": not valid JSON (NaN and infinity are no JSON numbers)");
+  if (!root.is_object()) return fail(ErrorCode::kRigInvalid, path + ": not a JSON object");
   return ExpectedImage{int_at(root, "camera", "width"), int_at(root, "camera", "height"),
                        int_at(root, "noise", "bits")};
 }

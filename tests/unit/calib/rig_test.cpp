@@ -98,7 +98,20 @@ INSTANTIATE_TEST_SUITE_P(
                     BadEdit{"\"steps\": 4", "\"steps\": 3", "patterns.steps"},
                     BadEdit{"[40, 56]", "[56, 40]", "depth_range_mm"}, BadEdit{"[40, 56]", "[40]", "depth_range_mm"},
                     BadEdit{"\"gain_e_per_dn\": 39.84", "\"gain_e_per_dn\": 0", "noise.gain_e_per_dn"},
-                    BadEdit{"\"black_dn\": 4}", "\"black_dn\": []}", "noise.black_dn"}));
+                    BadEdit{"\"black_dn\": 4}", "\"black_dn\": []}", "noise.black_dn"},
+                    BadEdit{"\"black_dn\": 4}", "\"black_dn\": 256}", "noise.black_dn"},
+                    BadEdit{"\"gain_e_per_dn\": 39.84", "\"gain_e_per_dn\": 1e9", "noise.gain_e_per_dn"},
+                    BadEdit{"\"fx\": 1707", "\"fx\": 1e9", "camera.fx"},
+                    BadEdit{"\"fx\": 1707", "\"fx\": 170", "camera.fy"},
+                    BadEdit{"-0.0002, 0.0]", "-0.0002, 1e9]", "camera.dist"},
+                    BadEdit{"-0.0002, 0.0]", "-0.0002, -1e308]", "camera.dist"},
+                    BadEdit{"\"cx\": 425.2", "\"cx\": 1e9", "projector.cx"}));
+
+/// The limits are far from any lens: a narrow one whose coefficients are large, and a projector that throws upwards.
+TEST(Rig, unusual_lenses_are_read) {
+  EXPECT_TRUE(parse_rig(rig_text_with("-0.0002, 0.0]", "-0.0002, 500.0]")));
+  EXPECT_TRUE(parse_rig(rig_text_with("\"cx\": 425.2", "\"cx\": -2000")));
+}
 
 const std::string kModeT = "\"mode\": \"T\", \"axis\": \"u\", \"period_px\": 24.0, \"steps\": 4";
 
