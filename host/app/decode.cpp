@@ -3,7 +3,9 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "host/app/calibration.hpp"
 #include "host/app/command.hpp"
@@ -25,6 +27,14 @@ struct Options {
   std::uint64_t burst = 0;
 };
 
+/// Nothing where it was lost or is damaged: it only tells whether a frame was left over from it.
+std::optional<proto::Burst> burst_before(host::BurstStream& stream, std::uint64_t burst) {
+  if (burst == 0) return std::nullopt;
+  auto before = stream.burst_with_id({burst - 1});
+  if (!before || !proto::is_consistent(*before)) return std::nullopt;
+  return std::move(*before);
+}
+
 Result<int> run_decode(const Options& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const LoadedConfig config, load_config(o.run));
@@ -34,6 +44,12 @@ Result<int> run_decode(const Options& o) {
   for (const std::string& key : rig.unknown_keys) log::info("rig", "unknown key '{}' kept and ignored", key);
   ENAMEL_TRY_ASSIGN(const proto::Burst burst, stream->burst_with_id({o.burst}));
   if (!proto::is_consistent(burst)) return fail(ErrorCode::kCaptureCorrupt, "burst " + std::to_string(o.burst));
+  if (burst.width != rig.camera.width || burst.height != rig.camera.height) {
+    return fail(ErrorCode::kRigInvalid,
+                fmt::format("its camera is {} x {} px, the frames of burst {} are {} x {}", rig.camera.width,
+                            rig.camera.height, o.burst, burst.width, burst.height));
+  }
+  const std::optional<proto::Burst> before = burst_before(*stream, o.burst);
   ENAMEL_TRY_ASSIGN(const auto decoder,
                     algo::BurstDecoder::make(calib::rig_at(rig, burst.temp_centi_c / 100.0), config.pipeline.decode));
 
@@ -46,12 +62,8 @@ Result<int> run_decode(const Options& o) {
     last = now;
   };
   algo::DecodedBurst decoded;
-  decoder.decode(stage::view_of(burst), workspace, decoded);
-  if (decoded.verdict == algo::BurstVerdict::kFrameMismatch) {
-    return fail(ErrorCode::kRigInvalid,
-                fmt::format("its camera is {} x {} px, the frames of burst {} are {} x {}", rig.camera.width,
-                            rig.camera.height, o.burst, burst.width, burst.height));
-  }
+  const algo::BurstView was = before ? stage::view_of(*before) : algo::BurstView{};
+  decoder.decode(stage::view_of(burst), workspace, decoded, before ? &was : nullptr);
   ENAMEL_TRY(algo::write_decode_maps(decoded, report, o.run.out));
   std::fputs(algo::decode_json(decoded, report).c_str(), stdout);
   if (decoded.accepted()) return 0;
@@ -60,12 +72,21 @@ Result<int> run_decode(const Options& o) {
   return exit_code(ErrorCode::kQualityGate);
 }
 
+/// CLI11 would take -1 for the largest number and nothing for 0.
+CLI::Validator whole_number() {
+  const auto check = [](const std::string& text) {
+    const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+    return digits ? std::string() : "'" + text + "' is no burst number: a whole number from 0";
+  };
+  return {check, "", "burst number"};
+}
+
 }  // namespace
 
 Run add_decode(CLI::App& app) {
   auto o = std::make_shared<Options>();
   app.add_option("CAPTURE", o->input, "recording or exchange folder")->required();
-  app.add_option("--burst", o->burst, "number of the burst")->required();
+  app.add_option("--burst", o->burst, "number of the burst")->required()->check(whole_number());
   app.add_option("--out", o->run.out, "folder for the maps")->required();
   app.add_option("--rig", o->rig, "another calibration than the recorded one");
   app.add_option("--config", o->run.config_file, "configuration (TOML)");

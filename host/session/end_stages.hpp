@@ -14,8 +14,11 @@
 #include "host/ingest/ingress_gate.hpp"
 #include "host/report/stage_trace.hpp"
 #include "host/session/scan_pipeline.hpp"
+#include "pipeline/algo/decode/burst_gates.hpp"
+#include "pipeline/algo/decode/decoded_burst.hpp"
 #include "pipeline/algo/track/mid_burst.hpp"
 #include "pipeline/graph/stage.hpp"
+#include "pipeline/stages/burst_view.hpp"
 #include "pipeline/stages/items.hpp"
 #include "pipeline/stages/preview_item.hpp"
 #include "protocol/base/clock.hpp"
@@ -34,12 +37,22 @@ class SourceStage final : public graph::Source {
     graph::ItemHead head;
     head.id = next->id;
     head.captured = proto::mid_burst(*next->burst);
-    burst.emit(graph::make_item<proto::Burst>(head, next->burst));
+    if (is_stale(*next->burst))
+      burst.emit_rejected(head, algo::name_of(algo::BurstVerdict::kPatternMismatch).data());
+    else
+      burst.emit(graph::make_item<proto::Burst>(head, next->burst));
+    before_ = next->burst;
     return graph::Pull::kItem;
   }
 
  private:
+  /// Here, where bursts are in order: what decodes them may be replicated.
+  [[nodiscard]] bool is_stale(const proto::Burst& now) const {
+    return before_ != nullptr && algo::has_stale_frame(stage::view_of(now), stage::view_of(*before_));
+  }
+
   IngressGate<Accepted>& gate_;
+  std::shared_ptr<const proto::Burst> before_;
 };
 
 /// Counts every burst that comes out, fused or rejected, and keeps poses and digests.

@@ -2,6 +2,7 @@
 // exit code, nothing half-written.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -73,6 +74,23 @@ TEST(Faults, TruncatedRecordingIsReplayedAsFarAsItGoes) {
   EXPECT_EQ(ran.code, 0) << ran.err;
   EXPECT_NE(ran.err.find("truncated"), std::string::npos) << ran.err;
   EXPECT_TRUE(fs::exists(tmp / "out/mesh.ply"));
+}
+
+TEST(Faults, FrameLeftOverFromTheBurstBeforeCostsThatBurst) {
+  const TempFolder tmp;
+  const std::string folder = small_folder(tmp);
+  std::vector<std::string> frames;
+  for (const auto& entry : fs::directory_iterator(fs::path(folder) / "frames")) frames.push_back(entry.path());
+  std::sort(frames.begin(), frames.end());
+  ASSERT_GE(frames.size(), 8U);
+  const std::string stale = frames[frames.size() - 2], before = frames[frames.size() - 6];
+  fs::copy_file(before, stale, fs::copy_options::overwrite_existing);  // frame 2 of the last burst
+  const Ran ran = replay(folder, tmp / "out");
+  const std::string report = read_file(tmp / "out/report.json").value_or("");
+  EXPECT_NE(report.find("\"pattern_set_mismatch\": 1"), std::string::npos) << ran.err << report;
+  const std::string last = std::to_string(std::stoul(fs::path(stale).filename().string()));
+  const std::vector<std::string> decode{program("enamel"), "decode", folder, "--burst", last, "--out", tmp / "maps"};
+  EXPECT_EQ(run(decode).code, 6);
 }
 
 TEST(Faults, FlippedBitIsCaughtCountedAndPassedOver) {

@@ -62,7 +62,17 @@ Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfi
   return d;
 }
 
-BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const {
+/// Why so few pixels are left that nothing can be decoded.
+BurstVerdict BurstDecoder::too_few_valid(const PhaseMaps& maps) const {
+  const std::size_t saturated = count_of(maps, PixelReject::kSaturated), dark = count_of(maps, PixelReject::kDark),
+                    noisy = count_of(maps, PixelReject::kNoisy);
+  if (count_of(maps, PixelReject::kNone) > saturated + dark + noisy) return BurstVerdict::kTooFewPoints;
+  if (saturated >= config_.min_points || saturated > dark + noisy) return BurstVerdict::kSaturated;
+  return noisy > dark ? BurstVerdict::kNoFringes : BurstVerdict::kTooDark;
+}
+
+BurstVerdict BurstDecoder::run(const BurstView& view, const BurstView* before, DecodeWorkspace& workspace,
+                               DecodedBurst& out) const {
   auto& b = *workspace.buffers_;
   const auto step = [&](const char* name) {
     if (workspace.on_step) workspace.on_step(name);
@@ -71,13 +81,11 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   diag = {};
   solve_phase(view, workspace, out);
   step("phase");
-  if (count_of(b.phase, PixelReject::kNone) < config_.min_points) {
-    const bool bright = count_of(b.phase, PixelReject::kSaturated) >= config_.min_points;
-    const bool lit = count_of(b.phase, PixelReject::kNoisy) > count_of(b.phase, PixelReject::kDark);
-    return bright ? BurstVerdict::kSaturated : (lit ? BurstVerdict::kNoFringes : BurstVerdict::kTooDark);
-  }
+  if (count_of(b.phase, PixelReject::kNone) < config_.min_points) return too_few_valid(b.phase);
+  if ((before != nullptr && has_stale_frame(view, *before)) || has_blank_frame(view, b.phase, diag.noise))
+    return mismatch(b.phase);
   diag.repeated_share = repeated_share(view, b.phase, diag.noise);
-  if (diag.repeated_share > config_.max_repeated_share) return BurstVerdict::kPatternMismatch;
+  if (diag.repeated_share > config_.max_repeated_share) return mismatch(b.phase);
   const bool fringes = looks_like_fringes(workspace, diag);
   step("links");
   if (!fringes) return mismatch_or_too_fast(b, diag);
@@ -91,8 +99,11 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
     return placed;
   }
   const Map<std::int16_t>& turn = refine(workspace, out);
-  const bool odd =
-      diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest;
+  const auto is_odd = [&](double shift_rad, double over_unrest) {
+    return diag.odd_shift_rad > shift_rad && diag.odd_shift_rad > over_unrest * diag.unrest;
+  };
+  const bool odd = is_odd(config_.max_odd_shift_rad, config_.max_odd_over_unrest) ||
+                   (!micro_ && is_odd(config_.clear_odd_shift_rad, config_.clear_odd_over_unrest));
   const bool unexplained = micro_ && config_.correct_closure && diag.closure_share < config_.min_closure_share;
   if (odd || unexplained) return BurstVerdict::kPatternMismatch;
   if (std::abs(static_cast<double>(diag.motion_rad)) > config_.max_motion_rad) return BurstVerdict::kTooFast;
@@ -103,12 +114,13 @@ BurstVerdict BurstDecoder::run(const BurstView& view, DecodeWorkspace& workspace
   return out.patch.valid_px < config_.min_points ? BurstVerdict::kTooFewPoints : BurstVerdict::kAccepted;
 }
 
-void BurstDecoder::decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const {
+void BurstDecoder::decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out,
+                          const BurstView* before) const {
   const int w = rays_->width, h = rays_->height;
   auto& b = *workspace.buffers_;
   resize_output(w, h, out);
   const bool fits = view.is_consistent() && view.width == w && view.height == h;
-  out.verdict = fits ? run(view, workspace, out) : BurstVerdict::kFrameMismatch;
+  out.verdict = fits ? run(view, before, workspace, out) : BurstVerdict::kFrameMismatch;
   if (out.accepted()) return;
   const bool hangs_together = out.verdict == BurstVerdict::kNoCode && !coded();  // all that such a pattern can tell
   if (!hangs_together) out.relative.clear();

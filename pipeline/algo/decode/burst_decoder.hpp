@@ -42,8 +42,9 @@ struct DecodeConfig {
   bool correct_ripple = true;
   /// Used when the rig states none. A depth range is never assumed.
   std::optional<calib::DepthRange> depth_range_mm;
-  std::size_t min_points = 1000;   ///< fewer cannot be registered
-  double min_linked_share = 0.65;  ///< see burst_gates.hpp
+  std::size_t min_points = 1000;     ///< fewer cannot be registered
+  double max_saturated_share = 0.2;  ///< of lit pixels; beyond it, clipping is what spoils a burst that does not close
+  double min_linked_share = 0.75;    ///< see burst_gates.hpp
   double min_closure_share = 0.65;
   double min_unplaced_closure_share = 0.85;  ///< with less and no order found, the frames are to blame, not the code
   double min_direction_share = 0.65;
@@ -53,6 +54,8 @@ struct DecodeConfig {
   double min_unplaced_direction_share = 0.8;  ///< ... and with less of this
   float max_odd_shift_rad = 0.1F;      ///< of one frame against the others: bends the phase by a quarter of it, and ...
   float max_odd_over_unrest = 1.8F;    ///< ... stands out from what light and texture did during the burst
+  float clear_odd_shift_rad = 0.045F;  ///< ... or, in mode T, by this and ...
+  float clear_odd_over_unrest = 2.5F;  ///< ... more clearly: good bursts stay below 2.2
   float harmless_motion_rad = 0.05F;   ///< mode M: with more a frame, orders are asked again without the motion
   double clear_code_agreement = 0.97;  ///< mode M: with less, without the light that passed by as well
   double max_motion_rad = 0.32;   ///< mean of a burst, a frame: 0.3 (algorithms.md §9) and what it may be measured off
@@ -88,7 +91,9 @@ class BurstDecoder {
   [[nodiscard]] static Result<BurstDecoder> make(const calib::Rig& rig, const DecodeConfig& config = {});
 
   /// `out` keeps its memory. On rejection the maps that were reached are filled, the patch is empty (all NaN).
-  void decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
+  /// before: the burst before this one, if known; a frame left over from it is told at once.
+  void decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out,
+              const BurstView* before = nullptr) const;
 
   /// The same with fresh memory.
   [[nodiscard]] DecodedBurst decode(const BurstView& view) const;
@@ -99,11 +104,13 @@ class BurstDecoder {
 
  private:
   BurstDecoder() = default;
-  BurstVerdict run(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
+  BurstVerdict run(const BurstView& view, const BurstView* before, DecodeWorkspace& workspace, DecodedBurst& out) const;
+  [[nodiscard]] BurstVerdict too_few_valid(const PhaseMaps& maps) const;
   template <class Step>
   void undo_errors(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics, const Step& step) const;
   void solve_phase(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out) const;
   bool looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnostics& diag) const;
+  [[nodiscard]] BurstVerdict mismatch(const PhaseMaps& maps) const;
   BurstVerdict mismatch_or_too_fast(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
   [[nodiscard]] bool coded() const noexcept { return micro_ || signs_.informative; }
   void unwrap(DecodeWorkspace::Buffers& buffers) const;

@@ -45,15 +45,23 @@ bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnost
   return micro_ ? diag.direction_share >= config_.min_direction_share : diag.closure_share >= config_.min_closure_share;
 }
 
-/// Frames that are not those of a surface at rest: too fast a motion, or the wrong frames. Mode M's four values a pixel
-/// are explained by some motion and order whatever they are, so that only its measured motion can tell. Motion leaves
-/// neighbours linked.
+/// Frames that do not go together: wrong ones, or clipped ones.
+BurstVerdict BurstDecoder::mismatch(const PhaseMaps& maps) const {
+  const std::size_t saturated = count_of(maps, PixelReject::kSaturated);
+  const std::size_t lit = maps.reject.size() - count_of(maps, PixelReject::kDark);
+  const bool clipped = static_cast<double>(saturated) > config_.max_saturated_share * static_cast<double>(lit);
+  return clipped ? BurstVerdict::kSaturated : BurstVerdict::kPatternMismatch;
+}
+
+/// Frames that are not those of a surface at rest: too fast a motion, or the wrong frames. Mode M's four
+/// values a pixel are explained by some motion and order whatever they are, so that only its measured motion can tell.
+/// Motion leaves neighbours linked.
 BurstVerdict BurstDecoder::mismatch_or_too_fast(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag) const {
-  if (micro_ || diag.linked_share < config_.min_linked_share) return BurstVerdict::kPatternMismatch;
+  if (micro_ || diag.linked_share < config_.min_linked_share) return mismatch(b.phase);
   const FastMotion motion = explain_by_motion(b.phase);
   const bool fast =
       motion.share >= config_.min_moving_share && std::abs(motion.motion_rad) >= config_.least_fast_motion_rad;
-  if (!fast) return BurstVerdict::kPatternMismatch;
+  if (!fast) return mismatch(b.phase);
   diag.motion_rad = static_cast<float>(motion.motion_rad);
   return BurstVerdict::kTooFast;
 }

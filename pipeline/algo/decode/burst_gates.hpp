@@ -19,6 +19,15 @@ namespace enamel::algo {
 /// either way.
 [[nodiscard]] double repeated_share(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise);
 
+/// Whether some frames of a burst, but not all, are a frame of the burst before it, byte for byte: left over in a
+/// buffer. Noise lets no two exposures be alike. All four are alike where a burst was sent twice, or is drawn without
+/// noise; frames of one level tell nothing. Views consistent; another size is another picture.
+[[nodiscard]] bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept;
+
+/// Whether one frame of the burst shows no picture where the others show one: over the valid pixels its level varies by
+/// no more than its noise.
+[[nodiscard]] bool has_blank_frame(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise);
+
 /// What motion and second harmonic leave of the closure residual, as median over blocks. A frame k of another
 /// time is off by a phase d: of the two columns B sin and B cos of the residual, which motion fills with opposite
 /// signs, it fills but one, B (d/2) (sin + cos) beside an apparent motion. Light and texture that change during the

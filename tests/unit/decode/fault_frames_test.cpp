@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
@@ -72,6 +73,45 @@ TEST_P(FaultFrames, frame_left_over_from_a_burst_a_third_of_a_fringe_away_is_det
   }
 }
 
+/// However little has moved since: the bytes tell.
+TEST_P(FaultFrames, frame_left_over_from_the_burst_before_is_told_by_that_burst) {
+  const test::FrameSet now = burst(0, 1), before = burst(0.02, 2);
+  const BurstView was = before.view();
+  const auto verdict = [&](const test::FrameSet& frames, const BurstView* known) {
+    DecodeWorkspace workspace;
+    DecodedBurst out;
+    decoder().decode(frames.view(), workspace, out, known);
+    return out.verdict;
+  };
+  std::size_t unseen = 0;
+  for (std::size_t stale = 0; stale < 4; ++stale) {
+    test::FrameSet bad = now;
+    bad.frames[stale] = before.frames[stale];
+    EXPECT_EQ(verdict(bad, &was), BurstVerdict::kPatternMismatch) << stale;
+    unseen += verdict(bad, nullptr) == BurstVerdict::kAccepted ? 1U : 0U;
+  }
+  EXPECT_GT(unseen, 0U) << "negative control: a single burst cannot tell so little";
+  EXPECT_EQ(verdict(now, &was), BurstVerdict::kAccepted);
+  EXPECT_EQ(verdict(before, &was), BurstVerdict::kAccepted) << "a burst sent again is whole";
+}
+
+TEST_P(FaultFrames, frame_without_a_picture_is_detected) {
+  const test::FrameSet good = burst(0, 1);
+  for (std::size_t blank = 0; blank < 4; ++blank) {
+    for (const int level : {60, 110, 127, 200}) {
+      test::FrameSet bad = good;
+      bad.frames[blank].assign(bad.frames[blank].size(), static_cast<std::uint8_t>(level));
+      EXPECT_EQ(decoder().decode(bad.view()).verdict, BurstVerdict::kPatternMismatch) << blank << " at " << level;
+    }
+  }
+}
+
+TEST(SmallFrames, of_fewer_pixels_than_a_burst_needs_are_not_called_dark) {
+  const calib::Rig rig = test::cropped_rig(20, 20);
+  const auto scene = test::render(rig, test::flat(48), test::noisy());
+  EXPECT_EQ(BurstDecoder::make(rig).value().decode(scene.frames.view()).verdict, BurstVerdict::kTooFewPoints);
+}
+
 TEST_P(FaultFrames, two_or_more_blinded_frames_are_called_saturated) {
   const test::FrameSet good = burst(0, 1);
   for (unsigned blinded = 0; blinded < 16; ++blinded) {
@@ -90,7 +130,7 @@ TEST_P(FaultFrames, light_that_clips_the_crests_of_the_fringes_leaves_no_wrong_d
   o.modulation_dn = 150;  // crests at 340 of 255: two frames clipped at most pixels
   const auto scene = test::render(rig(), test::flat(48), o);
   const DecodedBurst b = decoder().decode(scene.frames.view());
-  EXPECT_NE(b.verdict, BurstVerdict::kAccepted) << b.patch.valid_px;
+  EXPECT_EQ(b.verdict, BurstVerdict::kSaturated) << name_of(b.verdict) << ' ' << b.patch.valid_px;
   for (std::size_t i = 0; i < b.reject.size(); ++i) {
     int clipped = 0;
     for (const std::size_t k : phase_frames()) clipped += scene.frames.frames[k][i] == 255 ? 1 : 0;
