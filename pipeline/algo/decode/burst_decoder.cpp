@@ -99,11 +99,8 @@ BurstVerdict BurstDecoder::run(const BurstView& view, const BurstView* before, D
     return placed;
   }
   const Map<std::int16_t>& turn = refine(workspace, out);
-  const auto is_odd = [&](double shift_rad, double over_unrest) {
-    return diag.odd_shift_rad > shift_rad && diag.odd_shift_rad > over_unrest * diag.unrest;
-  };
-  const bool odd = is_odd(config_.max_odd_shift_rad, config_.max_odd_over_unrest) ||
-                   (!micro_ && is_odd(config_.clear_odd_shift_rad, config_.clear_odd_over_unrest));
+  const bool odd =
+      diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest;
   const bool unexplained = micro_ && config_.correct_closure && diag.closure_share < config_.min_closure_share;
   if (odd || unexplained) return BurstVerdict::kPatternMismatch;
   if (std::abs(static_cast<double>(diag.motion_rad)) > config_.max_motion_rad) return BurstVerdict::kTooFast;

@@ -54,8 +54,6 @@ struct DecodeConfig {
   double min_unplaced_direction_share = 0.8;  ///< ... and with less of this
   float max_odd_shift_rad = 0.1F;      ///< of one frame against the others: bends the phase by a quarter of it, and ...
   float max_odd_over_unrest = 1.8F;    ///< ... stands out from what light and texture did during the burst
-  float clear_odd_shift_rad = 0.045F;  ///< ... or, in mode T, by this and ...
-  float clear_odd_over_unrest = 2.5F;  ///< ... more clearly: good bursts stay below 2.2
   float harmless_motion_rad = 0.05F;   ///< mode M: with more a frame, orders are asked again without the motion
   double clear_code_agreement = 0.97;  ///< mode M: with less, without the light that passed by as well
   double max_motion_rad = 0.32;   ///< mean of a burst, a frame: 0.3 (algorithms.md §9) and what it may be measured off
