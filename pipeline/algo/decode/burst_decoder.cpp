@@ -102,7 +102,7 @@ BurstVerdict BurstDecoder::run(const BurstView& view, const BurstView* before, D
   const bool odd =
       diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest;
   const bool unexplained = micro_ && config_.correct_closure && diag.closure_share < config_.min_closure_share;
-  if (odd || unexplained) return BurstVerdict::kPatternMismatch;
+  if (odd || unexplained) return mismatch(b.phase);
   if (std::abs(static_cast<double>(diag.motion_rad)) > config_.max_motion_rad) return BurstVerdict::kTooFast;
   take_phase(b.phase, diag.ripple, out.relative);
   make_surface(b.phase, turn, *rays_, diag.ripple, config_.normals, b.scratch, out);

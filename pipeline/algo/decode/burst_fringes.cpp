@@ -48,7 +48,7 @@ bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnost
 /// Frames that do not go together: wrong ones, or clipped ones.
 BurstVerdict BurstDecoder::mismatch(const PhaseMaps& maps) const {
   const std::size_t saturated = count_of(maps, PixelReject::kSaturated);
-  const std::size_t lit = maps.reject.size() - count_of(maps, PixelReject::kDark);
+  const std::size_t lit = maps.reject.size() - count_of(maps, PixelReject::kDark) - count_of(maps, PixelReject::kNoisy);
   const bool clipped = static_cast<double>(saturated) > config_.max_saturated_share * static_cast<double>(lit);
   return clipped ? BurstVerdict::kSaturated : BurstVerdict::kPatternMismatch;
 }
