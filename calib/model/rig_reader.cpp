@@ -45,10 +45,11 @@ LensValues read_lens(JsonSection s, std::vector<std::string>& unknown) {
   if (!(lens.fx > 0)) s.refuse("fx", "must be positive: this lens is not calibrated");
   if (!(lens.fy > 0)) s.refuse("fy", "must be positive: this lens is not calibrated");
   if (!(lens.fx <= kMaxFocal_px)) s.refuse("fx", "is no focal length in pixels");
-  if (!(lens.fy <= kMaxAspect * lens.fx && lens.fx <= kMaxAspect * lens.fy))
+  if (!(lens.fy <= kMaxAspect * lens.fx && lens.fx <= kMaxAspect * lens.fy)) {
     s.refuse("fy", "differs from fx by more than any pixel's shape explains");
-  else if (!is_invertible(lens))
+  } else if (!is_invertible(lens)) {
     s.refuse("dist", "cannot be undone all over the picture: these are no lens's coefficients");
+  }
   s.append_unknown(unknown);
   return lens;
 }

@@ -37,10 +37,11 @@ class SourceStage final : public graph::Source {
     graph::ItemHead head;
     head.id = next->id;
     head.captured = proto::mid_burst(*next->burst);
-    if (is_stale(*next->burst))
+    if (is_stale(*next->burst)) {
       burst.emit_rejected(head, algo::name_of(algo::BurstVerdict::kPatternMismatch).data());
-    else
+    } else {
       burst.emit(graph::make_item<proto::Burst>(head, next->burst));
+    }
     before_ = next->burst;
     return graph::Pull::kItem;
   }
