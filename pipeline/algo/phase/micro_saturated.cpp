@@ -16,7 +16,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kTwoPi = 2 * std::numbers::pi, kHalfRoot3 = 0.86602540378443865;
-constexpr std::array<double, 4> kTimes = {-1.5, -0.5, 0.5, 1.5}, kShifts = {0, 0, kTwoPi / 3, -kTwoPi / 3};
+constexpr std::array<float, 4> kTimes = {-1.5F, -0.5F, 0.5F, 1.5F};
+constexpr std::array<double, 4> kShifts = {0, 0, kTwoPi / 3, -kTwoPi / 3};
 constexpr float kLargestBend_rad = 1.0F;  ///< of the step across a run against the carrier's
 constexpr double kLargestOff_rad = 0.5;   ///< of a solution against the straight line across the run
 constexpr double kLeastShare = 0.6;       ///< of A and B against those of the neighbours, or the inverse
@@ -39,20 +40,17 @@ struct Unknowns {
   double mean = 0, modulation = 0, phase = 0;  ///< A above black, B, Phi
 };
 
-/// What motion does to a pixel, and the gain of its code frame (MicroMotion).
+/// What motion and light do to a pixel, and the gain of its code frame (MicroMotion).
 struct Seen {
-  float rate_rad = 0, gain = 1, light = 0;
+  PixelChange change;
+  float gain;
 };
 
 /// One pixel's two phase frames and its code frame.
 class Pixel {
  public:
-  Pixel(const MicroSaturatedInput& in, const PhaseMaps& m, const Seen& seen, std::size_t i, double saturated_dn,
-        const Unknowns& near)
-      : in_(in),
-        rate_(static_cast<double>(seen.rate_rad)),
-        gain_(static_cast<double>(seen.gain)),
-        growth_(static_cast<double>(seen.light) * near.modulation / std::max(near.mean, 1.0)) {
+  Pixel(const MicroSaturatedInput& in, const PhaseMaps& m, const Seen& seen, std::size_t i, double saturated_dn)
+      : in_(in), change_(seen.change), gain_(static_cast<double>(seen.gain)) {
     const auto a = static_cast<double>(m.mean_dn[i]), c = static_cast<double>(m.cosine_dn[i]);
     const auto s = static_cast<double>(m.sine_dn[i]);
     const std::array<double, 4> dn = {a + c, a + static_cast<double>(m.code_dn[i]), a - 0.5 * c - kHalfRoot3 * s,
@@ -103,7 +101,9 @@ class Pixel {
     for (std::size_t k = 0; k < 3; ++k) {
       const auto row = static_cast<Eigen::Index>(k);
       const std::size_t frame = frames_[k];
-      const double time = kTimes[frame], light = 1 + growth_ * time, moved = x.phase + rate_ * time;
+      const float time = kTimes[frame];
+      const double light = static_cast<double>(change_.light(time));
+      const double moved = x.phase + static_cast<double>(change_.turned(time));
       const bool code = frame == 1;
       const Wave w = wave(code ? r * moved : moved + kShifts[frame], h);
       const double share = code ? gain_ : 1, turning = code ? r : 1;
@@ -114,7 +114,8 @@ class Pixel {
   }
 
   const MicroSaturatedInput& in_;
-  double rate_, gain_, growth_;
+  PixelChange change_;
+  double gain_;
   std::array<std::size_t, 3> frames_{};
   std::array<double, 3> dn_{};
   std::size_t count_ = 0;
@@ -152,14 +153,13 @@ class Solver {
     const auto v = static_cast<int>(i / width);
     if (v != row_) row_ = v, seen_ = rows_.at(v);
     const std::size_t u = i % width;
-    return {seen_.motion_rad[u], seen_.gain[u], seen_.light[u]};
+    return {{seen_.motion_rad[u], seen_.motion_change_rad[u], seen_.light[u], seen_.light_change[u]}, seen_.gain[u]};
   }
 
   static bool alike(double a, double b) { return a > kLeastShare * b && b > kLeastShare * a; }
 
   void solve_pixel(std::size_t i, const Unknowns& near) {
-    const Pixel pixel(in_, maps_, seen_at(i), i, static_cast<double>(config_.saturation * in_.noise.full_scale_dn),
-                      near);
+    const Pixel pixel(in_, maps_, seen_at(i), i, static_cast<double>(config_.saturation * in_.noise.full_scale_dn));
     Unknowns x = near;
     if (!pixel.usable() || !pixel.solve(x)) return;
     const double sigma = pixel.sigma_rad(x);
