@@ -38,7 +38,8 @@ bool BurstDecoder::looks_like_fringes(DecodeWorkspace& workspace, DecodeDiagnost
       micro_ ? direction_share(b.phase, carrier_) : closure_share(b.phase, diag.noise);
   reject_half_lit(b.phase.modulation_dn, b.phase.reject);
   compute_links(b.phase, carrier_, config_.links, b.links);
-  diag.linked_share = b.links.pairs > 0 ? static_cast<double>(b.links.linked) / static_cast<double>(b.links.pairs) : 0;
+  // A picture one pixel wide has no pairs, and nothing that speaks against it.
+  diag.linked_share = b.links.pairs > 0 ? static_cast<double>(b.links.linked) / static_cast<double>(b.links.pairs) : 1;
   reject_parted(b.saturated, b.links, b.phase.reject);
   reject_edges(b.links, b.phase);
   if (diag.linked_share < config_.min_linked_share) return false;

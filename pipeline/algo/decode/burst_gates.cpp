@@ -69,7 +69,7 @@ bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept {
 }
 
 bool has_blank_frame(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise) {
-  constexpr double kBlankSigmas = 2;
+  constexpr double kBlankSigmas = 2, kPictureSigmas = 6;
   const auto width = static_cast<std::size_t>(view.width);
   FrameRows rows;
   for (auto& row : rows) row.resize(width);
@@ -88,12 +88,14 @@ bool has_blank_frame(const BurstView& view, const PhaseMaps& maps, const NoiseMo
     }
   }
   if (seen < 2) return false;
+  bool blank = false, picture = false;
   for (std::size_t k = 0; k < kFrames; ++k) {
     const double mean = sums[k] / seen, variance = squares[k] / seen - mean * mean;
     const auto by_noise = static_cast<double>(noise.variance(static_cast<float>(mean)));
-    if (variance < kBlankSigmas * kBlankSigmas * by_noise) return true;
+    blank = blank || variance < kBlankSigmas * kBlankSigmas * by_noise;
+    picture = picture || variance > kPictureSigmas * kPictureSigmas * by_noise;
   }
-  return false;
+  return blank && picture;
 }
 
 OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors, float black_dn,

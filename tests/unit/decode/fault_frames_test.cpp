@@ -112,6 +112,18 @@ TEST(SmallFrames, of_fewer_pixels_than_a_burst_needs_are_not_called_dark) {
   EXPECT_EQ(BurstDecoder::make(rig).value().decode(scene.frames.view()).verdict, BurstVerdict::kTooFewPoints);
 }
 
+/// All of a column lies at one phase: no frame of it shows fringes, and none is blank for that.
+TEST(SmallFrames, one_pixel_wide_are_not_called_wrong_frames) {
+  const calib::Rig rig = test::cropped_rig(1, 480);
+  DecodeConfig config;
+  config.min_points = 100;
+  const auto scene = test::render(rig, test::flat(48), test::noisy());
+  const DecodedBurst b = BurstDecoder::make(rig, config).value().decode(scene.frames.view());
+  EXPECT_EQ(b.verdict, BurstVerdict::kNoCode)
+      << name_of(b.verdict) << " repeated " << b.diagnostics.repeated_share << " linked " << b.diagnostics.linked_share
+      << " closure " << b.diagnostics.closure_share;
+}
+
 TEST_P(FaultFrames, two_or_more_blinded_frames_are_called_saturated) {
   const test::FrameSet good = burst(0, 1);
   for (unsigned blinded = 0; blinded < 16; ++blinded) {
