@@ -12,12 +12,6 @@ namespace {
 
 constexpr float kRangeSlack = 0.25F;  ///< fringes: the bounds are taken at a piece's middle, its ends reach that far
 
-/// Rounded down, as std::floor is, without its call.
-std::int32_t floor_of(float x) {
-  const auto whole = static_cast<std::int32_t>(x);
-  return whole - static_cast<std::int32_t>(static_cast<float>(whole) > x);
-}
-
 void measure_bounds(const Map<float>& phi, const PhaseBounds& bounds, std::size_t at, Piece& p) {
   const std::size_t i = at + static_cast<std::size_t>((p.begin + p.end) / 2);
   // The row below has much the same pieces: single pixels of a table are what no processor sees coming.
@@ -112,7 +106,7 @@ void split_row(const PhaseMaps& phase, const FloodMaps& flood, int v, std::size_
     const Gap within{0, stepped ? rise : std::int8_t{0}, false};
     const Gap gap = follows ? measure_gap(phase, phi, at, pieces.back().end - 1, x, rise) : within;
     pieces.push_back({v, x, static_cast<std::int32_t>(end), flood.component[i], cell, -1, -1, 0, -1, joined,
-                      marks[u] == kAfterKink, gap});
+                      marks[u] == kAfterKink, gap, phi[i], phi[at + end - 1]});
   }
 }
 

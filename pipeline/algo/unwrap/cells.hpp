@@ -28,6 +28,7 @@ struct Piece {
   bool joined = false;              ///< continues the run of the piece before it in the list ...
   bool kink = false;  ///< ... but across a step: that step plus a jump of 2 pi would look the same; or a cut
   Gap gap;            ///< before this piece; of its run's first and of those across a step
+  float first_rad = 0, last_rad = 0;  ///< the flood's Phi at pixels begin and end-1
 };
 
 /// The part of a piece whose code is trusted, less trim_px at a run's ends, where blur and motion mix frames of two

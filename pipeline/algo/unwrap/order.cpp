@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "pipeline/algo/unwrap/lit_columns.hpp"
 #include "pipeline/algo/unwrap/order_rows.hpp"
 #include "pipeline/algo/unwrap/piece_sets.hpp"
 
@@ -18,6 +19,7 @@ class Solver {
 
   void run(std::int32_t components) {
     label_rows(pieces_, components, evidence_, config_, out_);
+    choose_by_columns(pieces_, evidence_.cells(), config_, out_);
     find_open();
     inherit(kBroad_px, std::numeric_limits<std::int32_t>::max());
     inherit(1, config_.min_region_px);

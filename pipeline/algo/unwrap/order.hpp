@@ -14,6 +14,12 @@
 
 namespace enamel::algo {
 
+/// A part of a row's columns and who is lit by it.
+struct LitColumn {
+  Cost most = 0, next = 0;  ///< how sure the surest piece is, and the surest of all others
+  std::int32_t piece = -1;  ///< the surest; -1: none
+};
+
 /// All costs are negative log probabilities.
 struct OrderConfig {
   float outlier_cost = 4.6F;      ///< 1 % of the pieces lie (edges, glints): their code may be anything
@@ -22,6 +28,8 @@ struct OrderConfig {
   float shade_jump_cost = 2.3F;   ///< at a step of the modulation: texture, or a surface at another depth; one in ten
   float fold_cost = 2.3F;         ///< projector columns come in the other order beyond a gap: only behind thin things
   float missed_contact_cost = 3.0F;  ///< a dark gap whose ends could lie on one ray of light, and do not
+  float lit_twice_cost = 6.9F;       ///< columns that light another piece of the row: one in a thousand, by blur
+  float least_claim = 2.3F;          ///< a piece that is less sure of its columns keeps them from no other: ten to one
   float decided_margin = 4.6F;       ///< second-best must be this much dearer: 1 % risk
   float beyond_range_cost = 1;  ///< a piece and order: surfaces do run on beyond the range, and must not be folded back
   float row_memory = 0.85F;     ///< weight of the rows before in the running mean: about 7 rows
@@ -46,6 +54,8 @@ struct OrderResult {
 
   struct Work {
     std::vector<OrderCosts> unary, row, right, up, down;
+    std::vector<Cost> margin;  ///< by how much any other shift is dearer; 0 where none is possible
+    std::vector<LitColumn> lit;
     std::vector<std::int32_t> base, parent, size;
     std::vector<std::int32_t> open;  ///< undecided pieces
     /// Two linked pieces, at least one of them undecided, and how many columns they share if their rows differ.
@@ -63,8 +73,8 @@ struct OrderResult {
   } work;
 };
 
-/// Min-sum messages along rows and across their gaps (exact), running means between rows, then continuity. Fixed order,
-/// deterministic. Fills `pieces` and the counts of seams.
+/// Min-sum messages along rows and across their gaps (exact), running means between rows, columns that light one place
+/// only, then continuity. Fixed order, deterministic. Fills `pieces` and the counts of seams.
 void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
                  const OrderConfig& config, OrderResult& out);
 

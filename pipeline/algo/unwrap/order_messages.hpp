@@ -83,6 +83,37 @@ void pass_gap(const OrderCosts& in, const OrderCosts& own, const GapCosts& gap, 
   rest.store(out);
 }
 
+[[nodiscard, gnu::always_inline]] inline CostPair mean_of(const OrderCosts& a, const OrderCosts& b) noexcept {
+  CostPair mean(a);
+  const CostPair other(b);
+  mean.low = (mean.low + other.low) >> 1;
+  mean.high = (mean.high + other.high) >> 1;
+  return mean;
+}
+
+/// The cheapest state, the lowest of equals, and by how much every other is dearer, at most kImpossible less its cost.
+struct Choice {
+  std::int32_t state;
+  Cost least, margin;
+};
+
+inline constexpr float kImpossibleNats = 60;
+inline constexpr Cost kImpossible = to_cost(kImpossibleNats);
+
+[[nodiscard, gnu::always_inline]] inline Choice cheapest(CostPair costs) noexcept {
+  const CostHalf low_states{0, 1, 2, 3, 4, 5, 6, 7}, high_states{8, 9, 10, 11, 12, 13, 14, 15};
+  const CostHalf none = CostHalf{} + static_cast<Cost>(kOrderStates), impossible = CostHalf{} + kImpossible;
+  const CostHalf first = least_everywhere(costs);
+  CostPair place(costs);
+  place.low = costs.low == first ? low_states : none;
+  place.high = costs.high == first ? high_states : none;
+  const CostHalf best = least_everywhere(place);
+  costs.low = low_states == best ? impossible : costs.low;
+  costs.high = high_states == best ? impossible : costs.high;
+  const CostHalf second = least_everywhere(costs);
+  return {best[0], first[0], static_cast<Cost>(second[0] - first[0])};
+}
+
 /// Running mean of `own`, whose least is 0, and of what came before less its least: own + memory (min(before, most) -
 /// own), to a step. memory in [0, 0.99]. own up to 200 nats, most up to 200.
 [[gnu::always_inline]] inline void blend(const OrderCosts& before, const OrderCosts& own, float memory, Cost most,

@@ -14,8 +14,6 @@ HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
 constexpr std::int32_t kBeyond = 2;  ///< orders beyond the depth range that a surface is followed
-constexpr float kImpossibleNats = 60;
-constexpr Cost kImpossible = to_cost(kImpossibleNats);
 constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
 
 class Rows {
@@ -39,6 +37,7 @@ class Rows {
       if (p.low <= p.high) base = std::min(base, p.low - kBeyond);
     }
     for (auto* v : {&work_.unary, &work_.row, &work_.right, &work_.up, &work_.down}) v->resize(pieces_.size());
+    work_.margin.resize(pieces_.size());
     out_.pieces.assign(pieces_.size(), {});
     // In batches: what was just written one by one cannot be read as a vector without waiting.
     std::array<Asked, kBatch> asked;
@@ -160,24 +159,13 @@ class Rows {
   }
 
   void choose() {
-    const CostHalf low_states{0, 1, 2, 3, 4, 5, 6, 7}, high_states{8, 9, 10, 11, 12, 13, 14, 15};
-    const CostHalf none = CostHalf{} + static_cast<Cost>(kOrderStates), impossible = CostHalf{} + kImpossible;
     const Cost margin = to_cost(config_.decided_margin);
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      const CostPair up(work_.up[i]), down(work_.down[i]);
-      CostPair total(up);
-      total.low = (up.low + down.low) >> 1;
-      total.high = (up.high + down.high) >> 1;
-      const CostHalf first = least_everywhere(total);
-      CostPair place(total);
-      place.low = total.low == first ? low_states : none;
-      place.high = total.high == first ? high_states : none;
-      const CostHalf best = least_everywhere(place);  // the lowest of equals
-      total.low = low_states == best ? impossible : total.low;
-      total.high = high_states == best ? impossible : total.high;
-      const CostHalf second = least_everywhere(total);
-      out_.pieces[i].shift = base_shift(work_, pieces_[i]) + best[0];
-      out_.pieces[i].decided = first[0] < kImpossible && second[0] - first[0] >= margin;
+      const Choice choice = cheapest(mean_of(work_.up[i], work_.down[i]));
+      const bool possible = choice.least < kImpossible;
+      out_.pieces[i].shift = base_shift(work_, pieces_[i]) + choice.state;
+      out_.pieces[i].decided = possible && choice.margin >= margin;
+      work_.margin[i] = possible ? choice.margin : Cost{0};
     }
   }
 

@@ -9,8 +9,8 @@
 
 namespace enamel::algo {
 
-/// Fills `shift` and `decided` of all pieces from what they, their rows and the rows around them say; work.row is left
-/// holding what each piece's own row says.
+/// Fills `shift` and `decided` of all pieces from what they, their rows and the rows around them say. Left in `work`:
+/// row, what each piece's own row says; up and down, whose mean the choice was made by; margin, how clear it was.
 void label_rows(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
                 const OrderConfig& config, OrderResult& out);
 

@@ -67,6 +67,12 @@ struct BorderColumn {
 void border_row(const float* phi, const float* sigma, const std::uint8_t* south, bool room, std::size_t width,
                 BorderColumn* out);
 
+/// Rounded down, as std::floor is, without its call.
+[[nodiscard]] inline std::int32_t floor_of(float x) noexcept {
+  const auto whole = static_cast<std::int32_t>(x);
+  return whole - static_cast<std::int32_t>(static_cast<float>(whole) > x);
+}
+
 inline constexpr float kLeastStep = 0.1F;  ///< rad; ripple of the three-frame phase
 
 /// Smallest step that is neither noise (4 sigma of six samples' combination) nor ripple of the three-frame phase.
