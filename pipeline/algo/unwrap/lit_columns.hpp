@@ -1,6 +1,7 @@
 // A ray of the projector lights one place: where it meets the first surface. So no two pieces of a row can have the
-// same columns, and what lies behind another piece is dark. Along a row because its pixels see the projector's rows
-// alike. Private to algo/unwrap.
+// same columns, and what lies behind another piece is dark. Said of a row as if it were an epipolar line: where those
+// lean by a few degrees, places are compared that lie a few rows apart, on mostly the same surfaces. Private to
+// algo/unwrap.
 #pragma once
 
 #include <vector>
