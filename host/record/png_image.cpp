@@ -12,6 +12,8 @@ Result<GreyImage> read_grey_png(const std::string& path) {
   ENAMEL_TRY_ASSIGN(std::string bytes, read_file(path));
   const auto invalid = [&](const std::string& what) { return fail(ErrorCode::kImageInvalid, path + ": " + what); };
   if (bytes.compare(0, 4, "\x89PNG") != 0) return invalid(bytes.empty() ? "the file is empty" : "not a PNG file");
+  constexpr std::size_t kDepthAt = 24;  // in IHDR, the first chunk; the decoder widens fewer bits to 8 without a word
+  const int bits = bytes.size() > kDepthAt ? static_cast<unsigned char>(bytes[kDepthAt]) : 0;
   cv::Mat image;
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data());
@@ -21,11 +23,11 @@ Result<GreyImage> read_grey_png(const std::string& path) {
   }
   if (image.empty()) return invalid("damaged PNG file");
   if (image.channels() != 1) return invalid(std::to_string(image.channels()) + " channels, grey has one");
-  if (image.depth() != CV_8U && image.depth() != CV_16U) return invalid("neither 8 nor 16 bit");
+  if (bits != 8 && bits != 16) return invalid(std::to_string(bits) + " bit, neither 8 nor 16");
   GreyImage out;
   out.width = image.cols;
   out.height = image.rows;
-  out.bits = image.depth() == CV_8U ? 8 : 16;
+  out.bits = bits;
   const std::size_t row = static_cast<std::size_t>(image.cols) * image.elemSize();
   out.pixels.resize(row * static_cast<std::size_t>(image.rows));
   for (int y = 0; y < image.rows; ++y) {

@@ -199,6 +199,19 @@ TEST(BadPng, EveryTruncationIsAnErrorAndFlipsNeverCrash) {
   }
 }
 
+TEST(BadPng, OfFewerThanEightBitsIsRefused) {
+  const TempFolder folder;
+  const std::string path = folder / "a.png";
+  const cv::Mat stripes = cv::Mat_<std::uint8_t>(8, 8, 255);
+  ASSERT_TRUE(cv::imwrite(path, stripes, {cv::IMWRITE_PNG_BILEVEL, 1}));
+  const auto image = read_grey_png(path);
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().code, ErrorCode::kImageInvalid);
+  EXPECT_NE(image.error().detail.find("1 bit, neither 8 nor 16"), std::string::npos) << image.error().detail;
+  ASSERT_TRUE(cv::imwrite(path, stripes));  // the control
+  EXPECT_TRUE(read_grey_png(path));
+}
+
 TEST(ExchangePaths, AttachmentsCannotLeaveTheFolder) {
   const TempFolder folder;
   auto out = ExchangeWriter::create(folder / "x", "{}");
