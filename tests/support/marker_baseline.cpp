@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "pipeline/algo/phase/four_step.hpp"
 #include "pipeline/algo/phase/phase.hpp"
 #include "pipeline/algo/triangulate/ray_depth.hpp"
 #include "pipeline/algo/unwrap/flood.hpp"
@@ -23,17 +24,15 @@ int fringe_of(const algo::PhaseMaps& phase, const algo::FloodMaps& flood, std::s
   return flood.turn[i] - (phase.phase_rad[i] < 0 ? 1 : 0);
 }
 
-/// By component and relative fringe.
-std::map<std::pair<std::int32_t, int>, Cue> modulation_cues(const algo::PhaseMaps& phase,
-                                                            const algo::FloodMaps& flood) {
+/// By component and relative fringe. four_dn: the four-frame modulation.
+std::map<std::pair<std::int32_t, int>, Cue> modulation_cues(const algo::PhaseMaps& phase, const algo::FloodMaps& flood,
+                                                            const Map<float>& four_dn) {
   std::map<std::pair<std::int32_t, int>, Cue> cues;
   for (std::size_t i = 0; i < phase.phase_rad.size(); ++i) {
-    const double d = static_cast<double>(phase.code_dn[i]), s3 = static_cast<double>(phase.sine_dn[i]);
-    if (flood.component[i] < 0 || std::isnan(d)) continue;
-    const double c = static_cast<double>(phase.cosine_dn[i]);
-    const double three = std::hypot(c, s3), four = std::hypot(c, 0.5 * (d + s3));
+    if (flood.component[i] < 0 || std::isnan(phase.code_dn[i])) continue;
+    const auto three = static_cast<double>(phase.modulation_dn[i]);
     Cue& cue = cues[{flood.component[i], fringe_of(phase, flood, i)}];
-    cue.difference += four - three;
+    cue.difference += static_cast<double>(four_dn[i]) - three;
     cue.modulation += three;
     ++cue.pixels;
   }
@@ -46,9 +45,10 @@ struct Found {
 };
 
 /// Of each component: the fringe that looks most like the marker, where one does.
-std::map<std::int32_t, Found> find_markers(const algo::PhaseMaps& phase, const algo::FloodMaps& flood) {
+std::map<std::int32_t, Found> find_markers(const algo::PhaseMaps& phase, const algo::FloodMaps& flood,
+                                           const Map<float>& four_dn) {
   std::map<std::int32_t, Found> markers;
-  for (const auto& [where, cue] : modulation_cues(phase, flood)) {
+  for (const auto& [where, cue] : modulation_cues(phase, flood, four_dn)) {
     const double mean = cue.difference / cue.modulation;
     if (cue.pixels < kLeastPixels || !(mean < kHalfCue)) continue;
     const auto known = markers.emplace(where.first, Found{}).first;
@@ -72,7 +72,9 @@ MarkerOrders orders_from_marker(const calib::Rig& rig, const algo::RayDepth& ray
   algo::compute_links(phase, {rays.phase_mid_rad.data(), kSlope_rad, kSlope_rad}, {}, links);
   algo::reject_edges(links, phase);
   algo::flood(phase.phase_rad, links, flooded);
-  const auto markers = find_markers(phase, flooded);
+  Map<float> four_rad, four_dn;
+  algo::four_step(view, four_rad, four_dn);
+  const auto markers = find_markers(phase, flooded, four_dn);
   MarkerOrders out{Map<std::int32_t>(view.width, view.height, -1), phase.phase_rad, static_cast<int>(markers.size())};
   for (std::size_t i = 0; i < out.order.size(); ++i) {
     const auto found = markers.find(flooded.component[i]);

@@ -53,7 +53,7 @@ struct DecodeConfig {
   double max_unplaced_repeated_share = 0.6;   ///< mode M: with more and no order found, the frames are to blame, ...
   double min_unplaced_direction_share = 0.8;  ///< ... and with less of this
   float max_odd_shift_rad = 0.1F;      ///< of one frame against the others: bends the phase by a quarter of it, and ...
-  float max_odd_over_unrest = 1.8F;    ///< ... stands out from what light and texture did during the burst
+  float max_odd_over_unrest = 2.0F;    ///< ... stands out from what light and texture did during the burst
   float harmless_motion_rad = 0.05F;   ///< mode M: with more a frame, orders are asked again without the motion
   double clear_code_agreement = 0.97;  ///< mode M: with less, without the light that passed by as well
   double max_motion_rad = 0.32;   ///< mean of a burst, a frame: 0.3 (algorithms.md §9) and what it may be measured off

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "pipeline/algo/phase/cell_signs.hpp"
+#include "pipeline/algo/phase/four_step.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
@@ -22,6 +23,45 @@ TEST(PolyTrig, arctangent_stays_below_its_error_bound_all_around) {
   }
   EXPECT_LT(worst, 4e-7);
   EXPECT_EQ(atan2_poly(0, 0), 0.0F);
+}
+
+/// Any values, 300 x 3 px: a stretch and a part of one.
+test::FrameSet arbitrary_frames(int bit_depth) {
+  test::FrameSet f{300, 3, {}, bit_depth};
+  std::uint32_t state = 7;
+  for (auto& frame : f.frames) {
+    for (int i = 0; i < 900; ++i) {
+      state = state * 1664525U + 1013904223U;
+      frame.push_back(static_cast<std::uint8_t>(state >> 24U));
+      if (bit_depth > 8) frame.push_back(static_cast<std::uint8_t>((state >> 16U) & 0x0FU));
+    }
+  }
+  return f;
+}
+
+TEST(FourStep, is_the_textbooks_phase_and_modulation) {
+  for (const int bit_depth : {8, 12}) {
+    const test::FrameSet f = arbitrary_frames(bit_depth);
+    const auto value = [&](std::size_t k, std::size_t i) {
+      return bit_depth == 8 ? f.frames[k][i] : f.frames[k][2 * i] + 256 * f.frames[k][2 * i + 1];
+    };
+    Map<float> phase, modulation;
+    four_step(f.view(), phase, modulation);
+    ASSERT_EQ(phase.size(), 900U);
+    for (std::size_t i = 0; i < phase.size(); ++i) {
+      const double s = 0.5 * (value(3, i) - value(1, i)), c = 0.5 * (value(0, i) - value(2, i));
+      EXPECT_NEAR(static_cast<double>(phase[i]), std::atan2(s, c), 1e-6) << bit_depth << " bit, pixel " << i;
+      EXPECT_NEAR(static_cast<double>(modulation[i]), std::hypot(s, c), 1e-6 * std::hypot(s, c));
+    }
+  }
+}
+
+TEST(FourStep, gives_zeros_where_the_frames_are_alike) {
+  const test::FrameSet f{1, 1, {{{90}, {90}, {90}, {90}}}};
+  Map<float> phase, modulation;
+  four_step(f.view(), phase, modulation);
+  EXPECT_EQ(phase[0], 0);
+  EXPECT_EQ(modulation[0], 0);
 }
 
 NoiseModel quiet() { return noise_from_rig(*test::cropped_rig(8, 8).noise, 8); }
