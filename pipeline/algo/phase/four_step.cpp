@@ -15,7 +15,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
-constexpr std::size_t kStretch = 256;  ///< pixels whose differences stay in the first-level cache
+constexpr std::size_t kStretch = 1024;  ///< pixels whose differences stay in the first-level cache
 using Stretch = std::array<float, kStretch>;
 
 template <class Pixel>
@@ -27,11 +27,11 @@ template <class Pixel>
 
 template <class Pixel>
 [[gnu::always_inline]] inline void differ(const std::uint8_t* minuend, const std::uint8_t* subtrahend, std::size_t at,
-                                          std::size_t count, Stretch& half) {
-  float* __restrict out = half.data();
+                                          std::size_t count, Stretch& difference) {
+  float* __restrict out = difference.data();
   for (std::size_t u = 0; u < count; ++u) {
     const int more = value_at<Pixel>(minuend, at + u), less = value_at<Pixel>(subtrahend, at + u);
-    out[u] = 0.5F * static_cast<float>(more - less);
+    out[u] = static_cast<float>(more - less);
   }
 }
 
@@ -47,8 +47,8 @@ template <class Pixel>
     float* __restrict phase = phase_rad + at, * __restrict modulation = modulation_dn + at;
     ENAMEL_INDEPENDENT
     for (std::size_t u = 0; u < count; ++u) {
-      modulation[u] = root(c[u] * c[u] + s[u] * s[u]);
-      phase[u] = atan2_poly(s[u], c[u]);
+      modulation[u] = 0.5F * root(c[u] * c[u] + s[u] * s[u]);
+      phase[u] = atan2_short(s[u], c[u]);
     }
   }
 }

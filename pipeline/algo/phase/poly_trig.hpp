@@ -27,6 +27,14 @@ inline constexpr float kTwoPiF = 6.28318530717959F;
 [[nodiscard]] inline float smaller(float a, float b) noexcept { return a < b ? a : b; }
 [[nodiscard]] inline float larger(float a, float b) noexcept { return a > b ? a : b; }
 
+/// From the angle of the lesser to the larger of |x|, |y|, in [0, pi/4], to that of (x, y). (No `select`: g++ makes a
+/// blend of these, one instruction each where the other's bits take four.)
+[[nodiscard]] inline float unfold_octant(float a, float y, float x) noexcept {
+  a = std::abs(y) > std::abs(x) ? 0.5F * kPiF - a : a;
+  a = x < 0 ? kPiF - a : a;
+  return std::copysign(a, y);
+}
+
 /// atan2(y, x) in [-pi, pi], error <= 4e-7 rad (tested). (0, 0) gives 0. Minimax odd polynomial of degree 15 on [0, 1].
 [[nodiscard]] inline float atan2_poly(float y, float x) noexcept {
   const float ax = std::abs(x), ay = std::abs(y);
@@ -41,10 +49,19 @@ inline constexpr float kTwoPiF = 6.28318530717959F;
   p = p * s + 0.19946564733982086F;
   p = p * s - 0.33329859375953674F;
   p = p * s + 0.9999993443489075F;
-  float a = p * q;
-  a = select(ay > ax, 0.5F * kPiF - a, a);
-  a = select(x < 0, kPiF - a, a);
-  return std::copysign(a, y);
+  return unfold_octant(p * q, y, x);
+}
+
+/// The same by half the polynomial, summed in pairs rather than one term after the other: error <= 2.5e-6 rad (tested),
+/// a thousandth of what the quantisation of 8 bits leaves in a phase.
+[[nodiscard]] inline float atan2_short(float y, float x) noexcept {
+  const float ax = std::abs(x), ay = std::abs(y);
+  const float q = smaller(ax, ay) / larger(larger(ax, ay), 1e-30F);
+  const float s = q * q, s2 = s * s;
+  const float p0 = 0.9999772310256958F - 0.33262282609939575F * s;
+  const float p1 = 0.19354037940502167F - 0.116426482796669F * s;
+  const float p2 = 0.05264735221862793F - 0.01171913556754589F * s;
+  return unfold_octant(((p0 + p1 * s2) + p2 * (s2 * s2)) * q, y, x);
 }
 
 /// sin x for |x| <= pi/2, error <= 2e-7 (tested). Minimax odd polynomial of degree 9.
@@ -73,8 +90,8 @@ inline constexpr float kTwoPiF = 6.28318530717959F;
 
 /// d brought into [-pi, pi]; |d| <= 3 pi.
 [[nodiscard]] inline float wrap_once(float d) noexcept {
-  const float e = select(d > kPiF, d - kTwoPiF, d);
-  return select(e < -kPiF, e + kTwoPiF, e);
+  const float e = d > kPiF ? d - kTwoPiF : d;
+  return e < -kPiF ? e + kTwoPiF : e;
 }
 
 }  // namespace enamel::algo
