@@ -48,7 +48,7 @@ template <class Pixel>
     ENAMEL_INDEPENDENT
     for (std::size_t u = 0; u < count; ++u) {
       modulation[u] = 0.5F * root(c[u] * c[u] + s[u] * s[u]);
-      phase[u] = atan2_short(s[u], c[u]);
+      phase[u] = atan2_pairs(s[u], c[u]);
     }
   }
 }
