@@ -19,6 +19,7 @@ DetailMotion motion_in_floats(const RigidMotion& motion, const RayDepth& rays) {
     m.shift_mm[k] = static_cast<float>(motion.shift_mm[k]);
     m.turn_rad[k] = static_cast<float>(motion.turn_rad[k]);
     m.projector_mm[k] = rays.projector_mm[static_cast<Eigen::Index>(k)];
+    m.projector_axis[k] = rays.projector_axis[static_cast<Eigen::Index>(k)];
   }
   m.about_mm = static_cast<float>(motion.about_mm);
   return m;

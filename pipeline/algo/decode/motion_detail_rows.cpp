@@ -61,11 +61,15 @@ using DetailLanes = std::array<float, kNodeLanes>;
     const float distance2 = l_x * l_x + l_y * l_y + l_z * l_z, m2 = m_x * m_x + m_y * m_y + m_z * m_z;
     const float grazing = -kLeastLitCosine * root(m2 * distance2);
     const float facing = smaller(m_x * l_x + m_y * l_y + m_z * l_z, grazing);
-    const float passing = -(a_x * (u_x - x * u_z) + a_y * (u_y - y * u_z)) / light;
-    const float nearer = 3 * (l_x * u_x + l_y * u_y + l_z * u_z) / distance2;
+    const float falloff = 4 / (1 + x * x + y * y);
+    const float passing =
+        -((a_x / light + falloff * x) * (u_x - x * u_z) + (a_y / light + falloff * y) * (u_y - y * u_z));
+    const float nearer = 7 * (l_x * u_x + l_y * u_y + l_z * u_z) / distance2;
+    const float aside = -4 * (t.projector_axis[0] * u_x + t.projector_axis[1] * u_y + t.projector_axis[2] * u_z) /
+                        (t.projector_axis[0] * l_x + t.projector_axis[1] * l_y + t.projector_axis[2] * l_z);
     const float turning = t.turn_rad[0] * (m_y * l_z - m_z * l_y) + t.turn_rad[1] * (m_z * l_x - m_x * l_z) +
                           t.turn_rad[2] * (m_x * l_y - m_y * l_x);
-    const float change = passing + nearer + (turning - along) / facing;
+    const float change = passing + nearer + aside + (turning - along) / facing;
     const float steepness = std::abs(slope[j]);
     const bool known = (q > 0) & (det > kLeastDet) & (light > 1) & (steepness > 0);
     rate[j] = select(known, -along / slope[j], rate[j]);

@@ -20,7 +20,7 @@ struct DetailRow {
 };
 
 struct DetailMotion {
-  std::array<float, 3> shift_mm, turn_rad, projector_mm;
+  std::array<float, 3> shift_mm, turn_rad, projector_mm, projector_axis;
   float about_mm;  ///< turns are about (0, 0, about_mm)
 };
 

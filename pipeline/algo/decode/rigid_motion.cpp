@@ -34,11 +34,12 @@ struct Shading {
 /// Eigen adds up three floats in another order where registers hold two, as NEON's do.
 float dot(const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.x() * b.x() + a.y() * b.y() + a.z() * b.z(); }
 
-/// Lambert: light goes as n.l / |l|^3, l from the point to the projector. m: along n; to_light: l q.
-Shading shading_of(const Eigen::Vector3f& m, const Eigen::Vector3f& to_light) {
+/// Lambert's law from a lens that darkens by the fourth power of the cosine: light goes as (axis.l)^4 n.l / |l|^7, l
+/// from the point to the projector. m: along n; to_light: l q; axis: the projector's.
+Shading shading_of(const Eigen::Vector3f& m, const Eigen::Vector3f& to_light, const Eigen::Vector3f& axis) {
   const float distance2 = dot(to_light, to_light), grazing = -kMinLitCosine * std::sqrt(dot(m, m) * distance2);
   const float facing = std::min(dot(m, to_light), grazing);  // m points away from camera and projector
-  return {3 / distance2 * to_light - m / facing, m.cross(to_light) / facing};
+  return {7 / distance2 * to_light - 4 / dot(axis, to_light) * axis - m / facing, m.cross(to_light) / facing};
 }
 
 /// One pass over the burst, with the slopes that the errors known so far leave.
@@ -108,20 +109,20 @@ class Pass {
     const Eigen::Vector3f turn(static_cast<float>(theta[3]), static_cast<float>(theta[4]),
                                static_cast<float>(theta[5]));
     const auto pitch = static_cast<std::size_t>(columns_);
-    for (int row = 1; row < rows_ - 1; ++row) {
+    for (int row = 0; row < rows_; ++row) {
       const float* inverse_depth = work_.images.inverse_depth.around(row, 0, 0);
-      for (int column = 1; column < columns_ - 1; ++column) {
+      for (int column = 0; column < columns_; ++column) {
         const std::size_t n = static_cast<std::size_t>(row) * pitch + static_cast<std::size_t>(column);
-        if (!surrounded(n)) continue;
-        const std::size_t i = pixel_of(column, row);
-        const float q = inverse_depth[column], x = rays_.rays.x[i], y = rays_.rays.y[i];
+        const float q = inverse_depth[column];
+        if (work_.quality[n] == kNoSlope || !(q > 0)) continue;
+        const std::size_t i = pixel_of(column, row), width = static_cast<std::size_t>(maps_.phase_rad.width());
+        const float x = rays_.rays.x[i], y = rays_.rays.y[i];
         const Eigen::Vector3f u = q * shift + turn.cross(Eigen::Vector3f(x, y, 1) - q * pivot_mm_);
-        const std::size_t width = static_cast<std::size_t>(maps_.phase_rad.width());
-        const float nodes = 0.5F / static_cast<float>(kNode_px);  // central differences, per pixel
+        const float nodes = 1 / static_cast<float>(kNode_px);  // per pixel
         const float right = nodes * (u.x() - x * u.z()) / (rays_.rays.x[i + 1] - x);
         const float down = nodes * (u.y() - y * u.z()) / (rays_.rays.y[i + width] - y);
         const auto passing = [&](const std::vector<float>& f) {
-          return -right * (f[n + 1] - f[n - 1]) - down * (f[n + pitch] - f[n - pitch]);
+          return -right * step(f, n, 1, column, columns_) - down * step(f, n, pitch, row, rows_);
         };
         field.rate_change_rad[n] = passing(field.rate_rad);
         field.light_change[n] = passing(field.light) + field.light[n] * field.light[n];
@@ -129,12 +130,13 @@ class Pass {
     }
   }
 
-  /// A node with a slope among such nodes.
-  [[nodiscard]] bool surrounded(std::size_t n) const {
-    const auto pitch = static_cast<std::size_t>(columns_);
-    bool all = true;
-    for (const std::size_t k : {n, n - 1, n + 1, n - pitch, n + pitch}) all = all && work_.quality[k] != kNoSlope;
-    return all;
+  /// Change of f from node to node along an axis, node n being the at-th of `count`: central; one-sided where one
+  /// neighbour has no slope.
+  [[nodiscard]] float step(const std::vector<float>& f, std::size_t n, std::size_t pitch, int at, int count) const {
+    const bool before = at > 0 && work_.quality[n - pitch] != kNoSlope;
+    const bool after = at + 1 < count && work_.quality[n + pitch] != kNoSlope;
+    if (before && after) return 0.5F * (f[n + pitch] - f[n - pitch]);
+    return (after ? f[n + pitch] : f[n]) - (before ? f[n - pitch] : f[n]);
   }
 
   void make_nodes() {
@@ -198,8 +200,10 @@ class Pass {
     m.z() = q - m.x() * x - m.y() * y;
     // Rate and light are linear in the point's motion U q, so two vectors say it for all shifts and turns.
     const Eigen::Vector3f of_rate = -m / slope;
-    const Shading shading = shading_of(m, q * rays_.projector_mm - r);
-    const Eigen::Vector3f of_light = Eigen::Vector3f(-a_u, -a_v, a_u * x + a_v * y) / light + shading.of_shift;
+    const Shading shading = shading_of(m, q * rays_.projector_mm - r, rays_.projector_axis);
+    // Of A, what slides by is the surface's: the camera's own falloff, (1 + x^2 + y^2)^-2, stays with the pixel.
+    const float falloff = 4 / (1 + x * x + y * y), l_u = a_u / light + falloff * x, l_v = a_v / light + falloff * y;
+    const Eigen::Vector3f of_light = Eigen::Vector3f(-l_u, -l_v, l_u * x + l_v * y) + shading.of_shift;
     const Eigen::Vector3f arm = r - q * pivot_mm_;  // (W x arm).f = W.(arm x f)
     const Eigen::Vector3f turn_rate = arm.cross(of_rate), turn_light = arm.cross(of_light) + shading.of_turn;
     const std::size_t n =

@@ -89,4 +89,21 @@ bool Sampler::sample(const Vec3d& at, float& distance_mm, Vec3f& gradient) {
   return true;
 }
 
+float Sampler::excess_mm(const Vec3d& at) {
+  Cell cell;
+  if (!locate(at, cell)) return 0;
+  std::array<int, 3> nearest = cell.local;
+  for (std::size_t k = 0; k < 3; ++k) nearest[k] += cell.part[k] > 0.5F ? 1 : 0;
+  float here = 0, sum = 0;
+  if (!voxel(nearest[0], nearest[1], nearest[2], here)) return 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::array<int, 3> before = nearest, after = nearest;
+    --before[k], ++after[k];
+    float low = 0, high = 0;
+    if (!voxel(before[0], before[1], before[2], low) || !voxel(after[0], after[1], after[2], high)) continue;
+    sum += 0.5F * cell.part[k] * (1 - cell.part[k]) * ((low + high) - 2 * here);
+  }
+  return sum;
+}
+
 }  // namespace enamel::algo

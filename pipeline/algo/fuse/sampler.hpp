@@ -16,6 +16,10 @@ class Sampler {
   /// is unobserved.
   bool sample(const Vec3d& at, float& distance_mm, Vec3f& gradient);
 
+  /// By how much (mm) the interpolant lies above a field with the curvature of the voxels around: t (1 - t)/2 times the
+  /// second difference, summed over the axes. Axes along which a neighbour is unobserved add nothing.
+  float excess_mm(const Vec3d& at);
+
  private:
   struct Cell {
     std::array<int, 3> local{};   ///< lower corner within the block, 0 … 7

@@ -106,6 +106,8 @@ Result<RayDepth> RayDepth::bake(const calib::Rig& rig, calib::DepthRange range) 
   out.far_mm = static_cast<float>(range.far_mm);
   out.rays = calib::make_ray_table(rig.camera);
   out.projector_mm = projector_centre(rig);
+  for (std::size_t k = 0; k < 3; ++k)
+    out.projector_axis[static_cast<Eigen::Index>(k)] = static_cast<float>(rig.T_proj_cam[2][k]);
   out.min_phase_rad = static_cast<float>(-0.5 * rad_per_px);
   out.max_phase_rad = static_cast<float>((rig.projector.width - 0.5) * rad_per_px);
   const std::size_t n = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height);

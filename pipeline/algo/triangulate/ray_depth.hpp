@@ -31,6 +31,7 @@ struct RayDepth {
   float near_mm = 0, far_mm = 0;
   calib::RayTable rays;
   Vec3f projector_mm = Vec3f::Zero();     ///< its centre, camera coordinates: where the light comes from
+  Vec3f projector_axis = Vec3f::UnitZ();  ///< where its optical axis points, camera coordinates
   StaggeredVector<float> phase_mid_rad;   ///< Phi at the middle of the range in 1/z
   StaggeredVector<float> c0, c1, c2, c3;  ///< 1/z = c0 + t*(c1 + t*(c2 + t*c3)), t = Phi - phase_mid_rad
   /// Phi at near_mm by the parametric model, clipped to nothing: may lie outside the projector's frame

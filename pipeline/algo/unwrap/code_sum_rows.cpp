@@ -110,10 +110,6 @@ HWY_EXPORT(sums_loop);
 HWY_EXPORT(unwrap_loop);
 HWY_EXPORT(windows_loop);
 
-void CodeSumRow::resize(std::size_t width) {
-  for (auto* v : {&xx, &xy, &yy, &xd, &yd, &dd}) v->resize(width);
-}
-
 void code_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const MicroCode& code, std::size_t row,
                       CodeSumRow& out) {
   const auto width = static_cast<std::size_t>(phase.phase_rad.width());

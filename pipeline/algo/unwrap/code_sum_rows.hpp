@@ -28,10 +28,6 @@ inline constexpr float kStepRidge = 1e-2F;
           s.dd};
 }
 
-[[nodiscard]] inline CodeSums operator+(const CodeSums& a, const CodeSums& b) noexcept {
-  return {a.xx + b.xx, a.xy + b.xy, a.yy + b.yy, a.xd + b.xd, a.yd + b.yd, a.dd + b.dd};
-}
-
 /// cosine and sine of 2 pi k/L for k = -last ... last.
 struct TurnTable {
   std::vector<float> cosine, sine;

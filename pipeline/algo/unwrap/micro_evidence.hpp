@@ -11,41 +11,14 @@
 #include "pipeline/algo/phase/micro_code.hpp"
 #include "pipeline/algo/unwrap/cells.hpp"
 #include "pipeline/algo/unwrap/code_evidence.hpp"
+#include "pipeline/algo/unwrap/code_phasors.hpp"
 #include "pipeline/algo/unwrap/order.hpp"
 
 namespace enamel::algo {
 
-/// Normal equations of z = p + i q over some pixels, each weighted by 1/variance of D: [xx xy; xy yy] (p, q) = (xd, yd)
-/// with x = Re w, y = -Im w. Add those of several pixels for their union.
-struct CodeSums {
-  float xx = 0, xy = 0, yy = 0, xd = 0, yd = 0, dd = 0;
-};
-
-/// What a piece's code says: z, and the inverse of its covariance.
-struct CodePhasor {
-  float p = 0, q = 0;
-  float wpp = 0, wpq = 0, wqq = 0;
-  float most = 0;      ///< cost of a piece whose code lies
-  bool sharp = false;  ///< noise alone leaves z to within the spread that blur and motion give it
-};
-
-/// Of the pixels of a row, one array a sum.
-struct CodeSumRow {
-  std::vector<float> xx, xy, yy, xd, yd, dd;
-
-  void resize(std::size_t width);
-  [[nodiscard]] CodeSums at(std::size_t u) const { return {xx[u], xy[u], yy[u], xd[u], yd[u], dd[u]}; }
-};
-
 /// Sums of each pixel of one row; `out` has the row's width. Pixels without code have zeros.
 void code_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const MicroCode& code, std::size_t row,
                       CodeSumRow& out);
-
-/// The covariance is that of noise and of what blur, motion and harmonics do to z, about independent of the order.
-[[nodiscard]] CodePhasor phasor_of(const CodeSums& sums, float outlier_cost);
-
-/// Negative log probability of the phasor if the piece had this absolute order.
-[[nodiscard]] float cost_of_order(const CodePhasor& z, const MicroCode& code, std::size_t order);
 
 class MicroEvidence final : public CodeEvidence {
  public:
@@ -72,9 +45,9 @@ class MicroEvidence final : public CodeEvidence {
   [[nodiscard]] Turned turned(std::size_t piece, std::int32_t cell) const;
 
   const MicroCode* code_ = nullptr;
-  float mean_turn_rad_ = 0;
-  std::vector<CodePhasor> said_;
-  CodeSumRow row_;
+  Turned mean_{1, 0};  ///< direction of the code's mean angle
+  CodeSumRow row_, pieces_;
+  CodePhasors said_;
 };
 
 }  // namespace enamel::algo

@@ -147,21 +147,24 @@ class Patches {
 
   [[nodiscard]] int best_evidence(int lowest) const {
     const MicroCode code = make_micro_code(rig_.patterns, rig_.projector).value();
-    std::array<CodeSums, 3> sums{};  // by turn within the patch: the decoder's pieces end at a wrap
-    CodeSumRow row;
+    CodeSumRow row, sums;  // sums: by turn within the patch; the decoder's pieces end at a wrap
+    sums.resize(3);
     for (std::size_t i = 0; i < maps_.phase_rad.size(); ++i) {
       const auto n = static_cast<std::size_t>(n_);
       if (i % n == 0) code_sums_of_row(maps_, noise_, code, i / n, row);
-      const CodeSums pixel = row.at(i % n);
-      CodeSums& s = sums[static_cast<std::size_t>(turn_within(i) + 1)];
-      s.xx += pixel.xx, s.xy += pixel.xy, s.yy += pixel.yy, s.xd += pixel.xd, s.yd += pixel.yd;
+      const auto turn = static_cast<std::size_t>(turn_within(i) + 1);
+      sums.put(turn, sums.at(turn) + row.at(i % n));
     }
+    CodePhasors said;
+    find_phasors(sums, 4.6F, said);
     int best = -1;
     float least = 1e9F;
     for (int k = lowest; k < lowest + 5; ++k) {
       float cost = 0;
-      for (std::size_t turn = 0; turn < 3; ++turn)
-        cost += cost_of_order(phasor_of(sums[turn], 4.6F), code, static_cast<std::size_t>(k) + turn - 1);
+      for (std::size_t turn = 0; turn < 3; ++turn) {
+        const std::size_t order = static_cast<std::size_t>(k) + turn - 1;
+        cost += cost_of_turn(said.at(turn), code.cosine[order], code.sine[order]);
+      }
       if (cost < least) least = cost, best = k;
     }
     return best;

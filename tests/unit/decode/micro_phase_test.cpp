@@ -23,6 +23,20 @@ TEST(PolyTrig, sine_and_cosine_stay_below_their_error_bound) {
   EXPECT_LT(worst, 2e-7);
 }
 
+TEST(PolyTrig, logarithm_stays_below_its_error_bound_over_all_magnitudes) {
+  double worst = 0, edge = 0;
+  for (int k = -400'000; k <= 400'000; ++k) {
+    const auto x = static_cast<float>(std::pow(10, k * 1e-4 * 0.9));  // 10^-36 ... 10^36
+    const double truth = std::log(static_cast<double>(x));
+    worst = std::max(worst, std::abs(static_cast<double>(log_poly(x)) - truth) / std::max(1.0, std::abs(truth)));
+  }
+  for (const float x : {0.70710677F, 0.70710683F, 0.99999994F, 1.0F, 1.0000001F, 1.4142135F, 1.4142137F, 2.0F})
+    edge = std::max(edge, std::abs(static_cast<double>(log_poly(x)) - std::log(static_cast<double>(x))));
+  EXPECT_LT(worst, 2e-7);
+  EXPECT_LT(edge, 2e-7);
+  EXPECT_EQ(log_poly(1.0F), 0.0F);
+}
+
 /// A strip of 16-bit frames whose phase runs through `fringes` fringes, with constant noise: nothing but mode M's
 /// pattern, no optics.
 struct Strip {
