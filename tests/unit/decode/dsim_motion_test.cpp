@@ -92,6 +92,7 @@ double left_by_the_decoder(double motion_rad) {
   const calib::Rig rig = test::cropped_rig(320, 192);
   test::SceneOptions o;
   o.motion_rad = motion_rad, o.bits = 16;
+  o.light = test::lens_light(rig, test::flat(48));
   const auto scene = test::render(rig, test::flat(48), o);
   const DecodedBurst burst = BurstDecoder::make(rig).value().decode(scene.frames.view());
   EXPECT_TRUE(burst.accepted());

@@ -48,8 +48,9 @@ struct Decoded {
   }
 };
 
-Decoded decode(const test::SceneOptions& scene, const FlipBlurConfig& flips = {}) {
+Decoded decode(test::SceneOptions scene, const FlipBlurConfig& flips = {}) {
   const calib::Rig rig = test::cropped_rig(kWidth, kHeight);
+  scene.light = test::lens_light(rig, test::flat(47));
   DecodeConfig config;
   config.flips = flips;
   Decoded out{{}, test::render(rig, test::flat(47), scene)};

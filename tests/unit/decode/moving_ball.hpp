@@ -23,6 +23,7 @@ struct MovingBall {
   Eigen::Vector3d centre_mm{1.0, -0.5, 55.5};
   double texture = 0.12;  ///< that sits on it
   double fissure = 0;     ///< darkness of lines along y on it, 1 mm apart and 0.04 mm wide (standard deviation)
+  bool lens = true;       ///< lenses darken towards their border
 
   [[nodiscard]] MovingBall at_rest() const {
     MovingBall out = *this;
@@ -61,7 +62,8 @@ struct MovingBall {
                           (1 - fissure * std::exp(-0.5 * std::pow(from_line / 0.04, 2)));
     const Eigen::Vector3d to_light = projector_mm() - (ray(u, v) * z);
     const double facing = std::max(0.0, p.normalized().dot(to_light));
-    return albedo * std::pow(45.0, 2) * facing / std::pow(to_light.norm(), 3);
+    const double falloff = lens ? lens_falloff(rig, ray(u, v).x(), ray(u, v).y(), z) : 1.0;
+    return albedo * std::pow(45.0, 2) * falloff * facing / std::pow(to_light.norm(), 3);
   }
   [[nodiscard]] FrameSet render(bool noise) const {
     return frames_in_motion([&](double tau) {

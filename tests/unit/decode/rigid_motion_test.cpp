@@ -107,6 +107,24 @@ TEST(RigidMotion, reaches_to_the_border_of_the_image) {
   }
 }
 
+/// Sideways motion of a nearly flat, uniform surface changes no pixel's light: what darkens towards the image's border
+/// is the lenses', and does not slide by. Taken for texture it tilts the surface.
+TEST(RigidMotion, leaves_what_the_lenses_darken_with_the_pixel) {
+  MovingBall wall{test::cropped_rig(640, 480), {0.080, 0, 0}, Vector3d::Zero()};
+  wall.radius_mm = 300, wall.centre_mm = {0, 0, 349};
+  MovingBall even = wall;
+  even.lens = false;
+  const auto tilt_um = [](const MovingBall& scene) {
+    const DecodedBurst found = decode(scene.rig, scene.render(false), 2);
+    EXPECT_TRUE(found.diagnostics.rigid.moved);
+    const int width = scene.rig.camera.width, strip = width / 6;
+    return scene.strip_error_um(found, width - 2 * strip, width - strip) -
+           scene.strip_error_um(found, strip, 2 * strip);
+  };
+  EXPECT_LT(std::abs(tilt_um(wall)), 0.03);
+  EXPECT_GT(std::abs(tilt_um(even)), 0.08) << "negative control: lenses that do not darken";
+}
+
 TEST(RigidMotion, tells_the_projectors_harmonic_from_light_that_slides_by) {
   MovingBall ball{test::cropped_rig(480, 360), {0.040, 0, 0}, Vector3d::Zero(), 0.01};
   ball.texture = 0.3;

@@ -178,6 +178,25 @@ inline calib::Rig micro_rig(int width, int height, double code_ratio = 6) {
   return rig;
 }
 
+/// What both lenses leave of the light of a point at depth z on the ray (x, y, 1): the fourth power of the cosine.
+inline double lens_falloff(const calib::Rig& rig, double x, double y, double z) {
+  std::array<double, 3> p{};  // before the projector
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& row = rig.T_proj_cam[k];
+    p[k] = z * (row[0] * x + row[1] * y + row[2]) + row[3];
+  }
+  const double camera = 1 / (1 + x * x + y * y), projector = p[2] * p[2] / (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+  return camera * camera * projector * projector;
+}
+
+/// SceneOptions::light of a uniform surface behind such lenses.
+inline std::function<double(int, int)> lens_light(const calib::Rig& rig, const std::function<double(int, int)>& depth) {
+  return [rig, depth](int u, int v) {
+    const calib::PlanePoint ray = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)});
+    return lens_falloff(rig, ray.x, ray.y, depth(u, v));
+  };
+}
+
 /// Mean light of the four frames, DN above black, and the truth beside it.
 inline std::array<Map<double>, 4> mean_light(const calib::Rig& rig, const std::function<double(int, int)>& depth,
                                              const SceneOptions& o, SyntheticBurst& truth) {
