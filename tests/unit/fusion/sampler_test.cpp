@@ -21,7 +21,8 @@ BlockGrid ball() {
       for (int z = -kBlocks; z < kBlocks; ++z) {
         Block& block = grid.block(grid.allocate({x, y, z}));
         for (int i = 0; i < kBlockVoxels; ++i) {
-          const Vec3d at(8 * x + i % 8, 8 * y + i / 8 % 8, 8 * z + i / 64);
+          const int dx = i % 8, dy = i / 8 % 8, dz = i / 64;
+          const Vec3d at(8 * x + dx, 8 * y + dy, 8 * z + dz);
           const double d = kVoxel_mm * at.norm() - kRadius_mm;
           const auto k = static_cast<std::size_t>(i);
           block.distance_mm[k] = static_cast<float>(d);
