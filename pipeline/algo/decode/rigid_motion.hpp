@@ -6,10 +6,12 @@
 // with shift V and turn W about the middle P0 of the measuring volume:
 //   dq = -q m.U                      rate of the phase at the pixel  eps = dq / (dq/dPhi)
 //   (dx, dy) = (Ux - x Uz, Uy - y Uz) q      image motion
-//   light: dA = -grad A . image motion + A D     texture passes by; its own light changes
-//   D = (3 l/|l|^2 - n/(n.l)) . U + W . (n x l)/(n.l)     Lambert, lit from the projector: A ~ n.l/|l|^3, l towards it
-// A is above black. The modulation is taken to change as the light does: dB/B = dA/A. A surface of revolution without
-// texture shows no turn about its axis: only what the motion does to phase and light is determined then.
+//   light: dA = -(grad A + 4 A (x, y)/|r|^2) . image motion + A D     texture passes by; its own light changes
+//   D = (7 l/|l|^2 - 4 a/(a.l) - n/(n.l)) . U + W . (n x l)/(n.l)
+// Lambert, lit from the projector (l towards it, a its axis), both lenses darkening by the fourth power of the cosine:
+// A ~ (a.l)^4 n.l/|l|^7 and, of the camera, |r|^-4, which stays with the pixel. A is above black. The modulation is
+// taken to change as the light does: dB/B = dA/A. A surface of revolution without texture shows no turn about its axis:
+// only what the motion does to phase and light is determined then.
 #pragma once
 
 #include <array>
