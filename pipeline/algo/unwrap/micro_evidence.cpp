@@ -4,7 +4,6 @@
 
 #include "pipeline/algo/phase/cell_span.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
-#include "pipeline/algo/unwrap/code_sum_rows.hpp"
 
 namespace enamel::algo {
 namespace {

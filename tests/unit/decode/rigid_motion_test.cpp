@@ -107,8 +107,8 @@ TEST(RigidMotion, reaches_to_the_border_of_the_image) {
   }
 }
 
-/// Sideways motion of a nearly flat, uniform surface changes no pixel's light: what darkens towards the image's border
-/// is the lenses', and does not slide by. Taken for texture it tilts the surface.
+/// What darkens a nearly flat wall towards the image's border is the lenses', and does not slide by with the wall's
+/// texture. Taken for texture it tilts the wall.
 TEST(RigidMotion, leaves_what_the_lenses_darken_with_the_pixel) {
   MovingBall wall{test::cropped_rig(640, 480), {0.080, 0, 0}, Vector3d::Zero()};
   wall.radius_mm = 300, wall.centre_mm = {0, 0, 349};
