@@ -114,7 +114,7 @@ class BurstDecoder {
   void unwrap(DecodeWorkspace::Buffers& buffers) const;
   BurstVerdict place(DecodeWorkspace& workspace, DecodedBurst& out) const;
   void label(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise) const;
-  float label_by_code(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise, const MicroCode& seen) const;
+  float label_by_code(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise) const;
   bool label_less_motion(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
   const Map<std::int16_t>& refine(DecodeWorkspace& workspace, DecodedBurst& out) const;
 

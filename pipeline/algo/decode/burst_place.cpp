@@ -6,6 +6,7 @@
 
 #include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/decode_buffers.hpp"
+#include "pipeline/algo/decode/likely_turns.hpp"
 #include "pipeline/algo/decode/micro_view.hpp"
 #include "pipeline/algo/decode/relative_regions.hpp"
 #include "pipeline/algo/phase/micro_phase.hpp"
@@ -51,6 +52,8 @@ void reject_torn(const std::vector<Piece>& pieces, const OrderResult& orders, Ma
   }
 }
 
+constexpr float kBeyondRange = 0.15F;  ///< of the ends of the depth range: surfaces run on beyond it
+
 double judged_px(const OrderResult& orders) { return orders.agreeing_px + orders.contradicting_px; }
 
 bool unclear(const OrderResult& orders, const DecodeConfig& config) {
@@ -75,12 +78,12 @@ void BurstDecoder::label(DecodeWorkspace::Buffers& b, const NoiseModel& noise) c
   judge_orders(b.pieces.pieces, b.polarity_evidence, b.orders);
 }
 
-/// By a code frame that shows `seen`; returns the mean angle of the code against the orders found.
-float BurstDecoder::label_by_code(DecodeWorkspace::Buffers& b, const NoiseModel& noise, const MicroCode& seen) const {
+/// Returns the mean angle of the code against the orders found.
+float BurstDecoder::label_by_code(DecodeWorkspace::Buffers& b, const NoiseModel& noise) const {
   find_code_steps(b.phase, noise, *micro_, b.flood, config_.order.unseen_jump_cost, b.steps);
   find_pieces(b.phase, b.links, b.flood, {rays_->phase_near_rad.data(), rays_->phase_far_rad.data()}, b.steps.cut,
               b.pieces);
-  b.micro_evidence.measure(b.phase, noise, b.pieces.pieces, seen, config_.order.outlier_cost);
+  b.micro_evidence.measure(b.phase, noise, b.pieces.pieces, *micro_, config_.order.outlier_cost);
   find_orders(b.pieces.pieces, b.flood.components, b.micro_evidence, config_.order, b.orders);
   const float turn = b.micro_evidence.settle(b.pieces.pieces, b.orders);
   judge_orders(b.pieces.pieces, b.micro_evidence, b.orders);
@@ -97,17 +100,19 @@ bool BurstDecoder::label_less_motion(DecodeWorkspace::Buffers& b, DecodeDiagnost
   coarse.row_step *= 2;  // half the rows tell what turns the code by degrees; the phase has a fit of its own
   fit_micro_motion(b.polarity.turn, *micro_, 0, diag.noise, coarse, b.phase, b.micro_motion);
   if (unclear(b.orders, config_) && config_.motion_passes > 0) {
-    MicroView view({b.polarity.turn, *micro_, 0, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual});
-    if (fit_rigid_motion(view, b.phase, b.polarity.turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field)
-            .moved)
+    const Map<float>& image = b.phase.phase_rad;
+    find_likely_turns(b.pieces.pieces, b.orders.pieces, b.flood.components, image.width(), image.height(), b.likely);
+    const Map<std::int16_t>& turn = b.likely.turn;
+    MicroView view({b.polarity.turn, turn, kBeyondRange, *micro_, 0, b.phase, *rays_, b.micro_motion,
+                    config_.rigid.max_residual, false});
+    if (fit_rigid_motion(view, b.phase, turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field).moved)
       b.micro_motion.surface = surface_motion(b.field);
   }
   const bool light = b.micro_motion.surface.light.nodes != nullptr;
   if (!light && std::abs(b.micro_motion.motion_rad) <= config_.harmless_motion_rad) return false;
-  undo_micro_motion(b.micro_motion, b.phase, b.moved);
+  move_to_code_frame(b.micro_motion, b.phase, b.moved);
   swap_measured(b.phase, b.moved);
-  b.turned_code = turned_by(*micro_, code_turn_of(b.micro_motion.motion_rad, *micro_));
-  label_by_code(b, diag.noise, b.turned_code);
+  label_by_code(b, diag.noise);
   swap_measured(b.phase, b.moved);
   return true;
 }
@@ -118,7 +123,7 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodedBurst& out) 
   DecodeDiagnostics& diag = out.diagnostics;
   const auto& pieces = b.pieces.pieces;
   if (micro_) {
-    diag.code_turn_rad = label_by_code(b, diag.noise, *micro_);
+    diag.code_turn_rad = label_by_code(b, diag.noise);
     // More orders show the motion better, which once more brings more of them.
     if (config_.correct_closure && label_less_motion(b, diag) && unclear(b.orders, config_)) label_less_motion(b, diag);
   } else {

@@ -83,7 +83,8 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     fit_micro_motion(turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
     diag.motion_rad = b.micro_motion.motion_rad;
     if (config_.motion_passes > 0 && !stands_still(b.micro_motion, config_.rigid.negligible_rad)) {
-      MicroView view({turn, *micro_, diag.third_rad, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual});
+      MicroView view(
+          {turn, turn, 0, *micro_, diag.third_rad, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual, true});
       diag.rigid =
           fit_rigid_motion(view, b.phase, turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field);
       if (diag.rigid.moved) {

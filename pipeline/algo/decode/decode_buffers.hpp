@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/algo/decode/likely_turns.hpp"
 #include "pipeline/algo/phase/saturated.hpp"
 #include "pipeline/algo/unwrap/cells.hpp"
 #include "pipeline/algo/unwrap/code_steps.hpp"
@@ -32,11 +33,11 @@ struct DecodeWorkspace::Buffers {
   RigidMotionWork rigid;
   MotionField field;
   MicroMotion micro_motion;
-  CodeStrips strips;      ///< of mode M
-  Misfit misfit;          ///< of bursts that moved
-  TornPixels torn;        ///< of those of mode T
-  PhaseMaps moved;        ///< of mode M: `phase` less the motion, for the code's sake; sigma and mask are unused
-  MicroCode turned_code;  ///< as that motion shows it
+  CodeStrips strips;                      ///< of mode M
+  Misfit misfit;                          ///< of bursts that moved
+  TornPixels torn;                        ///< of those of mode T
+  LikelyTurns likely;                     ///< of mode M
+  PhaseMaps moved;                        ///< of mode M: `phase` as its code frame sees it; sigma and mask are unused
   std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame
   std::vector<std::size_t> filled;        ///< the same of mode M
   std::vector<float> scratch;

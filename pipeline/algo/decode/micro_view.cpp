@@ -1,6 +1,7 @@
 #include "pipeline/algo/decode/micro_view.hpp"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -99,14 +100,16 @@ void MicroView::make_images(const MotionField* known, MotionImages& out) {
   for (int v = 0; v < height; v += 2) {
     sparse_mid_burst_row(rows.at(v), columns, out.phase.data(), out.row.data());
     out.light.set_row(v / 2, out.row.data());
-    sparse_inverse_depth_row(in_.maps, in_.turn, in_.rays, v, out.phase.data(), out.row.data());
+    sparse_inverse_depth_row(in_.maps, in_.surface_turn, in_.rays, in_.beyond, v, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }
 
 float MicroView::block_rate(int u, int v) const {
   const MicroMotion& b = in_.blocks;
-  return b.block_motion_rad[static_cast<std::size_t>((v / b.block_px) * b.columns + u / b.block_px)];
+  const auto k = static_cast<std::size_t>((v / b.block_px) * b.columns + u / b.block_px);
+  const bool tells = in_.orders_are_sure && b.block_sigma_rad[k] < kInformed_rad;
+  return tells ? b.block_motion_rad[k] : std::numeric_limits<float>::quiet_NaN();
 }
 
 bool stands_still(const MicroMotion& blocks, float negligible_rad) {

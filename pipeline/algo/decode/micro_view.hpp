@@ -9,13 +9,16 @@
 namespace enamel::algo {
 
 struct MicroViewInput {
-  const Map<std::int16_t>& turn;
+  const Map<std::int16_t>& turn;          ///< of pixels that are asked for the motion
+  const Map<std::int16_t>& surface_turn;  ///< of pixels that slopes are taken from
+  float beyond;                           ///< these may lie out of the depth range by this share of its ends
   const MicroCode& code;
   float third_rad;
   const PhaseMaps& maps;  ///< as fit_micro_motion takes them
   const RayDepth& rays;
   const MicroMotion& blocks;
-  float max_residual;  ///< of B
+  float max_residual;    ///< of B
+  bool orders_are_sure;  ///< else a block may have what motion it likes: a wrong order is explained by a wrong motion
 };
 
 /// All borrowed. Without motion known, residuals and their columns are about that of the blocks.

@@ -34,7 +34,7 @@ void make_motion_images(const PhaseMaps& maps, const PolarityMaps& polarity, con
   for (int v = 0; v < height; v += 2) {
     mid_burst_row(out.pixels.row(rows, v), columns, out.phase.data(), out.light_row.data());
     out.light.set_row(v / 2, out.light_row.data());
-    sparse_inverse_depth_row(maps, polarity.turn, rays, v, out.phase.data(), out.row.data());
+    sparse_inverse_depth_row(maps, polarity.turn, rays, 0, v, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }

@@ -45,7 +45,7 @@ class MotionView {
   virtual void take_samples(const MotionField* known, MotionSamples& out) = 0;
   /// Depth and light as they are when the motion known so far is undone; null: that of the blocks.
   virtual void make_images(const MotionField* known, MotionImages& out) = 0;
-  /// eps by the block that holds pixel (u, v) alone.
+  /// eps by the block that holds pixel (u, v) alone; NaN where it does not tell.
   [[nodiscard]] virtual float block_rate(int u, int v) const = 0;
 };
 

@@ -81,7 +81,7 @@ class Pass {
         light += work_.light[k * count_ + n] * static_cast<float>(theta[k]);
       }
       const int column = static_cast<int>(n) % columns_, row = static_cast<int>(n) / columns_;
-      field.rate_rad[n] = work_.quality[n] != kNoSlope ? rate : view_.block_rate(column * kNode_px, row * kNode_px);
+      field.rate_rad[n] = work_.quality[n] != kNoSlope ? rate : rate_without_slope(theta, column, row);
       field.light[n] = std::clamp(light, -kMostGrowth, kMostGrowth);
     }
     spread_changes(theta, field);
@@ -90,6 +90,17 @@ class Pass {
  private:
   [[nodiscard]] std::size_t pixel_of(int column, int row) const {
     return maps_.phase_rad.index(column * kNode_px + kNode_px / 2, row * kNode_px + kNode_px / 2);
+  }
+
+  /// That of the block; where it does not tell, of a surface that faces the camera in the middle of the range.
+  [[nodiscard]] float rate_without_slope(const Theta& theta, int column, int row) const {
+    const float of_block = view_.block_rate(column * kNode_px, row * kNode_px);
+    if (of_block == of_block) return of_block;
+    const std::size_t i = pixel_of(column, row);
+    const float q = rays_.c0[i], x = rays_.rays.x[i] / q, y = rays_.rays.y[i] / q;
+    const float away =
+        static_cast<float>(theta[2]) + static_cast<float>(theta[3]) * y - static_cast<float>(theta[4]) * x;
+    return -q * q * away / rays_.c1[i];
   }
 
   /// The same in tables of every second pixel.

@@ -60,7 +60,8 @@ struct RigidMotionWork {
 
 /// maps, turn: what `view` sees, phases as they were measured. Slopes are those of the surface less the motion of the
 /// blocks, and in each pass after the first less that which the pass before found. On moved, `field` holds the motion
-/// of the last pass; where the surface's slope is unknown, the blocks' own rate. passes >= 1.
+/// of the last pass; where the surface's slope is unknown, the blocks' own rate, or that of a surface that faces the
+/// camera. passes >= 1.
 [[nodiscard]] RigidMotion fit_rigid_motion(MotionView& view, const PhaseMaps& maps, const Map<std::int16_t>& turn,
                                            const RayDepth& rays, int passes, const RigidMotionConfig& config,
                                            RigidMotionWork& work, MotionField& field);

@@ -17,8 +17,9 @@ RippleTerms terms_of(const PhaseRipple& ripple) {
   return out;
 }
 
-SurfaceRange range_of(const RayDepth& rays) {
-  return {1.0F / rays.near_mm, 1.0F / rays.far_mm, rays.min_phase_rad, rays.max_phase_rad};
+/// beyond: share by which the range is wider.
+SurfaceRange range_of(const RayDepth& rays, float beyond = 0) {
+  return {(1 + beyond) / rays.near_mm, (1 - beyond) / rays.far_mm, rays.min_phase_rad, rays.max_phase_rad};
 }
 
 SurfaceRow row_of(const PhaseMaps& m, const Map<std::int16_t>& turn, const RayDepth& r, std::size_t at) {
@@ -47,14 +48,14 @@ void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const Ra
   }
 }
 
-void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, int v,
-                              const float* phase_rad, float* inverse_depth) {
+void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, float beyond,
+                              int v, const float* phase_rad, float* inverse_depth) {
   const std::size_t count = static_cast<std::size_t>(rays.width + 1) / 2, of = static_cast<std::size_t>(v / 2) * count;
   const std::size_t at = maps.phase_rad.index(0, v);
   const InverseDepthTable& t = rays.sparse;
   inverse_depth_row(
       {phase_rad, &t.phase_mid_rad[of], &t.c0[of], &t.c1[of], &t.c2[of], &t.c3[of], &turn[at], &maps.reject[at]},
-      range_of(rays), count, inverse_depth);
+      range_of(rays, beyond), count, inverse_depth);
 }
 
 }  // namespace enamel::algo

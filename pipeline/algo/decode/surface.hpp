@@ -14,8 +14,9 @@ void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const Ra
                   const NormalConfig& config, std::vector<float>& scratch, DecodedBurst& out);
 
 /// 1/z of every second pixel of image row v, an even one, for whoever needs slopes before the phase is final; NaN where
-/// a pixel is rejected or out of range. phase: theirs, in place of that of `maps`.
-void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, int v,
-                              const float* phase_rad, float* inverse_depth);
+/// a pixel is rejected or out of range by more than the share `beyond` of its ends. phase: theirs, in place of that of
+/// `maps`.
+void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, float beyond,
+                              int v, const float* phase_rad, float* inverse_depth);
 
 }  // namespace enamel::algo

@@ -39,16 +39,6 @@ Result<MicroCode> make_micro_code(const calib::PatternValues& patterns, const ca
   return code;
 }
 
-MicroCode turned_by(MicroCode code, float angle_rad) {
-  const float c = cos_poly(angle_rad), s = sin_poly(angle_rad);
-  for (std::size_t k = 0; k < code.cosine.size(); ++k) {
-    const float x = code.cosine[k], y = code.sine[k];
-    code.cosine[k] = c * x - s * y;
-    code.sine[k] = s * x + c * y;
-  }
-  return code;
-}
-
 Result<void> check_orders_differ(double code_ratio, double span_fringes) {
   const int orders = static_cast<int>(std::floor(span_fringes)) + 1;
   const std::string said = "code_ratio " + written(code_ratio);

@@ -23,9 +23,6 @@ struct MicroCode {
 [[nodiscard]] Result<MicroCode> make_micro_code(const calib::PatternValues& patterns,
                                                 const calib::LensValues& projector);
 
-/// The code as it looks when something turns all of its frame by an angle.
-[[nodiscard]] MicroCode turned_by(MicroCode code, float angle_rad);
-
 /// Whether the code tells all orders apart that a pixel's depth range leaves open: span_fringes is the largest such
 /// range, which holds K = floor(span) + 1 orders. Errors: kPatternSet when L < K (orders k and k + L look the same),
 /// and when two of the K orders turn the code by nearly the same angle.

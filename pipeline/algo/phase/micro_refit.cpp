@@ -139,16 +139,12 @@ void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion,
     undo_motion_row(rows.at(v), static_cast<std::size_t>(turn.width()), moved_row(maps, v));
 }
 
-void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out) {
+void move_to_code_frame(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out) {
   const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
   for (auto* map : {&out.mean_dn, &out.cosine_dn, &out.sine_dn, &out.code_dn, &out.modulation_dn, &out.phase_rad})
     if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
   CodeRows rows(motion, maps, nullptr);
-  for (int v = 0; v < h; ++v) undo_motion_row(rows.at(v), static_cast<std::size_t>(w), moved_row(out, v));
-}
-
-float code_turn_of(float motion_rad, const MicroCode& code) noexcept {
-  return (1 + code.inverse_ratio) * kCodeTime * motion_rad;
+  for (int v = 0; v < h; ++v) move_to_code_row(rows.at(v), static_cast<std::size_t>(w), moved_row(out, v));
 }
 
 void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,

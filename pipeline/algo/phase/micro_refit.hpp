@@ -72,9 +72,6 @@ struct MicroMotion {
   }
 };
 
-/// The angle by which a motion of the phase turns the code frame, which was taken before mid-burst.
-[[nodiscard]] float code_turn_of(float motion_rad, const MicroCode& code) noexcept;
-
 /// maps: of compute_micro_phase and correct_third_harmonic, whose a1 is third_rad. turn: of place_spans. Without
 /// placed pixels: no motion, g = 1.
 void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
@@ -89,8 +86,9 @@ void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code, floa
 /// mid-burst. Phases may leave [-pi, pi) a little; their turns stay.
 void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion, PhaseMaps& maps);
 
-/// The same at all pixels, whether or not their order is known, into `out`, whose other maps stay as they are.
-void undo_micro_motion(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out);
+/// All pixels, whether or not their order is known, as the code frame would see them: under the light of mid-burst,
+/// with the phase of kCodeTime, into `out`, whose other maps stay as they are.
+void move_to_code_frame(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out);
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
 /// outlier, keep their three-frame solution; those whose code is torn_sigmas off are rejected as edges, and strips

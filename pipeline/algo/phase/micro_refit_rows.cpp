@@ -176,7 +176,8 @@ void mid_burst_loop(const CodeRow& row, std::size_t count, float* phase_rad, flo
   (row.steady ? mid_burst<true> : mid_burst<false>)(Row(row), count, phase_rad, light_dn);
 }
 
-template <bool kSteady>
+/// As at mid-burst; kAtCode: cosine, sine and phase turned on to the instant of the code frame.
+template <bool kSteady, bool kAtCode>
 void undo(const Row& in, std::size_t width, const MovedRow& out) {
   const Row row = in;
   float *mean = out.mean, *cosine = out.cosine, *sine = out.sine;
@@ -188,17 +189,23 @@ void undo(const Row& in, std::size_t width, const MovedRow& out) {
     const Lights lights = lights_of<kSteady>(d);
     const Pixel raw = row.raw(u), p = at_mid_burst(raw, lights, turns_of<kSteady>(d));
     const float seen = row.code[u], at_code = (raw.mean + seen) * lights.of_code - p.mean;
-    phase[u] = row.phase[u] + select(inside, ahead(raw, p), 0);
+    const float on = kAtCode ? d.turned(kCodeTime) : 0;
+    const Turn turn = kAtCode ? Turn{cos_poly(on), sin_poly(on)} : Turn{1, 0};
+    phase[u] = row.phase[u] + select(inside, ahead(raw, p) + on, 0);
     code[u] = select(inside, at_code, seen);
     mean[u] = select(inside, p.mean + row.black_dn, row.mean[u]);
-    cosine[u] = select(inside, p.cosine, raw.cosine);
-    sine[u] = select(inside, p.sine, raw.sine);
+    cosine[u] = select(inside, p.cosine * turn.cos - p.sine * turn.sin, raw.cosine);
+    sine[u] = select(inside, p.sine * turn.cos + p.cosine * turn.sin, raw.sine);
     modulation[u] = select(inside, root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), row.modulation[u]);
   }
 }
 
 void undo_loop(const CodeRow& row, std::size_t width, const MovedRow& out) {
-  (row.steady ? undo<true> : undo<false>)(Row(row), width, out);
+  (row.steady ? undo<true, false> : undo<false, false>)(Row(row), width, out);
+}
+
+void at_code_loop(const CodeRow& row, std::size_t width, const MovedRow& out) {
+  (row.steady ? undo<true, true> : undo<false, true>)(Row(row), width, out);
 }
 
 /// How much better than with `squares` the code frame is explained where the order turns its angle: off is what it
@@ -256,6 +263,7 @@ HWY_EXPORT(residual_loop);
 HWY_EXPORT(odd_loop);
 HWY_EXPORT(mid_burst_loop);
 HWY_EXPORT(undo_loop);
+HWY_EXPORT(at_code_loop);
 HWY_EXPORT(join_loop);
 
 void add_refit_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width, float* sums) {
@@ -277,6 +285,10 @@ void sparse_mid_burst_row(const CodeRow& row, std::size_t count, float* phase_ra
 
 void undo_motion_row(const CodeRow& row, std::size_t width, const MovedRow& out) {
   HWY_DYNAMIC_DISPATCH(undo_loop)(row, width, out);
+}
+
+void move_to_code_row(const CodeRow& row, std::size_t width, const MovedRow& out) {
+  HWY_DYNAMIC_DISPATCH(at_code_loop)(row, width, out);
 }
 
 void join_code_row(const CodeRow& row, const NoiseModel& noise, Turn order_step, float outlier_sigmas,

@@ -70,6 +70,9 @@ struct MovedRow {
 };
 void undo_motion_row(const CodeRow& row, std::size_t width, const MovedRow& out);
 
+/// The same, but phase, cosine and sine as they were when the code frame was taken, kCodeTime after mid-burst.
+void move_to_code_row(const CodeRow& row, std::size_t width, const MovedRow& out);
+
 struct JoinedRow {
   float *phase, *sigma;  ///< may be the row's own
   float* missed;  ///< by how many sigmas the code is off its prediction, squared; 0 without order, NaN without code

@@ -135,6 +135,14 @@ TEST(MicroDecoder, motion_turns_the_code_and_leaves_the_orders_right) {
   }
 }
 
+std::string figures(const DecodedBurst& b) {
+  const auto& d = b.diagnostics;
+  return std::string(name_of(b.verdict)) + " linked " + std::to_string(d.linked_share) + " direction " +
+         std::to_string(d.direction_share) + " code " + std::to_string(d.code_agreement) + " torn " +
+         std::to_string(d.torn_share) + " turn " + std::to_string(d.code_turn_rad) + " odd " +
+         std::to_string(d.odd_shift_rad) + " valid " + std::to_string(b.patch.valid_px);
+}
+
 /// A plane of uneven brightness that passes by along the fringes, by so many px a frame: its phase stays, its light
 /// does not.
 DecodedBurst painted_plane_passing(double px_per_frame, const BurstDecoder& by) {
@@ -157,6 +165,50 @@ TEST(MicroDecoder, orders_are_found_where_the_light_of_a_painted_surface_passes_
   once.clear_code_agreement = 0;
   const DecodedBurst blind = painted_plane_passing(14, BurstDecoder::make(wide_rig(), once).value());
   EXPECT_LT(blind.diagnostics.code_agreement, 0.95) << "negative control: light is taken for code";
+}
+
+/// A roof before a probe that turns about the middle of its range by 0.018 rad a frame: the phase moves each way, and
+/// the far end of the roof lies beyond the range.
+struct TurningRoof {
+  calib::Rig rig = test::micro_rig(240, 480);
+
+  /// Through (0, 0, 50), tilted by 52 degrees at mid-burst, turned about (0, 0, 46.7).
+  [[nodiscard]] double depth(int u, int v, double tau) const {
+    constexpr double kTilt_rad = 0.9, kTurn_rad = 0.018, kAbout_mm = 46.7, kAt_mm = 50;
+    const double turn = kTurn_rad * tau, tilt = kTilt_rad + turn, lever = kAt_mm - kAbout_mm;
+    const double y_mm = -std::sin(turn) * lever, z_mm = kAbout_mm + std::cos(turn) * lever;
+    const double y = calib::undistort(rig.camera, {static_cast<double>(u), static_cast<double>(v)}).y;
+    const double n_y = std::sin(tilt), n_z = std::cos(tilt);
+    return (n_y * y_mm + n_z * z_mm) / (n_y * y + n_z);
+  }
+
+  [[nodiscard]] DecodedBurst decoded(const DecodeConfig& config) const {
+    const test::FrameSet frames = test::frames_in_motion([&](double tau) {
+      return test::render(
+          rig, [&](int u, int v) { return depth(u, v, tau); }, noisy());
+    });
+    return BurstDecoder::make(rig, config).value().decode(frames.view());
+  }
+
+  [[nodiscard]] std::size_t wrong(const DecodedBurst& burst) const {
+    std::size_t n = 0;
+    for (int v = 0; v < rig.camera.height; ++v)
+      for (int u = 0; u < rig.camera.width; ++u)
+        n += std::abs(static_cast<double>(burst.patch.depth_mm(u, v)) - depth(u, v, 0)) > 1 ? 1U : 0U;
+    return n;
+  }
+};
+
+TEST(MicroDecoder, orders_are_found_where_a_turn_moves_the_phase_each_way) {
+  const TurningRoof roof;
+  const DecodedBurst burst = roof.decoded({});
+  ASSERT_TRUE(burst.accepted()) << figures(burst);
+  EXPECT_GT(burst.diagnostics.code_agreement, 0.98);
+  EXPECT_EQ(roof.wrong(burst), 0U);
+  DecodeConfig once;
+  once.clear_code_agreement = 0;
+  const DecodedBurst blind = roof.decoded(once);
+  EXPECT_LT(blind.diagnostics.code_agreement, 0.95) << "negative control: every block's motion by itself";
 }
 
 TEST(MicroDecoder, second_harmonic_is_undone) {
@@ -186,14 +238,6 @@ TEST(MicroDecoder, reused_workspace_gives_the_bits_of_a_fresh_one) {
     if (fresh.order[i] == kNoOrder) continue;
     ASSERT_EQ(reused.patch.depth_mm[i], fresh.patch.depth_mm[i]);
   }
-}
-
-std::string figures(const DecodedBurst& b) {
-  const auto& d = b.diagnostics;
-  return std::string(name_of(b.verdict)) + " linked " + std::to_string(d.linked_share) + " direction " +
-         std::to_string(d.direction_share) + " code " + std::to_string(d.code_agreement) + " torn " +
-         std::to_string(d.torn_share) + " turn " + std::to_string(d.code_turn_rad) + " odd " +
-         std::to_string(d.odd_shift_rad) + " valid " + std::to_string(b.patch.valid_px);
 }
 
 /// Every order of the four frames but the right one.
