@@ -20,8 +20,8 @@ struct Condition {
 
 /// Every pixel has the noise that is asked for: read noise alone.
 calib::Rig rig_of(calib::PatternMode mode, double noise_dn) {
-  calib::Rig rig =
-      mode == calib::PatternMode::kMicro ? test::micro_rig(kWidth, kHeight) : test::cropped_rig(kWidth, kHeight);
+  calib::Rig rig = mode == calib::PatternMode::kMicro ? test::micro_rig(kWidth, kHeight, test::kShippedRatio)
+                                                      : test::cropped_rig(kWidth, kHeight);
   rig.noise->gain_e_per_dn = 1e6;
   rig.noise->full_well_e = 255e6;
   rig.noise->read_noise_e = noise_dn * 1e6;

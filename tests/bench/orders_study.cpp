@@ -64,7 +64,7 @@ struct Counts {
 
 /// Bursts first, first + step ... below `end`.
 Counts count_orders(int first, int step, int end) {
-  const calib::Rig t = test::cropped_rig(kWidth, kHeight), m = test::micro_rig(kWidth, kHeight);
+  const calib::Rig t = test::cropped_rig(kWidth, kHeight), m = test::micro_rig(kWidth, kHeight, test::kShippedRatio);
   calib::Rig marked = t;
   marked.patterns.mode = calib::PatternMode::kSingle;
   marked.patterns.polarity_code.clear();

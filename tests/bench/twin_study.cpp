@@ -170,7 +170,7 @@ Json in_motion(const char* rig_name, double frame_period_ms) {
 
 Json twin_study() {
   Json out;
-  for (const auto& [mode, rig] : {std::pair{"T", "probe.json"}, {"M", "probe_m.json"}}) {
+  for (const auto& [mode, rig] : {std::pair{"T", "probe_t.json"}, {"M", "probe.json"}}) {
     out["plane"][mode] = at_rest(rig, 0);
     out["plane_full"][mode] = at_rest(rig, kDesignFill);
     for (const double period_ms : {2.8, 4.0}) out["motion"][mode].push_back(in_motion(rig, period_ms));

@@ -148,15 +148,18 @@ Ran decode(const std::string& folder, const std::string& out) {
 
 TEST(Faults, DecodeRefusesARigThatDoesNotFitAndWritesNothing) {
   struct Case {
-    const char *from, *to, *told;
+    const char *rig, *from, *to, *told;
   };
   const std::string code = "-++++-+---++---+";
-  for (const Case& c : {Case{"\"width\": 640", "\"width\": 641", "rig.json says 641 x 480"},
-                        Case{"\"depth_range_mm\": [40", "\"depth_range_mm\": [-40", "near < far"},
-                        Case{"\"depth_range_mm\": [40", "\"depth_range_mm\": [90", "near < far"},
-                        Case{code.c_str(), "-+--++-+--++-+--++", "shows the window"}}) {
+  for (const Case& c : {Case{"probe", "\"width\": 640", "\"width\": 641", "rig.json says 641 x 480"},
+                        Case{"probe", "\"depth_range_mm\": [40", "\"depth_range_mm\": [-40", "near < far"},
+                        Case{"probe", "\"depth_range_mm\": [40", "\"depth_range_mm\": [90", "near < far"},
+                        Case{"probe", "\"code_ratio\": 7", "\"code_ratio\": 4", "repeats within"},
+                        Case{"probe_t", code.c_str(), "-+--++-+--++-+--++", "shows the window"}}) {
     const TempFolder tmp;
     const std::string folder = small_folder(tmp);
+    fs::copy_file(std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/" + c.rig + ".json", folder + "/rig.json",
+                  fs::copy_options::overwrite_existing);
     replace_in(folder + "/rig.json", c.from, c.to);
     expect_told(decode(folder, tmp / "out"), 2, c.told);
     EXPECT_FALSE(fs::exists(tmp / "out")) << c.told;

@@ -81,9 +81,9 @@ TEST_P(Scenes, RendersAndDecodesToItsTruth) {
 
 INSTANTIATE_TEST_SUITE_P(
     Shipped, Scenes,
-    ::testing::Values(Shipped{"plane", "probe", "T", 4, 0.015}, Shipped{"spheres", "probe", "T", 0, 0.015},
-                      Shipped{"steps", "probe", "T", 0, 0.015}, Shipped{"plane", "probe_m", "M", 4, 0.0005},
-                      Shipped{"spheres", "probe_m", "M", 0, 0.0005}, Shipped{"steps", "probe_m", "M", 0, 0.0005}),
+    ::testing::Values(Shipped{"plane", "probe_t", "T", 4, 0.015}, Shipped{"spheres", "probe_t", "T", 0, 0.015},
+                      Shipped{"steps", "probe_t", "T", 0, 0.015}, Shipped{"plane", "probe", "M", 4, 0.0005},
+                      Shipped{"spheres", "probe", "M", 0, 0.0005}, Shipped{"steps", "probe", "M", 0, 0.0005}),
     [](const auto& shipped) { return shipped.param.name(); });
 
 }  // namespace

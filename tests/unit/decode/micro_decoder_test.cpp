@@ -119,6 +119,19 @@ TEST(MicroDecoder, surface_that_leaves_the_depth_range_is_not_folded_back_into_i
   EXPECT_GT(r.burst.counts[static_cast<std::size_t>(PixelReject::kOutOfRange)], 5000U);
 }
 
+/// Its light still reaches the camera. The range holds orders 11 to 15 of a pixel here, this surface has 17, which at
+/// L = 6 looks like 11.
+TEST(MicroDecoder, surface_two_fringes_beyond_the_range_is_told_from_one_at_its_near_end) {
+  const auto folded = [](double ratio) {
+    const calib::Rig rig = test::micro_rig(400, 120, ratio);
+    const DecodedBurst b =
+        BurstDecoder::make(rig).value().decode(test::render(rig, test::flat(64), noisy()).frames.view());
+    return b.patch.valid_px;
+  };
+  EXPECT_EQ(folded(test::kShippedRatio), 0U);
+  EXPECT_GT(folded(test::kDesignRatio), 1000U) << "negative control";
+}
+
 TEST(MicroDecoder, motion_turns_the_code_and_leaves_the_orders_right) {
   for (const double motion : {-0.3, -0.2, -0.1, 0.1, 0.2, 0.3}) {
     test::SceneOptions o = noisy();

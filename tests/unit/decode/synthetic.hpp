@@ -168,8 +168,11 @@ inline void blur_image(Map<double>& image, double sigma_px) {
   }
 }
 
+/// Of mode M's code frame: algorithms.md §2.3, and config/rigs/probe.json (ADR-0007).
+inline constexpr double kDesignRatio = 6, kShippedRatio = 7;
+
 /// The same rig projecting mode M.
-inline calib::Rig micro_rig(int width, int height, double code_ratio = 6) {
+inline calib::Rig micro_rig(int width, int height, double code_ratio = kDesignRatio) {
   calib::Rig rig = cropped_rig(width, height);
   rig.patterns.mode = calib::PatternMode::kMicro;
   rig.patterns.steps = 3;

@@ -14,7 +14,7 @@
 namespace enamel::twin::testing {
 
 inline calib::Rig probe_rig() {
-  auto rig = calib::load_rig(std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe.json");
+  auto rig = calib::load_rig(std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe_t.json");
   EXPECT_TRUE(rig) << rig.error().message();
   return *rig;
 }
