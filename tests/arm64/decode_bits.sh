@@ -20,7 +20,7 @@ done
 cd "$source_dir"
 sources=(tests/arm64/decode_bits.cpp calib/model/*.cpp protocol/base/{result,check,crc32,file}.cpp
   pipeline/algo/{phase,unwrap,triangulate}/*.cpp
-  pipeline/algo/decode/{burst_*,gate_rows,micro_*,motion_*,relative_regions,rigid_motion,ripple_*,surface*}.cpp)
+  pipeline/algo/decode/{burst_*,gate_rows,likely_turns,micro_*,motion_*,relative_regions,rigid_motion,ripple_*,surface*}.cpp)
 flags=(-std=c++20 -O2 -DNDEBUG -ffp-contract=off -fno-fast-math -fno-math-errno -fno-trapping-math
   -DHWY_COMPILE_ONLY_STATIC -I. -isystem "$work_dir/include")
 export compiler work_dir

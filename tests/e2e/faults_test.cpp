@@ -45,6 +45,12 @@ void replace_in(const std::string& path, const std::string& from, const std::str
   ASSERT_TRUE(write_file(path, text));
 }
 
+/// One of config/rigs in place of the folder's own.
+void put_rig(const std::string& folder, const std::string& name) {
+  fs::copy_file(std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/" + name + ".json", folder + "/rig.json",
+                fs::copy_options::overwrite_existing);
+}
+
 TEST(Faults, MissingRecording) {
   const TempFolder tmp;
   expect_told(replay("/nowhere/x.mcap", tmp / "out"), 2, "file not found: /nowhere/x.mcap");
@@ -122,6 +128,7 @@ TEST(Faults, NanInCalibration) {
 TEST(Faults, PatternSetOfACalibrationTarget) {
   const TempFolder tmp;
   const std::string folder = small_folder(tmp);
+  put_rig(folder, "probe_t");
   replace_in(folder + "/rig.json", "\"T\"", "\"multi\"");
   expect_told(replay(folder, tmp / "out"), 2, "pattern set does not fit");
 }
@@ -158,8 +165,7 @@ TEST(Faults, DecodeRefusesARigThatDoesNotFitAndWritesNothing) {
                         Case{"probe_t", code.c_str(), "-+--++-+--++-+--++", "shows the window"}}) {
     const TempFolder tmp;
     const std::string folder = small_folder(tmp);
-    fs::copy_file(std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/" + c.rig + ".json", folder + "/rig.json",
-                  fs::copy_options::overwrite_existing);
+    put_rig(folder, c.rig);
     replace_in(folder + "/rig.json", c.from, c.to);
     expect_told(decode(folder, tmp / "out"), 2, c.told);
     EXPECT_FALSE(fs::exists(tmp / "out")) << c.told;
