@@ -115,7 +115,7 @@ class BurstDecoder {
   BurstVerdict place(DecodeWorkspace& workspace, DecodedBurst& out) const;
   void label(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise) const;
   float label_by_code(DecodeWorkspace::Buffers& buffers, const NoiseModel& noise) const;
-  bool label_less_motion(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
+  void label_less_motion(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics) const;
   const Map<std::int16_t>& refine(DecodeWorkspace& workspace, DecodedBurst& out) const;
 
   std::shared_ptr<const RayDepth> rays_;

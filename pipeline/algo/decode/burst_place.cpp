@@ -60,6 +60,12 @@ bool unclear(const OrderResult& orders, const DecodeConfig& config) {
   return orders.agreeing_px < config.clear_code_agreement * judged_px(orders);
 }
 
+/// The motion that turns the code by an angle against the three phase frames, which were taken 2/3 of an interval
+/// later.
+float motion_of_turn(float turn_rad, const MicroCode& code) {
+  return -turn_rad / ((1 + code.inverse_ratio) * (2.0F / 3));
+}
+
 /// Of what motion changes; the rest of `a` stays.
 void swap_measured(PhaseMaps& a, PhaseMaps& b) {
   std::swap(a.mean_dn, b.mean_dn), std::swap(a.cosine_dn, b.cosine_dn), std::swap(a.sine_dn, b.sine_dn);
@@ -92,8 +98,8 @@ float BurstDecoder::label_by_code(DecodeWorkspace::Buffers& b, const NoiseModel&
 
 /// Motion ripples the phase and turns the code, so that pieces of one surface seem to differ, and light that changes as
 /// the surface passes by is taken for code. The orders found in spite of it show the motion; without it they are found
-/// again. The phase stays as it was measured. Returns whether they were asked again.
-bool BurstDecoder::label_less_motion(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag) const {
+/// again. The phase stays as it was measured.
+void BurstDecoder::label_less_motion(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag) const {
   make_spans(b.pieces.pieces, b.orders, b.spans);
   place_spans(b.spans, {}, b.phase.phase_rad.width(), b.phase.phase_rad.height(), b.polarity.turn);
   MicroRefitConfig coarse = config_.micro_refit;
@@ -108,13 +114,10 @@ bool BurstDecoder::label_less_motion(DecodeWorkspace::Buffers& b, DecodeDiagnost
     if (fit_rigid_motion(view, b.phase, turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field).moved)
       b.micro_motion.surface = surface_motion(b.field);
   }
-  const bool light = b.micro_motion.surface.light.nodes != nullptr;
-  if (!light && std::abs(b.micro_motion.motion_rad) <= config_.harmless_motion_rad) return false;
   move_to_code_frame(b.micro_motion, b.phase, b.moved);
   swap_measured(b.phase, b.moved);
   label_by_code(b, diag.noise);
   swap_measured(b.phase, b.moved);
-  return true;
 }
 
 /// Absolute orders of all pieces, and whether the code that they rest on is the rig's.
@@ -124,8 +127,12 @@ BurstVerdict BurstDecoder::place(DecodeWorkspace& workspace, DecodedBurst& out) 
   const auto& pieces = b.pieces.pieces;
   if (micro_) {
     diag.code_turn_rad = label_by_code(b, diag.noise);
-    // More orders show the motion better, which once more brings more of them.
-    if (config_.correct_closure && label_less_motion(b, diag) && unclear(b.orders, config_)) label_less_motion(b, diag);
+    const bool moved = std::abs(motion_of_turn(diag.code_turn_rad, *micro_)) > config_.harmless_motion_rad;
+    if (config_.correct_closure && (moved || unclear(b.orders, config_))) {
+      label_less_motion(b, diag);
+      // More orders show the motion better, which once more brings more of them.
+      if (unclear(b.orders, config_)) label_less_motion(b, diag);
+    }
   } else {
     label(b, diag.noise);
   }
