@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "calib/model/json_section.hpp"
 #include "calib/model/lens.hpp"
@@ -217,11 +220,38 @@ Rig read_top(JsonSection& s) {
   return rig;
 }
 
+/// Watches a parser for keys that stand twice in one object, of which it would keep the last without a word.
+class TwiceWritten {
+ public:
+  bool operator()(nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
+    using Event = nlohmann::json::parse_event_t;
+    if (event == Event::object_start) seen_.emplace_back();
+    if (event == Event::object_end) seen_.pop_back();
+    if (event != Event::key || seen_.empty()) return true;
+    const auto& key = parsed.get_ref<const std::string&>();
+    if (!seen_.back().insert(key).second && key_.empty()) key_ = key;
+    return true;
+  }
+
+  /// The first such key; empty: none.
+  [[nodiscard]] const std::string& key() const noexcept { return key_; }
+
+ private:
+  std::vector<std::set<std::string>> seen_;  ///< of each object that is open
+  std::string key_;
+};
+
 }  // namespace
 
 Result<Rig> read_rig_json(std::string_view text) {
-  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  TwiceWritten twice;
+  const auto watch = [&](int, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
+    return twice(event, parsed);
+  };
+  const auto json = nlohmann::json::parse(text, watch, /*allow_exceptions=*/false);
   if (json.is_discarded()) return fail(ErrorCode::kRigInvalid, "not valid JSON (NaN and infinity are no JSON numbers)");
+  if (!twice.key().empty())
+    return fail(ErrorCode::kRigInvalid, "key '" + twice.key() + "' is written twice: nobody can tell which one holds");
   if (!json.is_object()) return fail(ErrorCode::kRigInvalid, "the file must hold one object");
   Faults faults;
   JsonSection top(json, "", faults);

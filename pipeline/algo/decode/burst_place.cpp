@@ -111,7 +111,7 @@ void BurstDecoder::label_less_motion(DecodeWorkspace::Buffers& b, DecodeDiagnost
     const Map<std::int16_t>& turn = b.likely.turn;
     MicroView view({b.polarity.turn, turn, kBeyondRange, *micro_, 0, b.phase, *rays_, b.micro_motion,
                     config_.rigid.max_residual, false});
-    if (fit_rigid_motion(view, b.phase, turn, *rays_, 1, config_.rigid, b.rigid, b.field).moved)
+    if (fit_rigid_motion(view, b.phase, turn, *rays_, config_.motion_passes, config_.rigid, b.rigid, b.field).moved)
       b.micro_motion.surface = surface_motion(b.field);
   }
   move_to_code_frame(b.micro_motion, b.phase, b.moved);

@@ -154,14 +154,14 @@ void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& t
   const float torn = config.torn_sigmas * config.torn_sigmas;
   std::vector<float> missed(width), noise_share(width), one_more(width), one_less(width);
   const OrderDoubt doubt{one_more.data(), one_less.data()};
-  const Turn order_step{code.cosine[1], code.sine[1]};
+  const JoinLimits limits{{code.cosine[1], code.sine[1]}, config.outlier_sigmas, config.largest_gain};
   CodeRows rows(motion, maps, &turn);
   rows.expect(code, third_rad);
   strips.find_ends(spans, turn.height());
   if (misfit != nullptr) misfit->start(turn.width(), turn.height());
   for (int v = 0; v < turn.height(); ++v) {
     PixelReject* reject = &maps.reject(0, v);
-    join_code_row(rows.at(v), noise, order_step, config.outlier_sigmas, width,
+    join_code_row(rows.at(v), noise, limits, width,
                   {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data(), noise_share.data(), doubt});
     strips.take_row(v, doubt);
     for (std::size_t u = 0; u < width; ++u) {

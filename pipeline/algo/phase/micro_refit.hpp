@@ -34,6 +34,9 @@ struct MicroRefitConfig {
   float largest_motion_rad = 0.4F;  ///< estimates are held to this
   float outlier_sigmas = 4;         ///< a code frame further off does not join
   float torn_sigmas = kTornSigmas;  ///< ... and further off, an edge passed by
+  /// Gain that other orders are judged under at most: blur leaves no more of the finer fringe than of the coarser, and
+  /// a block that finds more explains pixels of a wrong order.
+  float largest_gain = 1.05F;
   /// Log likelihood ratio beyond which a strip along an edge is of another order (code_strips.hpp). Noise alone reaches
   /// it with a probability below exp(-12).
   float strip_evidence = 12;

@@ -218,12 +218,13 @@ void at_code_loop(const CodeRow& row, std::size_t width, const MovedRow& out) {
   return smaller(larger(better, -kMost), kMost);
 }
 
-void join_loop(const CodeRow& in, const NoiseModel& model, Turn order_step, float outlier_sigmas, std::size_t width,
+void join_loop(const CodeRow& in, const NoiseModel& model, const JoinLimits& limits, std::size_t width,
                const JoinedRow& out) {
   const NoiseModel noise = model;  // copies cannot alias what is written
   const Row row(in);
-  const float r = 1 + row.wave.inverse_ratio, gate = outlier_sigmas * outlier_sigmas;
-  const Turn step = order_step, back = -step;
+  const float r = 1 + row.wave.inverse_ratio, gate = limits.outlier_sigmas * limits.outlier_sigmas;
+  const float largest_gain = limits.largest_gain;
+  const Turn step = limits.order_step, back = -step;
   float *phase = out.phase, *sigma = out.sigma, *missed = out.missed, *share_of_noise = out.noise;
   float *one_more = out.doubt.one_more, *one_less = out.doubt.one_less;
   ENAMEL_INDEPENDENT  // `phase` may be the row's own
@@ -242,10 +243,11 @@ void join_loop(const CodeRow& in, const NoiseModel& model, Turn order_step, floa
     missed[u] = select(placed, squares, 0);
     share_of_noise[u] = select(placed, of_residual / (row.modulation[u] * row.modulation[u] + 1e-6F), 0);
     const bool seen = placed & (squares == squares);
-    const float slopes = r * r * variance;
+    const float slopes = r * r * variance, sound_gb = smaller(gain, largest_gain) * row.modulation[u] * k.modulation;
+    const float sound_off = row.code[u] - sound_gb * k.light, sound_squares = sound_off * sound_off * inverse;
     const Turn after = k.angle + step, before = k.angle + back;
-    one_more[u] = select(seen, doubt_of(off, squares, gb, k.angle, after, own, slopes), 0);
-    one_less[u] = select(seen, doubt_of(off, squares, gb, k.angle, before, own, slopes), 0);
+    one_more[u] = select(seen, doubt_of(sound_off, sound_squares, sound_gb, k.angle, after, own, slopes), 0);
+    one_less[u] = select(seen, doubt_of(sound_off, sound_squares, sound_gb, k.angle, before, own, slopes), 0);
     const float share = select(joins, variance * slope * inverse, 0);
     phase[u] = was + share * select(joins, off, 0);
     sigma[u] = root(variance * (1 - share * slope));
@@ -291,9 +293,9 @@ void move_to_code_row(const CodeRow& row, std::size_t width, const MovedRow& out
   HWY_DYNAMIC_DISPATCH(at_code_loop)(row, width, out);
 }
 
-void join_code_row(const CodeRow& row, const NoiseModel& noise, Turn order_step, float outlier_sigmas,
-                   std::size_t width, const JoinedRow& out) {
-  HWY_DYNAMIC_DISPATCH(join_loop)(row, noise, order_step, outlier_sigmas, width, out);
+void join_code_row(const CodeRow& row, const NoiseModel& noise, const JoinLimits& limits, std::size_t width,
+                   const JoinedRow& out) {
+  HWY_DYNAMIC_DISPATCH(join_loop)(row, noise, limits, width, out);
 }
 
 }  // namespace enamel::algo

@@ -79,8 +79,11 @@ struct JoinedRow {
   float* noise;   ///< variance of what it is off by, by noise, over B squared (misfit.hpp); 0 without order
   OrderDoubt doubt;
 };
-/// order_step: the angle by which the next order turns the code.
-void join_code_row(const CodeRow& row, const NoiseModel& noise, Turn order_step, float outlier_sigmas,
-                   std::size_t width, const JoinedRow& out);
+struct JoinLimits {
+  Turn order_step;                     ///< angle by which the next order turns the code
+  float outlier_sigmas, largest_gain;  ///< MicroRefitConfig's
+};
+void join_code_row(const CodeRow& row, const NoiseModel& noise, const JoinLimits& limits, std::size_t width,
+                   const JoinedRow& out);
 
 }  // namespace enamel::algo

@@ -79,6 +79,7 @@ INSTANTIATE_TEST_SUITE_P(
     Edits, BadRig,
     testing::Values(BadEdit{"\"fx\": 1707", "\"fx\": NaN", "not valid JSON"},
                     BadEdit{"\"fx\": 1707", "\"fx\": 1e999", "not valid JSON"},
+                    BadEdit{"\"fx\": 1707", "\"fx\": 1707, \"fx\": 1708", "key 'fx' is written twice"},
                     BadEdit{"\"fx\": 1707", "\"fx\": \"1707\"", "camera.fx"},
                     BadEdit{"\"fx\": 1707", "\"fx\": null", "camera.fx"},
                     BadEdit{"\"fx\": 1707", "\"fx\": 0", "camera.fx"}, BadEdit{"\"fx\": 1707,", "", "camera.fx"},

@@ -165,5 +165,16 @@ TEST(ToothSteps, narrow_strips_of_gum_are_told_from_the_tooth_by_their_code_alon
   EXPECT_LE(largest({}), kLargeWrong_px);
 }
 
+/// The same, where the strip has so much more modulation than the tooth that it turns its block's gain.
+TEST(ToothSteps, gain_that_no_blur_leaves_does_not_speak_for_an_order) {
+  const auto largest = [&](const algo::DecodeConfig& c) {
+    return decode_teeth(micro_rig(400, 300, kShippedRatio), c, {2526, 8839}).largest_wrong_px;
+  };
+  algo::DecodeConfig credulous;  // the control
+  credulous.micro_refit.largest_gain = std::numeric_limits<float>::infinity();
+  EXPECT_GT(largest(credulous), kLargeWrong_px);
+  EXPECT_LE(largest({}), kLargeWrong_px);
+}
+
 }  // namespace
 }  // namespace enamel::test
