@@ -41,12 +41,14 @@ UsbPort::UsbPort(UMockdevTestbed* testbed, int number, const ProbeOptions& probe
     : testbed_(testbed), number_(number), probe_(probe), faults_(faults) {
   handler_ = umockdev_ioctl_base_new();
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(&UsbPort::on_ioctl), this);
+  g_signal_connect(handler_, "client-connected", G_CALLBACK(&UsbPort::on_connected), this);
   g_signal_connect(handler_, "client-vanished", G_CALLBACK(&UsbPort::on_vanished), this);
   plug_in();
 }
 
 UsbPort::~UsbPort() {
   if (plugged_) pull_out();
+  for (auto& [client, urbs] : done_) unref_all(urbs);
   g_object_unref(handler_);
 }
 
@@ -69,15 +71,17 @@ void UsbPort::plug_in() {
   umockdev_testbed_uevent(testbed_, syspath(number_).c_str(), "add");
 }
 
-void UsbPort::forget_transfers() {
-  for (auto& [client, urbs] : done_) unref_all(urbs);
-  for (auto& [client, urbs] : silent_) unref_all(urbs);
-  done_.clear();
-  silent_.clear();
+void UsbPort::end_silent(Urbs& silent, Urbs& done, int status) {
+  for (UMockdevIoctlData* urb : silent) {
+    umockdev_ioctl_data_update(urb, offsetof(usbdevfs_urb, status), reinterpret_cast<guint8*>(&status), sizeof status);
+    done.push_back(urb);
+  }
+  silent.clear();
 }
 
-void UsbPort::on_vanished(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
-  for (auto* const pending : {&static_cast<UsbPort*>(self)->done_, &static_cast<UsbPort*>(self)->silent_}) {
+void UsbPort::forget(UMockdevIoctlClient* client) {
+  open_.erase(client);
+  for (auto* const pending : {&done_, &silent_}) {
     const auto urbs = pending->find(client);
     if (urbs == pending->end()) continue;
     unref_all(urbs->second);
@@ -85,10 +89,22 @@ void UsbPort::on_vanished(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpoin
   }
 }
 
+void UsbPort::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
+  auto* port = static_cast<UsbPort*>(self);
+  port->forget(client);  // an earlier one at the same address
+  if (port->plugged_) port->open_.insert(client);
+}
+
+void UsbPort::on_vanished(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
+  static_cast<UsbPort*>(self)->forget(client);
+}
+
 void UsbPort::pull_out() {
   plugged_ = false;
-  forget_transfers();
-  // The handler stays: files that are still open get ENODEV, as from the kernel.
+  // As from the kernel: what files that are still open had submitted is there to be reaped, then they get ENODEV, also
+  // when the probe is back (USBDEVFS_CAP_REAP_AFTER_DISCONNECT). libusb waits for each transfer that it submitted.
+  for (auto& [client, urbs] : silent_) end_silent(urbs, done_[client], -ESHUTDOWN);
+  open_.clear();
   umockdev_testbed_uevent(testbed_, syspath(number_).c_str(), "remove");
   umockdev_testbed_remove_device(testbed_, syspath(number_).c_str());
 }
@@ -139,7 +155,8 @@ gboolean UsbPort::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpoi
 
 gboolean UsbPort::handle(UMockdevIoctlClient* client) {
   const gulong request = umockdev_ioctl_client_get_request(client);
-  if (!plugged_) {
+  const bool reaps = request == USBDEVFS_REAPURB || request == USBDEVFS_REAPURBNDELAY;
+  if (!reaps && !open_.contains(client)) {
     umockdev_ioctl_client_complete(client, -1, ENODEV);
     return TRUE;
   }
@@ -230,7 +247,7 @@ gboolean UsbPort::submit(UMockdevIoctlClient* client) {
 gboolean UsbPort::reap(UMockdevIoctlClient* client) {
   std::deque<UMockdevIoctlData*>& finished = done_[client];
   if (finished.empty()) {
-    umockdev_ioctl_client_complete(client, -1, EAGAIN);
+    umockdev_ioctl_client_complete(client, -1, open_.contains(client) ? EAGAIN : ENODEV);
     return TRUE;
   }
   UMockdevIoctlData* urb = finished.front();
@@ -246,13 +263,7 @@ gboolean UsbPort::reap(UMockdevIoctlClient* client) {
 
 gboolean UsbPort::discard(UMockdevIoctlClient* client) {
   // libusb gives a transfer up and then reaps it like any other (linux/usb/usbdevice_fs.h: status -ENOENT).
-  for (UMockdevIoctlData* urb : silent_[client]) {
-    int given_up = -ENOENT;
-    umockdev_ioctl_data_update(urb, offsetof(usbdevfs_urb, status), reinterpret_cast<guint8*>(&given_up),
-                               sizeof given_up);
-    done_[client].push_back(urb);
-  }
-  silent_[client].clear();
+  end_silent(silent_[client], done_[client], -ENOENT);
   umockdev_ioctl_client_complete(client, 0, 0);
   return TRUE;
 }

@@ -52,6 +52,7 @@ class UsbPort {
   using Urbs = std::deque<UMockdevIoctlData*>;
   enum class Fault : std::uint8_t { kNone, kStall, kSilence };
 
+  static void on_connected(UMockdevIoctlBase* base, UMockdevIoctlClient* client, gpointer self);
   static void on_vanished(UMockdevIoctlBase* base, UMockdevIoctlClient* client, gpointer self);
   static gboolean on_ioctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client, gpointer self);
   /// Calls `what` after a while, on the thread that called this.
@@ -70,7 +71,9 @@ class UsbPort {
   int standard_request(const fw::SetupPacket& setup, std::span<std::byte> buffer, std::size_t& length) const;
   /// Counts blocks of a download and says what is wrong with this one; may pull the cable.
   [[nodiscard]] Fault next_fault(const fw::SetupPacket& setup);
-  void forget_transfers();
+  /// Transfers that get no answer end with `status`, negative errno, and can be reaped.
+  static void end_silent(Urbs& silent, Urbs& done, int status);
+  void forget(UMockdevIoctlClient* client);
   void plug_in();
   void pull_out();
   [[nodiscard]] UsbIdentity identity() const;
@@ -83,6 +86,7 @@ class UsbPort {
   UMockdevIoctlBase* handler_ = nullptr;
   std::map<UMockdevIoctlClient*, Urbs> done_;    ///< finished transfers of each open file
   std::map<UMockdevIoctlClient*, Urbs> silent_;  ///< those that never will be, until the program gives them up
+  std::set<UMockdevIoctlClient*> open_;          ///< files opened since the probe was plugged in last
   std::set<std::string> attached_;               ///< device nodes that the handler answers for
   std::uint32_t blocks_ = 0;
   bool plugged_ = false;
