@@ -18,7 +18,7 @@ struct MicroViewInput {
   const RayDepth& rays;
   const MicroMotion& blocks;
   float max_residual;    ///< of B
-  bool orders_are_sure;  ///< else a block may have what motion it likes: a wrong order is explained by a wrong motion
+  bool orders_are_sure;  ///< else no block's own motion counts: a wrong order is explained by a wrong one
 };
 
 /// All borrowed. Without motion known, residuals and their columns are about that of the blocks.
