@@ -205,9 +205,10 @@ struct TurningRoof {
 
   [[nodiscard]] std::size_t wrong(const DecodedBurst& burst) const {
     std::size_t n = 0;
-    for (int v = 0; v < rig.camera.height; ++v)
+    for (int v = 0; v < rig.camera.height; ++v) {
       for (int u = 0; u < rig.camera.width; ++u)
         n += std::abs(static_cast<double>(burst.patch.depth_mm(u, v)) - depth(u, v, 0)) > 1 ? 1U : 0U;
+    }
     return n;
   }
 };
