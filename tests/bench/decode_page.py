@@ -39,7 +39,7 @@ def phase_rows(page, study, phase):
                               ("textbook", "opencv_cart_to_polar", "copy_phase_and_modulation"))
         judge = bursts > 1  # what a burst fresh from the network meets
         page.row(f"phase and modulation alone (`four_step`, 12 B/px), {where}: beside copying as much", "≤ 1.2 times",
-                 f"{alone:.2f} ns/px, copy {copy:.2f}: {alone / copy:.1f} times", alone <= 1.2 * copy if judge else None)
+                 f"{alone:.2f} ns/px, copy {copy:.2f}: {alone / copy:.2f} times", alone <= 1.2 * copy if judge else None)
         page.row(f"… beside OpenCV subtract + cartToPolar, {where}", "≥ 3 times as fast",
                  f"OpenCV {polar:.2f} ns/px: {polar / alone:.1f} times as fast", polar >= 3 * alone if judge else None)
 
