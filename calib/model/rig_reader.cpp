@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -223,11 +224,12 @@ Rig read_top(JsonSection& s) {
 /// Watches a parser for keys that stand twice in one object, of which it would keep the last without a word.
 class TwiceWritten {
  public:
-  bool operator()(nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
-    using Event = nlohmann::json::parse_event_t;
+  using Event = nlohmann::json::parse_event_t;
+
+  bool operator()(int /*depth*/, Event event, const nlohmann::json& parsed) {
     if (event == Event::object_start) seen_.emplace_back();
     if (event == Event::object_end) seen_.pop_back();
-    if (event != Event::key || seen_.empty()) return true;
+    if (event != Event::key) return true;
     const auto& key = parsed.get_ref<const std::string&>();
     if (!seen_.back().insert(key).second && key_.empty()) key_ = key;
     return true;
@@ -245,10 +247,7 @@ class TwiceWritten {
 
 Result<Rig> read_rig_json(std::string_view text) {
   TwiceWritten twice;
-  const auto watch = [&](int, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
-    return twice(event, parsed);
-  };
-  const auto json = nlohmann::json::parse(text, watch, /*allow_exceptions=*/false);
+  const auto json = nlohmann::json::parse(text, std::ref(twice), /*allow_exceptions=*/false);
   if (json.is_discarded()) return fail(ErrorCode::kRigInvalid, "not valid JSON (NaN and infinity are no JSON numbers)");
   if (!twice.key().empty())
     return fail(ErrorCode::kRigInvalid, "key '" + twice.key() + "' is written twice: nobody can tell which one holds");

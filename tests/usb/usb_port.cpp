@@ -155,8 +155,8 @@ gboolean UsbPort::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpoi
 
 gboolean UsbPort::handle(UMockdevIoctlClient* client) {
   const gulong request = umockdev_ioctl_client_get_request(client);
-  const bool reaps = request == USBDEVFS_REAPURB || request == USBDEVFS_REAPURBNDELAY;
-  if (!reaps && !open_.contains(client)) {
+  if (request == USBDEVFS_REAPURB || request == USBDEVFS_REAPURBNDELAY) return reap(client);
+  if (!open_.contains(client)) {
     umockdev_ioctl_client_complete(client, -1, ENODEV);
     return TRUE;
   }
@@ -188,9 +188,6 @@ gboolean UsbPort::handle(UMockdevIoctlClient* client) {
       return TRUE;
     case USBDEVFS_SUBMITURB:
       return submit(client);
-    case USBDEVFS_REAPURB:
-    case USBDEVFS_REAPURBNDELAY:
-      return reap(client);
     default:
       umockdev_ioctl_client_complete(client, -1, ENOTTY);
       return TRUE;
