@@ -29,6 +29,12 @@ Repeat longest_repeat(const CellSigns& signs, int orders) {
   return longest;
 }
 
+int repeats_after(const std::vector<float>& sign) {
+  for (std::ptrdiff_t cells = 2; cells < std::ssize(sign); cells += 2)
+    if (std::equal(sign.begin() + cells, sign.end(), sign.begin())) return static_cast<int>(cells / 2);
+  return 0;
+}
+
 }  // namespace
 
 Result<CellSigns> make_cell_signs(const calib::PatternValues& patterns, const calib::LensValues& projector) {
@@ -47,6 +53,7 @@ Result<CellSigns> make_cell_signs(const calib::PatternValues& patterns, const ca
   for (int c = 0; c < count; ++c) cells.sign.push_back(static_cast<float>(calib::polarity_of_cell(patterns, c)));
   cells.informative =
       std::any_of(cells.sign.begin(), cells.sign.end(), [&](float s) { return (s > 0) != (cells.sign.front() > 0); });
+  cells.repeats_after = repeats_after(cells.sign);
   return cells;
 }
 

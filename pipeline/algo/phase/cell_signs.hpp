@@ -11,6 +11,7 @@ namespace enamel::algo {
 struct CellSigns {
   std::vector<float> sign;   ///< +1 / -1 for cells 0 … size-1 of the projector's frame
   bool informative = false;  ///< both signs occur: frame 3 tells fringes apart
+  int repeats_after = 0;     ///< fringes; 1 without a code, 0: never within the frame
 
   [[nodiscard]] int cells() const noexcept { return static_cast<int>(sign.size()); }
   /// Outside the frame: the nearest cell's sign.

@@ -14,6 +14,13 @@ namespace {
 /// nearer of two orders must still be the right one.
 constexpr double kLeastTurn_rad = 0.35;
 
+int repeats_after(double code_ratio, int orders) {
+  constexpr double kSameTurn = 1e-6;  // of a whole one
+  for (int k = 1; k < orders; ++k)
+    if (std::abs(std::remainder(k / code_ratio, 1.0)) < kSameTurn) return k;
+  return 0;
+}
+
 std::string written(double x) {
   std::string s = std::to_string(x);
   s.erase(s.find_last_not_of('0') + 1);
@@ -36,6 +43,7 @@ Result<MicroCode> make_micro_code(const calib::PatternValues& patterns, const ca
     code.cosine.push_back(static_cast<float>(std::cos(turn)));
     code.sine.push_back(static_cast<float>(std::sin(turn)));
   }
+  code.repeats_after = repeats_after(patterns.code_ratio, code.cells / 2 + 1);
   return code;
 }
 

@@ -14,6 +14,7 @@ namespace enamel::algo {
 struct MicroCode {
   float inverse_ratio = 0;          ///< 1/L
   int cells = 0;                    ///< half fringes of the projector's frame, as CellSigns counts them
+  int repeats_after = 0;            ///< orders: L, or its numerator; 0: never within the frame
   std::vector<float> cosine, sine;  ///< of 2 pi k/L for the orders k = 0 … of the frame
 
   [[nodiscard]] double ratio() const noexcept { return 1.0 / static_cast<double>(inverse_ratio); }

@@ -20,6 +20,9 @@ class CodeEvidence {
   /// Absolute half-fringe cells of the projector's frame are 0 … cells() - 1.
   [[nodiscard]] virtual int cells() const = 0;
 
+  /// Orders after which the code is the same again; 0: it never is.
+  [[nodiscard]] virtual int repeats_after() const = 0;
+
   /// Negative log probability of what was seen if the piece lay in absolute cell first_cell, first_cell + 2, … (all
   /// within the frame), each capped by that of a piece whose code lies. A piece that says nothing costs nothing.
   virtual void costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const = 0;

@@ -27,6 +27,7 @@ class MicroEvidence final : public CodeEvidence {
                float outlier_cost);
 
   [[nodiscard]] int cells() const override { return code_->cells; }
+  [[nodiscard]] int repeats_after() const override { return code_->repeats_after; }
   void costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const override;
 
   /// Mean angle of the code against the decided orders, rad; stances are taken about it from then on. It is what motion

@@ -22,6 +22,7 @@ class Solver {
     choose_by_columns(pieces_, evidence_.cells(), config_, out_);
     find_open();
     inherit(kBroad_px, std::numeric_limits<std::int32_t>::max());
+    stay_within_range();
     inherit(1, config_.min_region_px);
     count_seams();
     find_specks();
@@ -38,19 +39,53 @@ class Solver {
   /// piece's row or of the whole zone, it stays undecided. Neighbours in another row count when they share least_px
   /// columns: less may be a leak through an edge's blur. Only zones of fewer than most_px pixels.
   void inherit(std::int32_t least_px, std::int32_t most_px) {
-    std::erase_if(work_.open, [&](std::int32_t i) { return !undecided(index(i)); });
-    if (work_.open.empty()) return;
-    find_zones(least_px);
-    look_around(least_px);
+    if (!find_open_zones(least_px)) return;
+    for (Zone& zone : work_.zones) zone.offer = zone.around < kSeveral && zone.px < most_px ? zone.around : kUnknown;
+    take_offers();
+  }
+
+  /// A zone that borders on nothing decided lies within the depth range where its code leaves most of it one place
+  /// there: every code repeats somewhere beyond.
+  void stay_within_range() {
+    if (evidence_.repeats_after() == 0 || !find_open_zones(kBroad_px)) return;
+    for (const std::int32_t open : work_.open) {
+      const Piece& p = pieces_[index(open)];
+      const std::int32_t state = only_within_range(index(open));
+      if (state >= 0) zone_of(index(open)).votes_px[index(state)] += p.end - p.begin;
+    }
+    for (Zone& zone : work_.zones) {
+      const auto most = std::ranges::max_element(zone.votes_px);
+      const bool clear = zone.around == kUnknown && 2 * *most > zone.px;
+      zone.offer = clear ? zone.base + static_cast<std::int32_t>(most - zone.votes_px.begin()) : kUnknown;
+    }
+    take_offers();
+  }
+
+  /// The cheapest state of a piece if it is clearly so but for repetitions of the code beyond the range; -1: it is not.
+  [[nodiscard]] std::int32_t only_within_range(std::size_t i) const {
+    const Piece& p = pieces_[i];
+    const std::int32_t base = base_shift(work_, p);
+    OrderCosts costs;
+    mean_of(work_.up[i], work_.down[i]).store(costs);
+    for (std::int32_t k = 0; k < kStates; ++k)
+      if (repeats_range(p, base + k, evidence_.repeats_after())) costs.of[index(k)] = kImpossible;
+    const Choice best = cheapest(CostPair(costs));
+    const bool clear = best.least < kImpossible && best.margin >= to_cost(config_.decided_margin);
+    const bool within = base + best.state >= p.low && base + best.state <= p.high;
+    return clear && within ? best.state : -1;
+  }
+
+  /// Gives the open pieces the shift that their zone offers, unless their code speaks against it.
+  void take_offers() {
     for (const std::int32_t open : work_.open) {
       const std::size_t i = index(open);
       const Zone& zone = zone_of(i);
-      const std::int32_t state = zone.around - base_shift(work_, pieces_[i]);
-      if (zone.around >= kSeveral || zone.px >= most_px || state < 0 || state >= kStates) continue;
+      const std::int32_t state = zone.offer - zone.base;
+      if (zone.offer == kUnknown || state < 0 || state >= kStates) continue;
       const auto k = static_cast<std::size_t>(state);
       const OrderCosts& total = work_.row[i];  // of its own row, not diluted by others
       if (total.of[k] - least(total) > to_cost(config_.inherit_cost)) continue;
-      out_.pieces[i].shift = zone.around;
+      out_.pieces[i].shift = zone.offer;
       (contradicts(zone, k) ? out_.pieces[i].disowned : out_.pieces[i].inherited) = true;
     }
     for (const std::int32_t i : work_.open) out_.pieces[index(i)].decided = out_.pieces[index(i)].inherited;
@@ -66,6 +101,15 @@ class Solver {
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] bool undecided(std::size_t i) const { return !out_.pieces[i].decided; }
   Zone& zone_of(std::size_t i) { return work_.zones[index(work_.size[i])]; }
+
+  /// Drops what is decided by now from work_.open and finds the zones of what is left; false: nothing is.
+  bool find_open_zones(std::int32_t least_px) {
+    std::erase_if(work_.open, [&](std::int32_t i) { return !undecided(index(i)); });
+    if (work_.open.empty()) return false;
+    find_zones(least_px);
+    look_around(least_px);
+    return true;
+  }
 
   /// Fills work_.open, and work_.links with the pairs of which one or both are undecided.
   void find_open() {
@@ -102,7 +146,7 @@ class Solver {
     work_.size.resize(pieces_.size());
     for (const std::int32_t open : work_.open) {
       const std::size_t i = index(open), root = sets.root(i);  // the first of its zone
-      if (root == i) work_.zones.push_back({{}, kUnknown, 0});
+      if (root == i) work_.zones.push_back({.base = base_shift(work_, pieces_[i]), .around = kUnknown});
       work_.size[i] = root == i ? static_cast<std::int32_t>(work_.zones.size()) - 1 : work_.size[root];
       Zone& zone = zone_of(i);
       zone.px += pieces_[i].end - pieces_[i].begin;

@@ -40,7 +40,7 @@ struct OrderConfig {
 struct PieceOrder {
   std::int32_t shift = 0;
   bool decided = false;
-  bool inherited = false;  ///< decided by continuity with decided pieces, not by its own code
+  bool inherited = false;  ///< decided by continuity with decided pieces or by the range, not by its own code
   bool disowned = false;   ///< undecided: the code of its zone contradicts the shift of what it borders on, `shift`
   bool speck = false;
 };
@@ -65,8 +65,11 @@ struct OrderResult {
     std::vector<Link> links;
     /// Undecided pieces that hang together.
     struct Zone {
-      std::array<std::int64_t, kOrderStates> costs{};  ///< what the code of all its pieces says, summed
-      std::int32_t around = 0;                         ///< shift of the decided pieces beside it
+      std::array<std::int64_t, kOrderStates> costs{};     ///< what the code of all its pieces says, summed
+      std::array<std::int32_t, kOrderStates> votes_px{};  ///< of pieces that have but this one within the depth range
+      std::int32_t base = 0;                              ///< shift of state 0
+      std::int32_t around = 0;                            ///< shift of the decided pieces beside it
+      std::int32_t offer = 0;                             ///< shift that its pieces may take
       std::int32_t px = 0;
     };
     std::vector<Zone> zones;

@@ -70,14 +70,19 @@ class Rows {
                     {out.nats.data() + (out.first - base), static_cast<std::size_t>(out.last - out.first + 1)});
   }
 
+  /// Where nothing but the range tells an order beyond it from one within, the range counts once a run: summed over
+  /// the pieces of a run it would outvote the rows and columns around that follow the surface out of the range.
   void price(std::size_t i, const Asked& asked) {
     const std::int32_t low = pieces_[i].low, high = pieces_[i].high;
     const std::int32_t base = asked.base, first = asked.first, last = asked.last;
     const float per_order = config_.beyond_range_cost;
+    const std::int32_t period = pieces_[i].joined ? evidence_.repeats_after() : 0;
     const std::array<float, kOrderStates> nats = asked.nats;
     OrderCosts unary;
     for (std::int32_t k = 0; k < kStates; ++k) {
-      const std::int32_t shift = base + k, beyond = std::max({low - shift, shift - high, 0});
+      const std::int32_t shift = base + k;
+      const std::int32_t beyond =
+          repeats_range(pieces_[i], shift, period) ? 0 : std::max({low - shift, shift - high, 0});
       const float cost = nats[static_cast<std::size_t>(k)] + per_order * static_cast<float>(beyond);
       const Cost priced = to_cost(std::min(cost, kImpossibleNats));
       unary.of[static_cast<std::size_t>(k)] = ((shift >= first) & (shift <= last)) ? priced : kImpossible;

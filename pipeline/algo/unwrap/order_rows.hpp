@@ -22,4 +22,11 @@ inline constexpr std::int32_t kNoBase = std::numeric_limits<std::int32_t>::max()
   return base == kNoBase ? 0 : base;
 }
 
+/// Whether a shift beyond the piece's depth range shows the code of one within, for a code that repeats after `period`
+/// orders; 0: it never does.
+[[nodiscard]] inline bool repeats_range(const Piece& piece, std::int32_t shift, std::int32_t period) {
+  if (period == 0) return false;
+  return (shift < piece.low && shift + period <= piece.high) || (shift > piece.high && shift - period >= piece.low);
+}
+
 }  // namespace enamel::algo

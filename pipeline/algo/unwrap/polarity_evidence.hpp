@@ -28,6 +28,7 @@ class PolarityEvidence final : public CodeEvidence {
                const CellSigns& signs, float outlier_cost);
 
   [[nodiscard]] int cells() const override { return signs_->cells(); }
+  [[nodiscard]] int repeats_after() const override { return signs_->repeats_after; }
   void costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const override;
   [[nodiscard]] Stance stance(std::size_t piece, std::int32_t cell) const override;
 

@@ -43,12 +43,13 @@ struct Outcome {
   [[nodiscard]] double scatter_to_sigma() const { return std::sqrt(normalised / static_cast<double>(valid - wrong)); }
 };
 
-Outcome decode(const Depth& depth, const test::SceneOptions& o, const BurstDecoder& by = decoder()) {
-  const auto scene = test::render(wide_rig(), depth, o);
+Outcome decode(const Depth& depth, const test::SceneOptions& o, const BurstDecoder& by = decoder(),
+               const calib::Rig& rig = wide_rig()) {
+  const auto scene = test::render(rig, depth, o);
   Outcome out;
   out.burst = by.decode(scene.frames.view());
-  for (int v = 0; v < wide_rig().camera.height; ++v) {
-    for (int u = 0; u < wide_rig().camera.width; ++u) {
+  for (int v = 0; v < rig.camera.height; ++v) {
+    for (int u = 0; u < rig.camera.width; ++u) {
       out.lit += o.light(u, v) > 0 ? 1U : 0U;
       const auto z = static_cast<double>(out.burst.patch.depth_mm(u, v));
       if (std::isnan(z)) continue;
@@ -117,6 +118,31 @@ TEST(MicroDecoder, surface_that_leaves_the_depth_range_is_not_folded_back_into_i
   const Outcome r = decode([](int u, int) { return 52 + 0.02 * u; }, noisy());
   EXPECT_EQ(r.wrong, 0U);
   EXPECT_GT(r.burst.counts[static_cast<std::size_t>(PixelReject::kOutOfRange)], 5000U);
+}
+
+/// A code that repeats with the K = 5 orders of the range, so that the first order beyond looks like the first within.
+Outcome decode_by_tight_code(const Depth& depth, const DecodeConfig& config = {}) {
+  const calib::Rig rig = test::micro_rig(400, 120, 5);
+  return decode(depth, noisy(), BurstDecoder::make(rig, config).value(), rig);
+}
+
+TEST(MicroDecoder, surface_is_followed_beyond_the_range_where_the_code_repeats) {
+  const Depth sinking = [](int, int v) { return 52 + 0.06 * v; };
+  const Outcome r = decode_by_tight_code(sinking);
+  EXPECT_EQ(r.wrong, 0U);
+  EXPECT_GT(r.burst.counts[static_cast<std::size_t>(PixelReject::kOutOfRange)], 10000U);
+  EXPECT_GT(r.burst.patch.valid_px, 20000U);
+  DecodeConfig strict;
+  strict.order.beyond_range_cost = 15;
+  EXPECT_GT(decode_by_tight_code(sinking, strict).wrong, 1000U) << "negative control: the range as a law";
+}
+
+TEST(MicroDecoder, surface_that_stands_alone_lies_within_the_range_where_the_code_repeats) {
+  for (const double z : {41.0, 55.0}) {
+    const Outcome r = decode_by_tight_code(test::flat(z));
+    EXPECT_EQ(r.wrong, 0U) << z;
+    EXPECT_GT(r.burst.patch.valid_px, 40000U) << z;
+  }
 }
 
 /// Its light still reaches the camera. The range holds orders 11 to 15 of a pixel here, this surface has 17, which at
