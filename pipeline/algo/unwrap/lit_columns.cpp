@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "pipeline/algo/phase/poly_trig.hpp"
-#include "pipeline/algo/unwrap/order_rows.hpp"
 
 namespace enamel::algo {
 namespace {
@@ -81,7 +80,7 @@ class Row {
   void choose(std::size_t i) {
     const Eighths covered = covered_by(pieces_[i]);
     if (covered.empty()) return;
-    const std::int32_t base = base_shift(work_, pieces_[i]);
+    const std::int32_t base = work_.base[i];
     const CostPair mean = mean_of(work_.up[i], work_.down[i]);
     const Cost least = least_everywhere(mean)[0],
                too_dear = std::min(kImpossible, static_cast<Cost>(least + most_ + margin_));

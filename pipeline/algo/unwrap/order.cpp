@@ -64,7 +64,7 @@ class Solver {
   /// The cheapest state of a piece if it is clearly so but for repetitions of the code beyond the range; -1: it is not.
   [[nodiscard]] std::int32_t only_within_range(std::size_t i) const {
     const Piece& p = pieces_[i];
-    const std::int32_t base = base_shift(work_, p);
+    const std::int32_t base = work_.base[i];
     OrderCosts costs;
     mean_of(work_.up[i], work_.down[i]).store(costs);
     for (std::int32_t k = 0; k < kStates; ++k)
@@ -140,13 +140,13 @@ class Solver {
   void find_zones(std::int32_t least_px) {
     PieceSets sets(pieces_.size(), work_.parent);
     each_link(least_px, [&](std::size_t i, std::size_t o) {
-      if (undecided(i) && undecided(o)) sets.unite(i, o);
+      if (undecided(i) && undecided(o) && work_.base[i] == work_.base[o]) sets.unite(i, o);
     });
     work_.zones.clear();
     work_.size.resize(pieces_.size());
     for (const std::int32_t open : work_.open) {
       const std::size_t i = index(open), root = sets.root(i);  // the first of its zone
-      if (root == i) work_.zones.push_back({.base = base_shift(work_, pieces_[i]), .around = kUnknown});
+      if (root == i) work_.zones.push_back({.base = work_.base[i], .around = kUnknown});
       work_.size[i] = root == i ? static_cast<std::int32_t>(work_.zones.size()) - 1 : work_.size[root];
       Zone& zone = zone_of(i);
       zone.px += pieces_[i].end - pieces_[i].begin;

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "pipeline/algo/unwrap/cells.hpp"
@@ -56,14 +58,15 @@ struct OrderResult {
     std::vector<OrderCosts> unary, row, right, up, down;
     std::vector<Cost> margin;  ///< by how much any other shift is dearer; 0 where none is possible
     std::vector<LitColumn> lit;
-    std::vector<std::int32_t> base, parent, size;
+    std::vector<std::int32_t> base;  ///< shift of each piece's state 0
+    std::vector<std::int32_t> parent, size;
     std::vector<std::int32_t> open;  ///< undecided pieces
     /// Two linked pieces, at least one of them undecided, and how many columns they share if their rows differ.
     struct Link {
       std::int32_t piece, other, shared_px;
     };
     std::vector<Link> links;
-    /// Undecided pieces that hang together.
+    /// Undecided pieces of one base that hang together.
     struct Zone {
       std::array<std::int64_t, kOrderStates> costs{};     ///< what the code of all its pieces says, summed
       std::array<std::int32_t, kOrderStates> votes_px{};  ///< of pieces that have but this one within the depth range
@@ -73,6 +76,15 @@ struct OrderResult {
       std::int32_t px = 0;
     };
     std::vector<Zone> zones;
+    /// A component of the flood: the shifts that the depth range allows its pieces.
+    struct Part {
+      std::int32_t low = std::numeric_limits<std::int32_t>::max(), last_low = std::numeric_limits<std::int32_t>::min();
+      std::int32_t high = std::numeric_limits<std::int32_t>::min();
+      std::int32_t widest = 0;                ///< number of shifts of a piece
+      std::size_t first_slot = 0, slots = 0;  ///< in window_px and window_base; none: all pieces share low - kBeyond
+    };
+    std::vector<Part> parts;
+    std::vector<std::int32_t> window_px, window_base;  ///< by lowest shift, of the parts that need several bases
   } work;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "pipeline/algo/unwrap/order_windows.hpp"
 #include "pipeline/types/simd.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -13,7 +14,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
-constexpr std::int32_t kBeyond = 2;  ///< orders beyond the depth range that a surface is followed
 constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
 
 class Rows {
@@ -31,11 +31,7 @@ class Rows {
 
  private:
   void prepare(std::int32_t components) {
-    work_.base.assign(static_cast<std::size_t>(components), kNoBase);
-    for (const Piece& p : pieces_) {
-      auto& base = work_.base[static_cast<std::size_t>(p.component)];
-      if (p.low <= p.high) base = std::min(base, p.low - kBeyond);
-    }
+    find_bases(pieces_, components, work_);
     for (auto* v : {&work_.unary, &work_.row, &work_.right, &work_.up, &work_.down}) v->resize(pieces_.size());
     work_.margin.resize(pieces_.size());
     out_.pieces.assign(pieces_.size(), {});
@@ -60,7 +56,7 @@ class Rows {
   /// within the projector's frame.
   void ask(std::size_t i, Asked& out) const {
     const Piece& p = pieces_[i];
-    const std::int32_t base = base_shift(work_, p);
+    const std::int32_t base = work_.base[i];
     out.base = base;
     out.first = std::max({base, p.low - kBeyond, first_in_frame(p.cell)});
     out.last = std::min({base + kStates - 1, p.high + kBeyond, (evidence_.cells() - 1 - p.cell) >> 1});
@@ -95,12 +91,15 @@ class Rows {
 
   Cost jump_cost(const Piece& p) const { return to_cost(p.kink ? config_.kink_jump_cost : config_.shade_jump_cost); }
 
+  /// State of the piece before i in the list that has the shift of state 0 of piece i, negative: as GapCosts.lean.
+  std::int32_t lean_of_bases(std::size_t i) const { return work_.base[i - 1] - work_.base[i]; }
+
   /// What piece i thinks of the shifts of the piece before it in the row, beyond a gap.
   GapCosts gap_before(std::size_t i) const {
     const Gap& gap = pieces_[i].gap;
     const Cost skip = to_cost(gap.contact ? config_.missed_contact_cost : 0);
     const Cost fold = to_cost(config_.fold_cost + (gap.contact ? config_.missed_contact_cost : 0));
-    const std::int32_t lean = gap.lean + base_shift(work_, pieces_[i - 1]) - base_shift(work_, pieces_[i]);
+    const std::int32_t lean = gap.lean + lean_of_bases(i);
     return gap.rise > 0 ? GapCosts{lean, skip, fold} : GapCosts{lean, fold, skip};
   }
 
@@ -108,20 +107,29 @@ class Rows {
   /// projector's columns in order may hide there; the other way something thin would have to stand before the surface.
   GapCosts step_before(std::size_t i) const {
     const Cost jump = jump_cost(pieces_[i]), fold = static_cast<Cost>(jump + to_cost(config_.fold_cost));
-    return pieces_[i].gap.rise > 0 ? GapCosts{0, jump, fold} : GapCosts{0, fold, jump};
+    const std::int32_t lean = lean_of_bases(i);
+    return pieces_[i].gap.rise > 0 ? GapCosts{lean, jump, fold} : GapCosts{lean, fold, jump};
+  }
+
+  /// The same without a step: a jump hides there as likely one way as the other.
+  GapCosts smooth_before(std::size_t i) const {
+    const Cost jump = to_cost(config_.unseen_jump_cost);
+    return {lean_of_bases(i), jump, jump};
   }
 
   /// Message of piece `from` to its neighbour in the row, `to`, with that one's own evidence added.
   void tell(const OrderCosts& said, std::size_t from, std::size_t to, OrderCosts& out) const {
     const std::size_t later = std::max(from, to);
     const Piece& piece = pieces_[later];
-    if (piece.gap.rise != 0) {
-      const GapCosts g = piece.joined ? step_before(later) : gap_before(later);
-      pass_gap(said, work_.unary[to], from < to ? g : GapCosts{-g.lean, g.below, g.above}, out);
-    } else if (piece.joined) {
+    if (!piece.joined && piece.gap.rise == 0) {
+      out = work_.unary[to];
+    } else if (piece.gap.rise == 0 && lean_of_bases(later) == 0) {
       pass_joined(said, work_.unary[to], to_cost(config_.unseen_jump_cost), out);
     } else {
-      out = work_.unary[to];
+      const GapCosts g = !piece.joined         ? gap_before(later)
+                         : piece.gap.rise != 0 ? step_before(later)
+                                               : smooth_before(later);
+      pass_gap(said, work_.unary[to], from < to ? g : GapCosts{-g.lean, g.below, g.above}, out);
     }
   }
 
@@ -159,8 +167,27 @@ class Rows {
       mean[i] = own;
       return;
     }
-    blend(mean[static_cast<std::size_t>(neighbour)], own, config_.row_memory, to_cost(4 * config_.unseen_jump_cost),
-          mean[i]);
+    const auto o = static_cast<std::size_t>(neighbour);
+    const Cost most = to_cost(4 * config_.unseen_jump_cost);
+    const std::int32_t offset = work_.base[i] - work_.base[o];
+    if (offset == 0) {
+      blend(mean[o], own, config_.row_memory, most, mean[i]);
+    } else {
+      blend(moved(mean[o], offset, most), own, config_.row_memory, most, mean[i]);
+    }
+  }
+
+  /// Costs by the states of a piece whose base is higher by `offset`; of those that the other piece lacks, `most` above
+  /// its least.
+  static OrderCosts moved(const OrderCosts& costs, std::int32_t offset, Cost most) {
+    const auto dear = static_cast<Cost>(least(costs) + most);
+    OrderCosts out;
+    for (std::int32_t k = 0; k < kStates; ++k) {
+      const std::int32_t from = k + offset;
+      const bool known = from >= 0 && from < kStates;
+      out.of[static_cast<std::size_t>(k)] = known ? std::min(costs.of[static_cast<std::size_t>(from)], dear) : dear;
+    }
+    return out;
   }
 
   void choose() {
@@ -168,7 +195,7 @@ class Rows {
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const Choice choice = cheapest(mean_of(work_.up[i], work_.down[i]));
       const bool possible = choice.least < kImpossible;
-      out_.pieces[i].shift = base_shift(work_, pieces_[i]) + choice.state;
+      out_.pieces[i].shift = work_.base[i] + choice.state;
       out_.pieces[i].decided = possible && choice.margin >= margin;
       work_.margin[i] = possible ? choice.margin : Cost{0};
     }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "pipeline/algo/unwrap/order.hpp"
@@ -13,14 +12,6 @@ namespace enamel::algo {
 /// row, what each piece's own row says; up and down, whose mean the choice was made by; margin, how clear it was.
 void label_rows(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
                 const OrderConfig& config, OrderResult& out);
-
-inline constexpr std::int32_t kNoBase = std::numeric_limits<std::int32_t>::max();
-
-/// Shift of a piece's first state.
-[[nodiscard]] inline std::int32_t base_shift(const OrderResult::Work& work, const Piece& piece) {
-  const std::int32_t base = work.base[static_cast<std::size_t>(piece.component)];
-  return base == kNoBase ? 0 : base;
-}
 
 /// Whether a shift beyond the piece's depth range shows the code of one within, for a code that repeats after `period`
 /// orders; 0: it never does.
