@@ -45,7 +45,7 @@ class Solver {
   }
 
   /// A zone that borders on nothing decided lies within the depth range where its code leaves most of it one place
-  /// there: every code repeats somewhere beyond.
+  /// there: nothing speaks for the repetitions of the code beyond.
   void stay_within_range() {
     if (evidence_.repeats_after() == 0 || !find_open_zones(kBroad_px)) return;
     for (const std::int32_t open : work_.open) {

@@ -17,7 +17,7 @@ using Cost = std::int16_t;
   return static_cast<Cost>((static_cast<std::int32_t>(nats * 128) + 1) / 2);
 }
 
-/// Shifts of a piece, from its component's lowest on.
+/// Shifts of a piece, from its base on (order_windows.hpp).
 inline constexpr std::size_t kOrderStates = 16;
 struct OrderCosts {
   alignas(32) std::array<Cost, kOrderStates> of{};
