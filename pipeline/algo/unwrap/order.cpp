@@ -10,8 +10,6 @@
 namespace enamel::algo {
 namespace {
 
-constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
-
 class Solver {
  public:
   Solver(const std::vector<Piece>& pieces, const CodeEvidence& evidence, const OrderConfig& config, OrderResult& out)

@@ -21,7 +21,6 @@ CostHalf least_from(CostHalf a, CostHalf top) {
 }  // namespace
 
 void pass_gap(const OrderCosts& in, const OrderCosts& own, const GapCosts& gap, OrderCosts& out) noexcept {
-  constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
   const CostPair said(in);
   const CostHalf low = least_everywhere(said), most = CostHalf{} + std::max(gap.above, gap.below);
   const CostHalf above = CostHalf{} + gap.above, below = CostHalf{} + gap.below;

@@ -19,6 +19,7 @@ using Cost = std::int16_t;
 
 /// Shifts of a piece, from its base on (order_windows.hpp).
 inline constexpr std::size_t kOrderStates = 16;
+inline constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);  ///< the same, as shifts count
 struct OrderCosts {
   alignas(32) std::array<Cost, kOrderStates> of{};
 };

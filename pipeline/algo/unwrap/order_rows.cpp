@@ -14,8 +14,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
-constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
-
 class Rows {
  public:
   Rows(const std::vector<Piece>& pieces, const CodeEvidence& evidence, const OrderConfig& config, OrderResult& out)
@@ -91,7 +89,7 @@ class Rows {
 
   Cost jump_cost(const Piece& p) const { return to_cost(p.kink ? config_.kink_jump_cost : config_.shade_jump_cost); }
 
-  /// State of the piece before i in the list that has the shift of state 0 of piece i, negative: as GapCosts.lean.
+  /// GapCosts.lean of equal shifts: by how many states the piece before i in the list counts from further up.
   std::int32_t lean_of_bases(std::size_t i) const { return work_.base[i - 1] - work_.base[i]; }
 
   /// What piece i thinks of the shifts of the piece before it in the row, beyond a gap.
@@ -111,8 +109,11 @@ class Rows {
     return pieces_[i].gap.rise > 0 ? GapCosts{lean, jump, fold} : GapCosts{lean, fold, jump};
   }
 
-  /// The same without a step: a jump hides there as likely one way as the other.
-  GapCosts smooth_before(std::size_t i) const {
+  /// What piece i thinks of the shifts of the piece before it in the list; without a gap or a step a jump hides as
+  /// likely one way as the other.
+  GapCosts before(std::size_t i) const {
+    if (!pieces_[i].joined) return gap_before(i);
+    if (pieces_[i].gap.rise != 0) return step_before(i);
     const Cost jump = to_cost(config_.unseen_jump_cost);
     return {lean_of_bases(i), jump, jump};
   }
@@ -123,12 +124,10 @@ class Rows {
     const Piece& piece = pieces_[later];
     if (!piece.joined && piece.gap.rise == 0) {
       out = work_.unary[to];
-    } else if (piece.gap.rise == 0 && lean_of_bases(later) == 0) {
+    } else if (piece.gap.rise == 0 && lean_of_bases(later) == 0) {  // as pass_gap would, but faster
       pass_joined(said, work_.unary[to], to_cost(config_.unseen_jump_cost), out);
     } else {
-      const GapCosts g = !piece.joined         ? gap_before(later)
-                         : piece.gap.rise != 0 ? step_before(later)
-                                               : smooth_before(later);
+      const GapCosts g = before(later);
       pass_gap(said, work_.unary[to], from < to ? g : GapCosts{-g.lean, g.below, g.above}, out);
     }
   }

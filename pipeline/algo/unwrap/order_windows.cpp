@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 #include <numeric>
 #include <span>
 
@@ -10,8 +9,6 @@ namespace enamel::algo {
 namespace {
 
 using Part = OrderResult::Work::Part;
-
-constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);
 
 void widen(Part& part, const Piece& p) {
   part.low = std::min(part.low, p.low);
@@ -49,13 +46,27 @@ void cover(std::span<std::int32_t> px, std::int32_t low, std::size_t width, std:
   }
 }
 
+Part& part_of(const Piece& p, OrderResult::Work& work) { return work.parts[static_cast<std::size_t>(p.component)]; }
+
+/// Fills window_base for the parts that have slots.
+void find_windows(const std::vector<Piece>& pieces, OrderResult::Work& work) {
+  for (const Piece& p : pieces) {
+    const Part& part = part_of(p, work);
+    if (part.slots > 0) work.window_px[slot_of(part, p)] += p.end - p.begin;
+  }
+  const std::span px(work.window_px), base(work.window_base);
+  for (const Part& part : work.parts) {
+    const auto width = static_cast<std::size_t>(std::max(1, kStates - 2 * kBeyond - part.widest + 1));
+    cover(px.subspan(part.first_slot, part.slots), part.low, width, base.subspan(part.first_slot, part.slots));
+  }
+}
+
 }  // namespace
 
 void find_bases(const std::vector<Piece>& pieces, std::int32_t components, OrderResult::Work& work) {
   work.parts.assign(static_cast<std::size_t>(components), {});
-  const auto part_of = [&](const Piece& p) -> Part& { return work.parts[static_cast<std::size_t>(p.component)]; };
   for (const Piece& p : pieces) {
-    if (p.low <= p.high) widen(part_of(p), p);
+    if (p.low <= p.high) widen(part_of(p, work), p);
   }
   std::size_t slots = 0;
   for (Part& part : work.parts) {
@@ -66,17 +77,10 @@ void find_bases(const std::vector<Piece>& pieces, std::int32_t components, Order
   }
   work.window_px.assign(slots, 0);
   work.window_base.assign(slots, 0);
-  for (const Piece& p : pieces) {
-    if (part_of(p).slots > 0) work.window_px[slot_of(part_of(p), p)] += p.end - p.begin;
-  }
-  for (const Part& part : work.parts) {
-    const auto width = static_cast<std::size_t>(std::max(1, kStates - 2 * kBeyond - part.widest + 1));
-    const std::span px(work.window_px), base(work.window_base);
-    cover(px.subspan(part.first_slot, part.slots), part.low, width, base.subspan(part.first_slot, part.slots));
-  }
+  if (slots > 0) find_windows(pieces, work);
   work.base.resize(pieces.size());
   for (std::size_t i = 0; i < pieces.size(); ++i) {
-    const Part& part = part_of(pieces[i]);
+    const Part& part = part_of(pieces[i], work);
     work.base[i] = part.slots > 0 ? work.window_base[slot_of(part, pieces[i])] : part.low - kBeyond;
   }
 }

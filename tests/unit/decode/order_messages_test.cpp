@@ -10,8 +10,6 @@
 namespace enamel::algo {
 namespace {
 
-constexpr int kStates = static_cast<int>(kOrderStates);
-
 OrderCosts random_costs(std::mt19937& rng, int most_nats) {
   std::uniform_int_distribution<int> cost(0, most_nats * 64);
   OrderCosts out;
