@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <set>
 #include <string>
 #include <vector>
 
+#include "calib/model/json_object.hpp"
 #include "calib/model/json_section.hpp"
 #include "calib/model/lens.hpp"
 
@@ -221,37 +220,10 @@ Rig read_top(JsonSection& s) {
   return rig;
 }
 
-/// Watches a parser for keys that stand twice in one object, of which it would keep the last without a word.
-class TwiceWritten {
- public:
-  using Event = nlohmann::json::parse_event_t;
-
-  bool operator()(int /*depth*/, Event event, const nlohmann::json& parsed) {
-    if (event == Event::object_start) seen_.emplace_back();
-    if (event == Event::object_end) seen_.pop_back();
-    if (event != Event::key) return true;
-    const auto& key = parsed.get_ref<const std::string&>();
-    if (!seen_.back().insert(key).second && key_.empty()) key_ = key;
-    return true;
-  }
-
-  /// The first such key; empty: none.
-  [[nodiscard]] const std::string& key() const noexcept { return key_; }
-
- private:
-  std::vector<std::set<std::string>> seen_;  ///< of each object that is open
-  std::string key_;
-};
-
 }  // namespace
 
 Result<Rig> read_rig_json(std::string_view text) {
-  TwiceWritten twice;
-  const auto json = nlohmann::json::parse(text, std::ref(twice), /*allow_exceptions=*/false);
-  if (json.is_discarded()) return fail(ErrorCode::kRigInvalid, "not valid JSON (NaN and infinity are no JSON numbers)");
-  if (!twice.key().empty())
-    return fail(ErrorCode::kRigInvalid, "key '" + twice.key() + "' is written twice: nobody can tell which one holds");
-  if (!json.is_object()) return fail(ErrorCode::kRigInvalid, "the file must hold one object");
+  ENAMEL_TRY_ASSIGN(const auto json, parse_json_object(text, ErrorCode::kRigInvalid));
   Faults faults;
   JsonSection top(json, "", faults);
   Rig rig = read_top(top);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "calib/model/json_object.hpp"
+
 namespace enamel::calib {
 namespace {
 
@@ -56,8 +58,7 @@ Result<void> read_dots(const nlohmann::json& json, TargetDesign& target) {
 }  // namespace
 
 Result<TargetDesign> parse_target(std::string_view text) {
-  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return fail(ErrorCode::kTargetFile, "not a JSON object");
+  ENAMEL_TRY_ASSIGN(const auto json, parse_json_object(text, ErrorCode::kTargetFile));
   TargetDesign target;
   const auto type = json.find("type");
   if (type == json.end() || !type->is_string()) return fail(ErrorCode::kTargetFile, "key 'type' is missing");

@@ -286,6 +286,8 @@ TEST(Target, bad_files_are_refused_with_the_key) {
   refused(R"({"type": "circle_grid", "cols": 9, "rows": 7, "pitch_mm": 2, "radius_mm": 1.3})", "radius_mm");
   refused(R"({"type": "circle_grid", "cols": 9, "rows": 7, "pitch_mm": 2, "radius_mm": 0.3, "marks": [[9, 0]]})",
           "marks");
+  refused(R"({"type": "circle_grid", "cols": 9, "rows": 7, "pitch_mm": 2, "pitch_mm": 3, "radius_mm": 0.3})",
+          "'pitch_mm' is written twice");
 }
 
 }  // namespace
