@@ -66,7 +66,7 @@ using PreviewSlot = LatestSlot<std::shared_ptr<const stage::PreviewItem>>;
 /// push() from one thread, preview().take() from one thread, the rest from the owner.
 class ScanPipeline {
  public:
-  /// Errors: kRigInvalid, kPatternSet.
+  /// Errors: kRigInvalid, kPatternSet, kPatternAmbiguous.
   [[nodiscard]] static Result<std::unique_ptr<ScanPipeline>> create(const calib::Rig& rig, const PipelineConfig& config,
                                                                     const ScanPipelineOptions& options, Clock& clock);
   ~ScanPipeline();

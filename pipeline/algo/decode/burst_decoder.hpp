@@ -83,9 +83,9 @@ class DecodeWorkspace {
 class BurstDecoder {
  public:
   /// Bakes the rig's per-pixel geometry (about half a second for VGA). Errors: kPatternSet (mode multi, fringes along
-  /// v, a code of mode T or a code ratio of mode M that leaves orders of the depth range alike), kRigInvalid (no depth
-  /// range given anywhere, or one of absurdly many fringes; geometry that does not determine depth; mode M without
-  /// `noise`, which no closure residual can stand in for).
+  /// v), kPatternAmbiguous (a code that leaves orders of the depth range alike), kRigInvalid (no depth range given
+  /// anywhere, or one of absurdly many fringes; geometry that does not determine depth; mode M without `noise`, which
+  /// no closure residual can stand in for).
   [[nodiscard]] static Result<BurstDecoder> make(const calib::Rig& rig, const DecodeConfig& config = {});
 
   /// `out` keeps its memory. On rejection the maps that were reached are filled, the patch is empty (all NaN).

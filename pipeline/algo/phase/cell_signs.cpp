@@ -63,11 +63,10 @@ Result<void> check_windows_differ(const CellSigns& signs, double span_fringes) {
   if (r.cells <= kLongestAlike) return {};
   std::string window;
   for (int c = r.cell; c < r.cell + r.cells; ++c) window += signs.at(c) > 0 ? '+' : '-';
-  return fail(ErrorCode::kPatternSet, "polarity_code shows the window " + window + " (" + std::to_string(r.cells) +
-                                          " half fringes) at two of the " + std::to_string(orders) +
-                                          " fringe orders that the depth range leaves open, " +
-                                          std::to_string(r.fringes) +
-                                          " apart: use a code without such windows or a smaller depth range");
+  return fail(ErrorCode::kPatternAmbiguous,
+              "polarity_code shows the window " + window + " (" + std::to_string(r.cells) +
+                  " half fringes) at two of the " + std::to_string(orders) +
+                  " fringe orders that the depth range leaves open, " + std::to_string(r.fringes) + " apart");
 }
 
 }  // namespace enamel::algo

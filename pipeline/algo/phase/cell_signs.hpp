@@ -26,7 +26,8 @@ struct CellSigns {
                                                 const calib::LensValues& projector);
 
 /// Whether the code tells apart the fringe orders that a depth range of span_fringes leaves open at one pixel. Error:
-/// kPatternSet when three half fringes or more look the same at two of them; the message names the longest such window.
+/// kPatternAmbiguous when three half fringes or more look the same at two of them; the message names the longest such
+/// window.
 [[nodiscard]] Result<void> check_windows_differ(const CellSigns& signs, double span_fringes);
 
 }  // namespace enamel::algo

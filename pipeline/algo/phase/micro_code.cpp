@@ -51,15 +51,16 @@ Result<void> check_orders_differ(double code_ratio, double span_fringes) {
   const int orders = static_cast<int>(std::floor(span_fringes)) + 1;
   const std::string said = "code_ratio " + written(code_ratio);
   if (code_ratio < orders) {
-    return fail(ErrorCode::kPatternSet, said + " repeats within the " + std::to_string(orders) +
-                                            " fringe orders that the depth range leaves open: it must be at least " +
-                                            std::to_string(orders));
+    return fail(ErrorCode::kPatternAmbiguous,
+                said + " repeats within the " + std::to_string(orders) +
+                    " fringe orders that the depth range leaves open: it must be at least " + std::to_string(orders));
   }
   for (int d = 1; d < orders; ++d) {
     const double turn = 2 * std::numbers::pi * d / code_ratio;
     if (std::abs(std::remainder(turn, 2 * std::numbers::pi)) < kLeastTurn_rad) {
-      return fail(ErrorCode::kPatternSet, said + " hardly tells fringe orders apart that are " + std::to_string(d) +
-                                              " from each other: their codes differ by under 20 degrees");
+      return fail(ErrorCode::kPatternAmbiguous, said + " hardly tells fringe orders apart that are " +
+                                                    std::to_string(d) +
+                                                    " from each other: their codes differ by under 20 degrees");
     }
   }
   return {};

@@ -25,7 +25,7 @@ struct MicroCode {
                                                 const calib::LensValues& projector);
 
 /// Whether the code tells all orders apart that a pixel's depth range leaves open: span_fringes is the largest such
-/// range, which holds K = floor(span) + 1 orders. Errors: kPatternSet when L < K (orders k and k + L look the same),
+/// range, which holds K = floor(span) + 1 orders. Error: kPatternAmbiguous when L < K (orders k and k + L look alike)
 /// and when two of the K orders turn the code by nearly the same angle.
 [[nodiscard]] Result<void> check_orders_differ(double code_ratio, double span_fringes);
 

@@ -45,11 +45,11 @@ TEST(MicroCode, orders_of_the_depth_range_must_differ) {
   EXPECT_TRUE(check_orders_differ(12, 4.86));  // fragile, but 30 degrees apart
   const auto repeats = check_orders_differ(6, 6.1);
   ASSERT_FALSE(repeats);
-  EXPECT_EQ(repeats.error().code, ErrorCode::kPatternSet);
+  EXPECT_EQ(repeats.error().code, ErrorCode::kPatternAmbiguous);
   EXPECT_THAT(repeats.error().detail, testing::HasSubstr("code_ratio 6 repeats within the 7 fringe orders"));
   const auto alike = check_orders_differ(30, 4.86);
   ASSERT_FALSE(alike);
-  EXPECT_EQ(alike.error().code, ErrorCode::kPatternSet);
+  EXPECT_EQ(alike.error().code, ErrorCode::kPatternAmbiguous);
   EXPECT_FALSE(check_orders_differ(2.5, 2.5));  // three orders on a circle of two and a half
 }
 
@@ -57,7 +57,7 @@ TEST(MicroCode, decoder_checks_the_rig_at_load) {
   EXPECT_TRUE(BurstDecoder::make(test::micro_rig(64, 32)));
   const auto coarse = BurstDecoder::make(test::micro_rig(64, 32, 3));
   ASSERT_FALSE(coarse);
-  EXPECT_EQ(coarse.error().code, ErrorCode::kPatternSet);
+  EXPECT_EQ(coarse.error().code, ErrorCode::kPatternAmbiguous);
   calib::Rig rig = test::micro_rig(64, 32);
   rig.noise.reset();
   EXPECT_EQ(BurstDecoder::make(rig).error().code, ErrorCode::kRigInvalid);

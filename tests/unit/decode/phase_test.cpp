@@ -185,7 +185,7 @@ TEST(CellSigns, windows_that_repeat_within_the_depth_range_are_named) {
   EXPECT_TRUE(check_windows_differ(make_cell_signs(rig.patterns, rig.projector).value(), 4.6));  // the probe's own code
   const auto repeats = check({1, 1, -1, 1, 1, -1, -1, 1, 1, -1, 1, 1}, 2.5);
   ASSERT_FALSE(repeats);
-  EXPECT_EQ(repeats.error().code, ErrorCode::kPatternSet);
+  EXPECT_EQ(repeats.error().code, ErrorCode::kPatternAmbiguous);
   EXPECT_NE(repeats.error().detail.find("half fringes) at two of the 3 fringe orders"), std::string::npos)
       << repeats.error().detail;
   // The same code, with a depth range of one order: nothing to tell apart.
