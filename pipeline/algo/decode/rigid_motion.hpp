@@ -16,10 +16,10 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "pipeline/algo/decode/motion_detail.hpp"
 #include "pipeline/algo/decode/motion_images.hpp"
+#include "pipeline/algo/decode/motion_nodes.hpp"
 #include "pipeline/algo/decode/motion_samples.hpp"
 #include "pipeline/algo/decode/motion_view.hpp"
 #include "pipeline/algo/phase/closure.hpp"
@@ -50,8 +50,7 @@ struct RigidMotionWork {
   MotionSamples samples;
   MotionImages images;
   MotionColumns columns;
-  std::vector<float> slopes, rate, light;  ///< of all nodes; rate and light for each of the six unknowns
-  std::vector<std::uint8_t> quality;
+  MotionNodes nodes;
   MotionDetailWork detail;
 };
 
