@@ -78,8 +78,9 @@ class Solver {
     for (const std::int32_t open : work_.open) {
       const std::size_t i = index(open);
       const Zone& zone = zone_of(i);
+      if (zone.offer == kUnknown) continue;
       const std::int32_t state = zone.offer - zone.base;
-      if (zone.offer == kUnknown || state < 0 || state >= kStates) continue;
+      if (state < 0 || state >= kStates) continue;
       const auto k = static_cast<std::size_t>(state);
       const OrderCosts& total = work_.row[i];  // of its own row, not diluted by others
       if (total.of[k] - least(total) > to_cost(config_.inherit_cost)) continue;
