@@ -7,6 +7,7 @@
 #include "calib/model/measuring_rig.hpp"
 #include "host/app/calibration.hpp"
 #include "host/app/command.hpp"
+#include "pipeline/algo/decode/burst_decoder.hpp"
 
 namespace enamel::app {
 
@@ -17,12 +18,22 @@ struct Options {
   bool json = false;
 };
 
+/// A code whose fringe orders no decoder could tell apart is refused before it is projected. A rig that states no depth
+/// range leaves that to whoever decodes.
+Result<void> check_code(const calib::Rig& rig) {
+  if (!rig.depth_range) return {};
+  const auto decoder = algo::BurstDecoder::make(rig);
+  if (decoder || decoder.error().code != ErrorCode::kPatternAmbiguous) return {};
+  return fail(decoder.error().code, decoder.error().detail);
+}
+
 Result<int> run_patterns(const Options& o) {
   ENAMEL_TRY_ASSIGN(calib::Rig rig, calib::load_rig(o.rig));
   if (!o.calibration.empty()) {
     ENAMEL_TRY_ASSIGN(const Calibration solved, load_calibration(o.calibration));
     ENAMEL_TRY_ASSIGN(rig, calib::measuring_rig(solved.rig, rig));
   }
+  ENAMEL_TRY(check_code(rig));
   ENAMEL_TRY_ASSIGN(const std::string description, calib::write_patterns(rig, o.out));
   if (o.json) {
     std::fputs(description.c_str(), stdout);

@@ -162,7 +162,7 @@ TEST_F(Calibrate, patterns_for_the_projector_undo_the_response_that_was_measured
   write_response(folder, 1.08);
   ASSERT_EQ(solve(folder).code, 0);
   nlohmann::json own = nlohmann::json::parse(read_file(folder + "/rig.json").value());
-  own["patterns"] = {{"mode", "T"}, {"period_px", 24}, {"polarity_code", "-++++-+--+-+--+-"}};
+  own["patterns"] = {{"mode", "T"}, {"period_px", 24}, {"polarity_code", "-++++-+---++---+"}};
   const std::string probe = own_ / "probe.json";
   ASSERT_TRUE(write_file(probe, own.dump()));
   const auto patterns = [&](std::vector<std::string> more) {
@@ -186,6 +186,12 @@ TEST_F(Calibrate, patterns_for_the_projector_undo_the_response_that_was_measured
   const auto multi = patterns({rig(), own_ / "none"});
   EXPECT_EQ(multi.code, 2);
   EXPECT_THAT(multi.err, testing::HasSubstr("give the probe's own rig"));
+  EXPECT_FALSE(fs::exists(own_ / "none"));
+  own["patterns"] = {{"mode", "M"}, {"period_px", 24}, {"code_ratio", 4}};
+  ASSERT_TRUE(write_file(probe, own.dump()));
+  const auto alike = patterns({probe, own_ / "none"});
+  EXPECT_EQ(alike.code, 2);
+  EXPECT_THAT(alike.err, testing::HasSubstr("code_ratio 4 repeats within the 6 fringe orders"));
   EXPECT_FALSE(fs::exists(own_ / "none"));
 }
 
