@@ -23,13 +23,7 @@ class Pass {
  public:
   Pass(MotionView& view, const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays,
        const RigidMotionConfig& config, RigidMotionWork& work)
-      : view_(view),
-        maps_(maps),
-        turn_(turn),
-        rays_(rays),
-        config_(config),
-        work_(work),
-        pivot_mm_(0, 0, pivot_depth_mm(rays)) {}
+      : view_(view), maps_(maps), turn_(turn), rays_(rays), config_(config), work_(work) {}
 
   std::optional<Theta> run(const MotionField* known) {
     view_.take_samples(known, work_.samples);
@@ -83,6 +77,7 @@ class Pass {
                                 static_cast<float>(theta[2]));
     const Eigen::Vector3f turn(static_cast<float>(theta[3]), static_cast<float>(theta[4]),
                                static_cast<float>(theta[5]));
+    const Eigen::Vector3f pivot_mm(0, 0, pivot_depth_mm(rays_));
     const auto pitch = static_cast<std::size_t>(nodes.columns);
     for (int row = 0; row < nodes.rows; ++row) {
       const float* inverse_depth = work_.images.inverse_depth.around(row, 0, 0);
@@ -93,7 +88,7 @@ class Pass {
         const std::size_t i = pixel_of_node(maps_, column, row);
         const auto width = static_cast<std::size_t>(maps_.phase_rad.width());
         const float x = rays_.rays.x[i], y = rays_.rays.y[i];
-        const Eigen::Vector3f u = q * shift + turn.cross(Eigen::Vector3f(x, y, 1) - q * pivot_mm_);
+        const Eigen::Vector3f u = q * shift + turn.cross(Eigen::Vector3f(x, y, 1) - q * pivot_mm);
         const float per_px = 1 / static_cast<float>(kNode_px);
         const float right = per_px * (u.x() - x * u.z()) / (rays_.rays.x[i + 1] - x);
         const float down = per_px * (u.y() - y * u.z()) / (rays_.rays.y[i + width] - y);
@@ -152,7 +147,6 @@ class Pass {
   const RayDepth& rays_;
   const RigidMotionConfig& config_;
   RigidMotionWork& work_;
-  Eigen::Vector3f pivot_mm_;  ///< turns are about this point
 };
 
 }  // namespace
