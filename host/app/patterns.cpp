@@ -24,7 +24,7 @@ Result<void> check_code(const calib::Rig& rig) {
   if (!rig.depth_range) return {};
   const auto decoder = algo::BurstDecoder::make(rig);
   if (decoder || decoder.error().code != ErrorCode::kPatternAmbiguous) return {};
-  return fail(decoder.error().code, decoder.error().detail);
+  return tl::unexpected<Error>(decoder.error());
 }
 
 Result<int> run_patterns(const Options& o) {
