@@ -56,16 +56,6 @@ inline constexpr float kTwoPiF = 6.28318530717959F;
   return unfold_octant(p * q, y, x);
 }
 
-/// The same of degree 13, its terms summed in pairs, which wait less for each other: error <= 7e-7 rad (tested).
-[[nodiscard]] inline float atan2_pairs(float y, float x) noexcept {
-  const float q = fold_octant(y, x);
-  const float s = q * q, s2 = s * s;
-  const float p0 = 0.9999961256980896F - 0.3331736922264099F * s;
-  const float p1 = 0.19807815551757812F - 0.1323334276676178F * s;
-  const float p2 = 0.07962366938591003F - 0.0336042195558548F * s;
-  return unfold_octant((p0 + s2 * (p1 + s2 * (p2 + s2 * 0.006811792962253094F))) * q, y, x);
-}
-
 /// sin x for |x| <= pi/2, error <= 2e-7 (tested). Minimax odd polynomial of degree 9.
 [[nodiscard]] inline float sin_poly(float x) noexcept {
   const float s = x * x;

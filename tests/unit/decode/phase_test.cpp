@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "pipeline/types/simd.hpp"
+// simd.hpp says for which sets the decoder is compiled.
+#include <hwy/highway.h>
 
 #include "pipeline/algo/phase/cell_signs.hpp"
 #include "pipeline/algo/phase/four_step.hpp"
@@ -13,41 +18,32 @@
 namespace enamel::algo {
 namespace {
 
-/// Largest error of an arctangent over 400 000 directions, rad.
-template <class Arctangent>
-double worst_error(const Arctangent& arctangent) {
+TEST(PolyTrig, arctangent_stays_below_its_error_bound_all_around) {
   double worst = 0;
   for (int k = 0; k < 400'000; ++k) {
     const double a = -std::numbers::pi + 2 * std::numbers::pi * (k + 0.5) / 400'000;
     const auto x = static_cast<float>(80 * std::cos(a)), y = static_cast<float>(80 * std::sin(a));
     const double exact = std::atan2(static_cast<double>(y), static_cast<double>(x));
-    worst = std::max(worst, std::abs(static_cast<double>(arctangent(y, x)) - exact));
+    worst = std::max(worst, std::abs(static_cast<double>(atan2_poly(y, x)) - exact));
   }
-  return worst;
+  EXPECT_LT(worst, 4e-7);
 }
 
-TEST(PolyTrig, arctangents_stay_below_their_error_bounds_all_around) {
-  EXPECT_LT(worst_error(atan2_poly), 4e-7);
-  EXPECT_LT(worst_error(atan2_pairs), 7e-7);
+TEST(PolyTrig, arctangent_knows_the_axes) {
+  EXPECT_EQ(atan2_poly(0, 0), 0.0F);
+  EXPECT_EQ(atan2_poly(0, 3), 0.0F);
+  EXPECT_NEAR(atan2_poly(3, 0), kPiF / 2, 1e-6);
+  EXPECT_NEAR(atan2_poly(-3, 0), -kPiF / 2, 1e-6);
+  EXPECT_NEAR(atan2_poly(0, -3), kPiF, 1e-6);
+  EXPECT_NEAR(atan2_poly(-0.0F, -3), -kPiF, 1e-6);
 }
 
-TEST(PolyTrig, arctangents_know_the_axes) {
-  for (const auto arctangent : {atan2_poly, atan2_pairs}) {
-    EXPECT_EQ(arctangent(0, 0), 0.0F);
-    EXPECT_EQ(arctangent(0, 3), 0.0F);
-    EXPECT_NEAR(arctangent(3, 0), kPiF / 2, 1e-6);
-    EXPECT_NEAR(arctangent(-3, 0), -kPiF / 2, 1e-6);
-    EXPECT_NEAR(arctangent(0, -3), kPiF, 1e-6);
-    EXPECT_NEAR(arctangent(-0.0F, -3), -kPiF, 1e-6);
-  }
-}
-
-/// Any values, 600 x 2 px: a stretch and a part of one.
-test::FrameSet arbitrary_frames(int bit_depth) {
-  test::FrameSet f{600, 2, {}, bit_depth};
+/// Any values.
+test::FrameSet arbitrary_frames(int width, int height, int bit_depth) {
+  test::FrameSet f{width, height, {}, bit_depth};
   std::uint32_t state = 7;
   for (auto& frame : f.frames) {
-    for (int i = 0; i < 1200; ++i) {
+    for (int i = 0; i < width * height; ++i) {
       state = state * 1664525U + 1013904223U;
       frame.push_back(static_cast<std::uint8_t>(state >> 24U));
       if (bit_depth > 8) frame.push_back(static_cast<std::uint8_t>((state >> 16U) & 0x0FU));
@@ -56,21 +52,62 @@ test::FrameSet arbitrary_frames(int bit_depth) {
   return f;
 }
 
-TEST(FourStep, is_the_textbooks_phase_and_modulation) {
-  for (const int bit_depth : {8, 12}) {
-    const test::FrameSet f = arbitrary_frames(bit_depth);
-    const auto value = [&](std::size_t k, std::size_t i) {
-      return bit_depth == 8 ? f.frames[k][i] : f.frames[k][2 * i] + 256 * f.frames[k][2 * i + 1];
-    };
-    Map<float> phase, modulation;
-    four_step(f.view(), phase, modulation);
-    ASSERT_EQ(phase.size(), 1200U);
-    for (std::size_t i = 0; i < phase.size(); ++i) {
-      const double s = 0.5 * (value(3, i) - value(1, i)), c = 0.5 * (value(0, i) - value(2, i));
-      EXPECT_NEAR(static_cast<double>(phase[i]), std::atan2(s, c), 1e-6) << bit_depth << " bit, pixel " << i;
-      EXPECT_NEAR(static_cast<double>(modulation[i]), std::hypot(s, c), 1e-6 * std::hypot(s, c));
+/// Every two differences of 8-bit frames: I3 - I1 along v, I0 - I2 along u, -255 ... 255.
+test::FrameSet all_differences() {
+  test::FrameSet f{511, 511, {}};
+  for (int v = -255; v <= 255; ++v) {
+    for (int u = -255; u <= 255; ++u) {
+      const std::array<int, 4> values{std::max(u, 0), std::max(-v, 0), std::max(-u, 0), std::max(v, 0)};
+      for (std::size_t k = 0; k < 4; ++k) f.frames[k].push_back(static_cast<std::uint8_t>(values[k]));
     }
   }
+  return f;
+}
+
+/// Errors against the textbook's formula in double: of the phase, rad, and of the modulation, as share of it.
+struct WorstErrors {
+  double phase_rad = 0, modulation = 0;
+};
+
+WorstErrors errors_of_four_step(const test::FrameSet& f) {
+  const auto value = [&](std::size_t k, std::size_t i) {
+    return f.bit_depth == 8 ? f.frames[k][i] : f.frames[k][2 * i] + 256 * f.frames[k][2 * i + 1];
+  };
+  Map<float> phase, modulation;
+  four_step(f.view(), phase, modulation);
+  WorstErrors worst;
+  for (std::size_t i = 0; i < phase.size(); ++i) {
+    const double s = 0.5 * (value(3, i) - value(1, i)), c = 0.5 * (value(0, i) - value(2, i)), b = std::hypot(s, c);
+    worst.phase_rad = std::max(worst.phase_rad, std::abs(static_cast<double>(phase[i]) - std::atan2(s, c)));
+    worst.modulation =
+        std::max(worst.modulation, std::abs(static_cast<double>(modulation[i]) - b) / std::max(b, 1e-30));
+  }
+  return worst;
+}
+
+TEST(FourStep, is_the_textbooks_phase_and_modulation) {
+  const WorstErrors of_8_bit = errors_of_four_step(all_differences());
+  EXPECT_LT(of_8_bit.phase_rad, 7e-7);
+  EXPECT_LT(of_8_bit.modulation, 2e-7);
+  for (const int width : {1, 3, 16, 17, 600}) {
+    const WorstErrors of_12_bit = errors_of_four_step(arbitrary_frames(width, 3, 12));
+    EXPECT_LT(of_12_bit.phase_rad, 7e-7) << width << " px";
+    EXPECT_LT(of_12_bit.modulation, 2e-7) << width << " px";
+  }
+}
+
+TEST(FourStep, gives_the_same_bits_on_every_instruction_set) {
+  const test::FrameSet f = all_differences();
+  Map<float> phase, modulation;
+  four_step(f.view(), phase, modulation);
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    Map<float> other_phase, other_modulation;
+    four_step(f.view(), other_phase, other_modulation);
+    EXPECT_TRUE(std::ranges::equal(phase.pixels(), other_phase.pixels())) << hwy::TargetName(target);
+    EXPECT_TRUE(std::ranges::equal(modulation.pixels(), other_modulation.pixels())) << hwy::TargetName(target);
+  }
+  hwy::SetSupportedTargetsForTest(0);
 }
 
 TEST(FourStep, gives_zeros_where_the_frames_are_alike) {
