@@ -134,7 +134,6 @@ Json captured_study(const std::string& folder) {
                                     {"offset_sin", f.frames.offset_sin},
                                     {"squeeze", f.frames.squeeze},
                                     {"shear", f.frames.shear},
-                                    {"follow", f.frames.follow},
                                     {"reference_px", f.reference_px},
                                     {"solved_px", f.solved_px},
                                     {"orders_equal_pct", 100 * f.orders_equal},

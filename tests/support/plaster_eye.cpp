@@ -20,13 +20,16 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 algo::CellSigns all_plus() { return {std::vector<float>(128, 1.0F), false}; }
 
-/// Spans of all pixels with amplitude, without unwrapping: enough for a solution that needs no order.
-std::vector<algo::CellSpan> lit_spans(const Map<float>& amplitude) {
+/// Spans of all pixels with amplitude, cut where the phase is 0 or pi, without unwrapping: enough for a solution that
+/// needs no order.
+std::vector<algo::CellSpan> lit_spans(const StepSolution& s) {
   std::vector<algo::CellSpan> spans;
-  for (int v = 0; v < amplitude.height(); ++v) {
-    for (int u = 0; u < amplitude.width(); ++u) {
-      if (!(amplitude(u, v) > kPlasterMinAmplitude_dn)) continue;
-      if (spans.empty() || spans.back().row != v || spans.back().end != u) spans.push_back({v, u, u, 0, false});
+  for (int v = 0; v < s.amplitude_dn.height(); ++v) {
+    for (int u = 0; u < s.amplitude_dn.width(); ++u) {
+      if (!(s.amplitude_dn(u, v) > kPlasterMinAmplitude_dn)) continue;
+      const bool goes_on = !spans.empty() && spans.back().row == v && spans.back().end == u;
+      const int half = s.phase_rad(u, v) < 0 ? 1 : 0;
+      if (!goes_on || spans.back().cell != half) spans.push_back({v, u, u, half, goes_on});
       ++spans.back().end;
     }
   }
@@ -45,7 +48,7 @@ Map<float> corrected_reference(const StepSolution& s) {
     maps.cosine_dn[i] = s.amplitude_dn[i] * std::cos(s.phase_rad[i]);
     maps.sine_dn[i] = s.amplitude_dn[i] * std::sin(s.phase_rad[i]);
   }
-  algo::correct_frame_errors(lit_spans(s.amplitude_dn), polarity, 0, {.rippled_mean = false}, maps);
+  algo::correct_frame_errors(lit_spans(s), polarity, 0, {}, maps);
   return std::move(maps.phase_rad);
 }
 

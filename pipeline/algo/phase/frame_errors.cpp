@@ -1,148 +1,198 @@
 #include "pipeline/algo/phase/frame_errors.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
+#include "pipeline/algo/phase/fringe_means.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
 
 namespace enamel::algo {
 namespace {
 
-constexpr int kTerms = 4;
-using Row = Eigen::Matrix<double, kTerms, 1>;
+constexpr int kRobustRounds = 3;       ///< each leaves out what the round before could not explain: texture and edges
+constexpr double kOutlierSigmas = 3;   ///< ... by so much
+constexpr double kLeastFilled = 0.75;  ///< of the fringe around a pixel: the mean of less is no fringe's
 
-/// Sums of one block, from which its own mean is taken out before blocks are added up ("within" estimator): B/A of the
-/// block then drops out, whatever it is, and part of a fringe at the block's border does no harm.
-struct BlockSums {
-  Eigen::Matrix4d xx = Eigen::Matrix4d::Zero();
-  Row xy = Row::Zero(), x = Row::Zero();
-  double y = 0, n = 0;
-};
-
-/// Ripple of the mean of four frames, of C and S.
-struct MeanRipple {
-  double of_c = 0, of_s = 0;
-};
-
-/// A above black: code_dn is I0+I2-I1-I3, mean_dn the mean of frames 0 and 2.
-double mean_of(const PhaseMaps& m, std::size_t i, double black_dn, MeanRipple r) {
-  return static_cast<double>(m.mean_dn[i]) - 0.25 * static_cast<double>(m.code_dn[i]) - black_dn -
-         r.of_c * static_cast<double>(m.cosine_dn[i]) - r.of_s * static_cast<double>(m.sine_dn[i]);
+/// Half the length of a fringe along rows, px; 0 where no span is a whole cell.
+int half_fringe_px(std::span<const CellSpan> spans) {
+  std::vector<int> lengths;
+  for (const CellSpan& s : spans)
+    if (s.whole) lengths.push_back(s.end - s.begin);
+  if (lengths.empty()) return 0;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
 }
 
-struct Solved {
-  Row theta = Row::Zero();
+template <int N>
+using Coefficients = Eigen::Matrix<double, N, 1>;
+template <int N>
+struct Fit {
+  Coefficients<N> theta = Coefficients<N>::Zero();
   double pixels = 0;
+};
+
+/// Normal equations of N unknowns.
+template <int N>
+struct Equations {
+  Eigen::Matrix<double, N, N> xx = Eigen::Matrix<double, N, N>::Zero();
+  Coefficients<N> xy = Coefficients<N>::Zero();
+  double squares = 0, pixels = 0;
 };
 
 class Estimator {
  public:
-  Estimator(std::span<const CellSpan> spans, const PolarityMaps& polarity, double black_dn, int block_px)
-      : spans_(spans), polarity_(polarity), black_dn_(black_dn), block_px_(block_px) {}
+  Estimator(std::span<const CellSpan> spans, const PolarityMaps& polarity, double black_dn)
+      : spans_(spans), polarity_(polarity), black_dn_(black_dn), reach_px_(half_fringe_px(spans)) {}
 
-  MeanRipple ripple;
+  /// How much of C and of S is in the measured A.
+  void find_ripple_of_mean(const PhaseMaps& m) {
+    FringeMeans<1> means(m.phase_rad.width(), reach_px_);
+    std::vector<double> around(m.phase_rad.size());
+    each_row([&](std::span<const CellSpan> row) {
+      means.clear();
+      each_pixel(m, row, [&](std::size_t i, int u) { means.add(u, FringeMeans<1>::Values(measured_mean(m, i))); });
+      means.close();
+      each_pixel(m, row, [&](std::size_t i, int u) { around[i] = std::max(means.at(u)[0], 1.0); });
+    });
+    const auto say = [&](std::size_t i) {
+      const double scale = 1 / around[i];
+      return Coefficients<3>(scale * static_cast<double>(m.cosine_dn[i]), scale * static_cast<double>(m.sine_dn[i]),
+                             scale * measured_mean(m, i));
+    };
+    ripple_ = fit<2>(m, say).theta;
+  }
+
+  /// a, b, k, l.
+  [[nodiscard]] Fit<4> solve(const PhaseMaps& m) const {
+    return fit<4>(m, [&](std::size_t i) {
+      const auto b = static_cast<double>(m.modulation_dn[i]);
+      const double c = static_cast<double>(m.cosine_dn[i]) / b, s = static_cast<double>(m.sine_dn[i]) / b;
+      const double y = b / mean_of(m, i);
+      Coefficients<5> said;
+      said << c, s, y * (c * c - s * s), y * 2 * c * s, y;
+      return said;
+    });
+  }
+
+  void remove(const Coefficients<4>& t, PhaseMaps& m) const {
+    each_pixel(m, spans_, [&](std::size_t i, int) {
+      const double a = mean_of(m, i);
+      const double c = static_cast<double>(m.cosine_dn[i]) - t[0] * a, s = static_cast<double>(m.sine_dn[i]) - t[1] * a;
+      const auto cosine = static_cast<float>(c - t[2] * c - t[3] * s);
+      const auto sine = static_cast<float>(s - t[3] * c + t[2] * s);
+      m.cosine_dn[i] = cosine;
+      m.sine_dn[i] = sine;
+      m.modulation_dn[i] = root(cosine * cosine + sine * sine + 1e-6F);
+      m.phase_rad[i] += wrap_once(atan2_poly(sine, cosine) - m.phase_rad[i]);
+    });
+  }
+
+ private:
+  /// A above black: code_dn is I0+I2-I1-I3, mean_dn the mean of frames 0 and 2.
+  [[nodiscard]] double measured_mean(const PhaseMaps& m, std::size_t i) const {
+    return static_cast<double>(m.mean_dn[i]) - 0.25 * static_cast<double>(m.code_dn[i]) - black_dn_;
+  }
+
+  /// The same less its ripple.
+  [[nodiscard]] double mean_of(const PhaseMaps& m, std::size_t i) const {
+    return measured_mean(m, i) - ripple_[0] * static_cast<double>(m.cosine_dn[i]) -
+           ripple_[1] * static_cast<double>(m.sine_dn[i]);
+  }
 
   template <class Visit>
-  void pixels(const PhaseMaps& m, Visit visit) const {
-    for (const CellSpan& s : spans_) {
+  void each_row(Visit visit) const {
+    for (std::size_t begin = 0; begin < spans_.size();) {
+      std::size_t end = begin;
+      while (end < spans_.size() && spans_[end].row == spans_[begin].row) ++end;
+      visit(spans_.subspan(begin, end - begin));
+      begin = end;
+    }
+  }
+
+  template <class Visit>
+  void each_pixel(const PhaseMaps& m, std::span<const CellSpan> spans, Visit visit) const {
+    for (const CellSpan& s : spans) {
       for (int u = s.begin; u < s.end; ++u) {
         const std::size_t i = m.phase_rad.index(u, s.row);
         if (polarity_.weight[i] < 0.999F || m.reject[i] != PixelReject::kNone || std::isnan(m.code_dn[i])) continue;
-        if (mean_of(m, i, black_dn_, ripple) > 1) visit(i, u, s.row);
+        if (mean_of(m, i) > 1) visit(i, u);
       }
     }
   }
 
-  /// r_a, r_c, r_s.
-  [[nodiscard]] Eigen::Vector3d closure(const PhaseMaps& m) const {
-    Eigen::Matrix3d xx = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d xy = Eigen::Vector3d::Zero();
-    pixels(m, [&](std::size_t i, int, int) {
-      const Eigen::Vector3d x(mean_of(m, i, black_dn_, ripple), static_cast<double>(m.cosine_dn[i]),
-                              static_cast<double>(m.sine_dn[i]));
-      xx += x * x.transpose();
-      xy += x * static_cast<double>(m.code_dn[i]);
-    });
-    const auto factors = xx.ldlt();
-    if (factors.info() != Eigen::Success || !factors.isPositive()) return Eigen::Vector3d::Zero();
-    const Eigen::Vector3d r = factors.solve(xy);
-    return r.allFinite() ? r : Eigen::Vector3d::Zero();
-  }
-
-  [[nodiscard]] Solved solve(const PhaseMaps& m) const {
-    const int columns = (m.phase_rad.width() + block_px_ - 1) / block_px_;
-    const int rows = (m.phase_rad.height() + block_px_ - 1) / block_px_;
-    std::vector<BlockSums> blocks(static_cast<std::size_t>(columns * rows));
-    pixels(m, [&](std::size_t i, int u, int v) {
-      const auto b = static_cast<double>(m.modulation_dn[i]);
-      const double c = static_cast<double>(m.cosine_dn[i]) / b, s = static_cast<double>(m.sine_dn[i]) / b;
-      const double y = b / mean_of(m, i, black_dn_, ripple);
-      const Row x(c, s, y * (c * c - s * s), y * 2 * c * s);
-      BlockSums& block = blocks[static_cast<std::size_t>((v / block_px_) * columns + u / block_px_)];
-      block.xx += x * x.transpose();
-      block.xy += x * y;
-      block.x += x;
-      block.y += y;
-      block.n += 1;
-    });
-    Eigen::Matrix4d xx = Eigen::Matrix4d::Zero();
-    Row xy = Row::Zero();
-    Solved out;
-    for (const BlockSums& b : blocks) {
-      if (b.n < 2) continue;
-      xx += b.xx - b.x * b.x.transpose() / b.n;
-      xy += b.xy - b.x * (b.y / b.n);
-      out.pixels += b.n;
+  /// Least squares of what `say` tells of each pixel, N columns and what they explain, against the means of the fringe
+  /// around it; what texture and edges say is left out.
+  template <int N, class Say>
+  [[nodiscard]] Fit<N> fit(const PhaseMaps& m, const Say& say) const {
+    if (reach_px_ == 0) return {};
+    Fit<N> out;
+    double limit = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kRobustRounds; ++round) {
+      const Equations<N> e = add<N>(m, say, out.theta, limit);
+      const auto factors = e.xx.ldlt();
+      if (factors.info() != Eigen::Success || !factors.isPositive()) return {};
+      out = {factors.solve(e.xy), e.pixels};
+      if (!out.theta.allFinite()) return {};
+      limit = kOutlierSigmas * std::sqrt(e.squares / e.pixels);
     }
-    const auto factors = xx.ldlt();
-    if (factors.info() == Eigen::Success && factors.isPositive()) out.theta = factors.solve(xy);
-    if (!out.theta.allFinite()) out.theta.setZero();
     return out;
   }
 
- private:
+  /// Of the pixels that theta explains to within the limit.
+  template <int N, class Say>
+  [[nodiscard]] Equations<N> add(const PhaseMaps& m, const Say& say, const Coefficients<N>& theta, double limit) const {
+    Equations<N> e;
+    FringeMeans<N + 1> means(m.phase_rad.width(), reach_px_);
+    std::vector<Coefficients<N + 1>> said(static_cast<std::size_t>(m.phase_rad.width()));
+    each_row([&](std::span<const CellSpan> row) {
+      means.clear();
+      each_pixel(m, row, [&](std::size_t i, int u) {
+        said[static_cast<std::size_t>(u)] = say(i);
+        means.add(u, said[static_cast<std::size_t>(u)]);
+      });
+      means.close();
+      each_pixel(m, row, [&](std::size_t, int u) {
+        if (means.filled(u) < kLeastFilled) return;
+        const Coefficients<N + 1> own = said[static_cast<std::size_t>(u)] - means.at(u);
+        const Coefficients<N> x = own.template head<N>();
+        const double rest = own[N] - x.dot(theta);
+        if (!(std::abs(rest) <= limit)) return;
+        e.xx += x * x.transpose();
+        e.xy += x * own[N];
+        e.squares += rest * rest;
+        e.pixels += 1;
+      });
+    });
+    return e;
+  }
+
   std::span<const CellSpan> spans_;
   const PolarityMaps& polarity_;
   double black_dn_;
-  int block_px_;
+  int reach_px_;
+  Coefficients<2> ripple_ = Coefficients<2>::Zero();
 };
-
-/// rho, by default 1 as long as the frames' brightness differs by little.
-double follow_of(double squeeze, double closure_of_mean) {
-  constexpr double kPrior = 0.005 * 0.005;
-  return (4 * squeeze * closure_of_mean + kPrior) / (closure_of_mean * closure_of_mean + kPrior);
-}
-
-void remove(const Row& t, double black_dn, MeanRipple ripple, std::size_t i, PhaseMaps& m) {
-  const double a = mean_of(m, i, black_dn, ripple);
-  const double c = static_cast<double>(m.cosine_dn[i]) - t[0] * a, s = static_cast<double>(m.sine_dn[i]) - t[1] * a;
-  const auto cosine = static_cast<float>(c - t[2] * c - t[3] * s), sine = static_cast<float>(s - t[3] * c + t[2] * s);
-  m.cosine_dn[i] = cosine;
-  m.sine_dn[i] = sine;
-  m.modulation_dn[i] = root(cosine * cosine + sine * sine + 1e-6F);
-  m.phase_rad[i] += wrap_once(atan2_poly(sine, cosine) - m.phase_rad[i]);
-}
 
 }  // namespace
 
 FrameErrors correct_frame_errors(std::span<const CellSpan> spans, const PolarityMaps& polarity, double black_dn,
                                  const FrameErrorConfig& config, PhaseMaps& maps) {
-  Estimator estimator(spans, polarity, black_dn, config.block_px);
-  const Eigen::Vector3d r = estimator.closure(maps);
+  Estimator estimator(spans, polarity, black_dn);
   FrameErrors found;
   for (int round = 0; round < config.rounds; ++round) {
-    const Solved step = estimator.solve(maps);
+    estimator.find_ripple_of_mean(maps);
+    const Fit<4> step = estimator.solve(maps);
     if (step.pixels < config.min_pixels) return found;
-    estimator.pixels(maps, [&](std::size_t i, int, int) { remove(step.theta, black_dn, estimator.ripple, i, maps); });
+    estimator.remove(step.theta, maps);
     found.offset_cos += step.theta[0];
     found.offset_sin += step.theta[1];
     found.squeeze += step.theta[2];
     found.shear += step.theta[3];
-    found.follow = follow_of(found.squeeze, r[0]);
     found.pixels = step.pixels;
-    if (config.rippled_mean)
-      estimator.ripple = {found.follow * found.offset_cos - 0.25 * r[1], found.follow * found.offset_sin + 0.25 * r[2]};
   }
   return found;
 }

@@ -7,11 +7,9 @@
 // alone: there brightness and motion look alike. But both print fringes on the modulation, and B/A is a property of the
 // surface's matter and of focus: it knows nothing of the fringes. So
 //   |(C, S)|/A = B/A (1 + k cos 2phi + l sin 2phi) + a cos phi + b sin phi
-// is solved for a, b, k, l by least squares, B/A free in every block of the image. The measured A itself is rippled by
-// the same frames. The closure residual R = I0+I2-I1-I3 = A r_a + C r_c + S r_s tells by how much, once brightness and
-// shift are told apart: where a frame's contrast follows its brightness (beta_k = rho alpha_k), 4 k = rho r_a, and the
-// mean of the four frames is A + (rho a - r_c/4) C + (rho b + r_s/4) S. rho = 1: all light flickers; 0: the background
-// alone.
+// is solved for a, b, k, l by least squares, each pixel against the means of the fringe around it, so that B/A may be
+// anything there; texture and edges are left out by what they leave unexplained. The measured A is rippled by the same
+// frames, so it is averaged over that fringe, too.
 #pragma once
 
 #include <span>
@@ -23,20 +21,18 @@ namespace enamel::algo {
 struct FrameErrors {
   double offset_cos = 0, offset_sin = 0;  ///< a, b: of the mean intensity above black
   double squeeze = 0, shear = 0;          ///< k, l
-  double follow = 1;                      ///< rho
   double pixels = 0;                      ///< that the estimate rests on; 0: none was possible
 };
 
 struct FrameErrorConfig {
-  int block_px = 64;  ///< B/A may differ from block to block; at least a fringe wide
-  int rounds = 4;     ///< the model is first order; each round takes what the one before left
+  int rounds = 4;  ///< the model is first order; each round takes what the one before left
   double min_pixels = 5000;
-  bool rippled_mean = true;  ///< false: A is the mean of many frames, of which single ones hardly ripple it
 };
 
-/// Four-frame solution (apply_polarity with all signs +1, or the b = +1 pixels of mode T with full weight), where
-/// code_dn is the closure residual. Estimates and removes: rewrites cosine_dn, sine_dn, modulation_dn, phase_rad of the
-/// spans' pixels. The phase's turn is kept: phases may leave [-pi, pi) a little.
+/// Of a four-frame solution without flips (apply_polarity with all signs +1), where code_dn is the closure residual.
+/// spans: in row order, fringes across the rows; half of a fringe is as long as the spans that are whole cells, and
+/// without such spans there is no estimate. Estimates and removes: rewrites cosine_dn, sine_dn, modulation_dn,
+/// phase_rad of the spans' pixels. The phase's turn is kept: phases may leave [-pi, pi) a little.
 FrameErrors correct_frame_errors(std::span<const CellSpan> spans, const PolarityMaps& polarity, double black_dn,
                                  const FrameErrorConfig& config, PhaseMaps& maps);
 

@@ -100,7 +100,26 @@ struct FramesOf {
 /// What single frames do differently: all light, background alone (both as a share), place of the pattern (rad).
 struct Deviations {
   std::array<double, 4> gain{}, background{}, shift{};
+  double texture = 0;  ///< of the surface, which all frames see: tiles darker by up to this share
 };
+
+/// Tiles of 13 x 9 px, each as dark as its number says, 0 to 1.
+double tile_of(int u, int v) {
+  const auto number = static_cast<std::uint32_t>(u / 13 + 100 * (v / 9));
+  return static_cast<double>((number * 2654435761U) >> 8U) / (1U << 24U);
+}
+
+/// A row's half fringes.
+void add_cells(const std::vector<double>& phi, int row, int width, std::vector<CellSpan>& spans) {
+  const auto cell_at = [&](int u) {
+    const auto i = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
+    return static_cast<std::int32_t>(std::floor(phi[i] / std::numbers::pi));
+  };
+  for (int begin = 0, end = 0; begin < width; begin = end) {
+    while (end < width && cell_at(end) == cell_at(begin)) ++end;
+    spans.push_back({row, begin, end, cell_at(begin), begin > 0 && end < width});
+  }
+}
 
 /// 8 bit, noisy, unequal reflectance and focus.
 FramesOf frames_with(const Deviations& d) {
@@ -111,7 +130,8 @@ FramesOf frames_with(const Deviations& d) {
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
       const double phi = 2 * std::numbers::pi * (u + 0.3 * v) / 29.7;
-      const double albedo = 0.7 + 0.3 * std::sin(0.05 * u) * std::cos(0.07 * v), focus = 0.6 + 0.1 * std::sin(0.01 * u);
+      const double smooth = 0.7 + 0.3 * std::sin(0.05 * u) * std::cos(0.07 * v), focus = 0.6 + 0.1 * std::sin(0.01 * u);
+      const double albedo = smooth * (1 - d.texture * tile_of(u, v));
       out.truth.push_back(phi);
       for (std::size_t k = 0; k < 4; ++k) {
         const double wave = std::cos(phi + static_cast<double>(k) * std::numbers::pi / 2 + d.shift[k]);
@@ -123,8 +143,8 @@ FramesOf frames_with(const Deviations& d) {
   NoiseModel noise;
   noise.floor_dn2 = 1.1F;
   compute_phase(set.view(), noise, {}, out.maps);
-  for (int v = 0; v < kHeight; ++v) out.spans.push_back({v, 0, kWidth, 0, false});
-  apply_polarity(out.spans, {std::vector<float>(8, 1.0F), false}, noise, {}, out.maps, out.polarity);
+  for (int v = 0; v < kHeight; ++v) add_cells(out.truth, v, kWidth, out.spans);
+  apply_polarity(out.spans, {std::vector<float>(64, 1.0F), false}, noise, {}, out.maps, out.polarity);
   return out;
 }
 
@@ -159,9 +179,25 @@ TEST(FrameErrors, good_frames_are_left_alone) {
   EXPECT_LT(ripple(f), before + 1e-3);
 }
 
+TEST(FrameErrors, tiles_of_texture_are_not_taken_for_errors_of_frames) {
+  FramesOf good = frames_with({.texture = 0.3});
+  const FrameErrors e = correct_frame_errors(good.spans, good.polarity, 0, {}, good.maps);
+  for (const double value : {e.offset_cos, e.offset_sin, e.squeeze, e.shear}) EXPECT_LT(std::abs(value), 2e-3);
+  FramesOf f = frames_with({.background = {0, -0.03, 0, 0}, .shift = {0, 0, 0, 0.04}, .texture = 0.3});
+  const double before = ripple(f);
+  correct_frame_errors(f.spans, f.polarity, 0, {}, f.maps);
+  EXPECT_LT(ripple(f), before / 8);
+}
+
+TEST(FrameErrors, without_a_whole_cell_there_is_no_estimate) {
+  FramesOf f = frames_with({.gain = {0.1, 0, 0, 0}});
+  for (CellSpan& s : f.spans) s.whole = false;
+  EXPECT_EQ(correct_frame_errors(f.spans, f.polarity, 0, {}, f.maps).pixels, 0);
+}
+
 TEST(FrameErrors, few_pixels_give_no_estimate) {
   FramesOf f = frames_with({.gain = {0.1, 0, 0, 0}});
-  const std::vector<CellSpan> few(f.spans.begin(), f.spans.begin() + 10);
+  const std::vector<CellSpan> few(f.spans.begin(), f.spans.begin() + 200);
   EXPECT_EQ(correct_frame_errors(few, f.polarity, 0, {}, f.maps).pixels, 0);
 }
 
