@@ -12,7 +12,15 @@ namespace enamel::algo {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr std::int32_t kRowStep = 3;  ///< a third of a burst's pixels gives an amplitude to 1e-3 rad
+constexpr double kEnoughPixels = 60000;  ///< for an amplitude to 1.4e-3 rad if phases were random
+constexpr std::int32_t kMostRowStep = 3;
+
+/// Of so many rows one is asked: as few as give enough pixels.
+std::int32_t row_step(std::span<const CellSpan> spans) {
+  double pixels = 0;
+  for (const CellSpan& s : spans) pixels += s.whole ? s.end - s.begin : 0;
+  return std::clamp(static_cast<std::int32_t>(pixels / kEnoughPixels), 1, kMostRowStep);
+}
 
 /// e^{i N m phi} for m = 1 … kRippleTerms by repeated multiplication.
 void add_phase(double phase_rad, int steps, PhaseMoments& sums) {
@@ -24,6 +32,28 @@ void add_phase(double phase_rad, int steps, PhaseMoments& sums) {
     power *= base;
   }
   sums.pixels += 1;
+}
+
+/// Whether three spans from `first` on are half fringes of one run, all whole.
+bool hang_together(std::span<const CellSpan> spans, std::size_t first) {
+  if (first + 2 >= spans.size()) return false;
+  const CellSpan &a = spans[first], &b = spans[first + 1], &c = spans[first + 2];
+  const std::int32_t step = b.cell - a.cell;
+  return a.whole && b.whole && c.whole && a.row == c.row && a.end == b.begin && b.end == c.begin &&
+         std::abs(step) == 1 && c.cell - b.cell == step;
+}
+
+/// By how much of itself the number of pixels a radian rises over span k, from one end of its half fringe to the other
+/// in Phi: from two half fringes that are two apart, because ripple makes even and odd ones differ. Those on both
+/// sides; at a run's end the span itself and the one after the next.
+double crowding(std::span<const CellSpan> spans, std::size_t k) {
+  const auto length = [&](std::size_t i) { return spans[i].end - spans[i].begin; };
+  for (const std::size_t back : {std::size_t{1}, std::size_t{0}, std::size_t{2}}) {
+    if (back > k || !hang_together(spans, k - back)) continue;
+    const std::size_t first = k - back;
+    return 0.25 * (spans[first + 2].cell - spans[first].cell) * (length(first + 2) - length(first)) / length(k);
+  }
+  return 0;
 }
 
 }  // namespace
@@ -51,15 +81,21 @@ PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& map
   PhaseMoments sums;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   std::vector<float> weight(width);
-  for (auto next = spans.begin(); next != spans.end();) {
-    const std::int32_t row = next->row;
+  const std::int32_t step = row_step(spans);
+  double crowded = 0;
+  for (std::size_t k = 0; k < spans.size();) {
+    const std::int32_t row = spans[k].row;
+    const bool asked = row % step == 0;
     std::fill(weight.begin(), weight.end(), 0.0F);
-    for (; next != spans.end() && next->row == row; ++next) {
-      if (!next->whole || row % kRowStep != 0) continue;
-      std::fill(weight.begin() + next->begin, weight.begin() + next->end, weigh(*next));
-      sums.pixels += next->end - next->begin;
+    for (; k < spans.size() && spans[k].row == row; ++k) {
+      const CellSpan& s = spans[k];
+      if (!asked || !s.whole) continue;
+      const float w = weigh(s);
+      std::fill(weight.begin() + s.begin, weight.begin() + s.end, w);
+      crowded += static_cast<double>(w) * (s.end - s.begin) * crowding(spans, k);
+      sums.pixels += s.end - s.begin;
     }
-    if (row % kRowStep != 0) continue;
+    if (!asked) continue;
     MomentLanes lanes;
     add_moments_row(maps, weight.data(), static_cast<std::size_t>(row) * width, width, lanes);
     for (std::size_t m = 0; m < kRippleTerms; ++m) {
@@ -67,6 +103,9 @@ PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& map
       for (const float x : lanes.sines[m]) sums.sines[m] += static_cast<double>(x);
     }
   }
+  // Without ripple, <sin 4m phi> of a half fringe whose pixels crowd as 1 + g (phi/pi - 1/2) is -g/(4m pi).
+  for (std::size_t m = 0; m < kRippleTerms; ++m)
+    sums.sines[m] += crowded / (sums.steps * static_cast<double>(m + 1) * std::numbers::pi);
   return sums;
 }
 

@@ -37,7 +37,10 @@ struct PhaseRipple {
 };
 
 /// Of four-step phase, over spans that cover their half fringe from end to end: part of a fringe is not evenly spread.
-/// Every third row. From C and S, turned by what phase_rad is off their angle: no trigonometry.
+/// Nor is a half fringe where they grow along the row, as on a curved surface: pixels crowd towards its longer
+/// neighbour. What that adds to S_m is taken off, by the lengths of the spans on both sides. spans: in row order, cells
+/// absolute or at least in order. Of many pixels every third row. From C and S, turned by what phase_rad is off their
+/// angle: no trigonometry.
 [[nodiscard]] PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps);
 
 /// The same, the pixels of each span times its weight: how the moments go with something else that is known of a place.

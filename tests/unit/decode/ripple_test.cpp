@@ -44,6 +44,61 @@ TEST(PhaseRipple, moments_of_half_a_fringe_are_no_calibration) {  // why only wh
   EXPECT_EQ(level(PhaseMoments{}).sine[0], 0);
 }
 
+/// A row's half fringes, of true phase.
+void add_cells(const std::vector<double>& phi, int row, int width, std::vector<CellSpan>& spans) {
+  const auto cell_at = [&](int u) {
+    const auto i = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
+    return static_cast<std::int32_t>(std::floor(phi[i] / std::numbers::pi));
+  };
+  for (int begin = 0, end = 0; begin < width; begin = end) {
+    while (end < width && cell_at(end) == cell_at(begin)) ++end;
+    spans.push_back({row, begin, end, cell_at(begin), begin > 0 && end < width});
+  }
+}
+
+/// Amplitude of cos 4 phi that 200 rows seem to have whose measured phase at pixel u is `phase`(u, offset of the row).
+template <class Phase>
+double seeming_cosine(const Phase& phase, bool cells_in_order) {
+  constexpr int kWidth = 320, kHeight = 200;
+  PhaseMaps maps;
+  for (Map<float>* map : {&maps.cosine_dn, &maps.sine_dn, &maps.phase_rad}) *map = Map<float>(kWidth, kHeight);
+  std::vector<double> phi;
+  std::vector<CellSpan> spans;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      phi.push_back(phase(u, 0.37 * v));
+      maps.cosine_dn(u, v) = static_cast<float>(50 * std::cos(phi.back()));
+      maps.sine_dn(u, v) = static_cast<float>(50 * std::sin(phi.back()));
+      maps.phase_rad(u, v) = static_cast<float>(test::wrap_pi(phi.back()));
+    }
+    add_cells(phi, v, kWidth, spans);
+  }
+  if (!cells_in_order)
+    for (CellSpan& s : spans) s.cell &= 1;
+  return level(phase_moments(spans, maps)).cosine[0];
+}
+
+TEST(PhaseRipple, curved_surfaces_whose_fringes_grow_along_the_row_show_none) {
+  const auto growing = [](double sign) {  // half fringes of 20 px at one end of the row, of 8 at the other
+    return [sign](int u, double offset) {
+      const double x = sign > 0 ? u : 319 - u;
+      return offset + std::numbers::pi * (x / 20 + x * x * (1.0 / 8 - 1.0 / 20) / 640);
+    };
+  };
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_NEAR(seeming_cosine(growing(sign), true), 0, 3e-4);
+    EXPECT_GT(std::abs(seeming_cosine(growing(sign), false)), 1e-3);  // the control: not told what lies beside what
+  }
+}
+
+TEST(PhaseRipple, half_fringes_that_ripple_makes_differ_are_no_curvature) {
+  const auto uneven = [](int u, double offset) {
+    const double phi = offset + std::numbers::pi * u / 13;
+    return phi + 0.1 * std::cos(phi);
+  };
+  EXPECT_NEAR(seeming_cosine(uneven, true), seeming_cosine(uneven, false), 1e-4);
+}
+
 /// Edges and glints leave pixels whose corrected phase is far from the angle of their C and S.
 TEST(PhaseRipple, pixels_far_from_their_angle_count_as_one_each) {
   constexpr int kWidth = 480, kPeriod = 24;
@@ -107,18 +162,6 @@ struct Deviations {
 double tile_of(int u, int v) {
   const auto number = static_cast<std::uint32_t>(u / 13 + 100 * (v / 9));
   return static_cast<double>((number * 2654435761U) >> 8U) / (1U << 24U);
-}
-
-/// A row's half fringes.
-void add_cells(const std::vector<double>& phi, int row, int width, std::vector<CellSpan>& spans) {
-  const auto cell_at = [&](int u) {
-    const auto i = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
-    return static_cast<std::int32_t>(std::floor(phi[i] / std::numbers::pi));
-  };
-  for (int begin = 0, end = 0; begin < width; begin = end) {
-    while (end < width && cell_at(end) == cell_at(begin)) ++end;
-    spans.push_back({row, begin, end, cell_at(begin), begin > 0 && end < width});
-  }
 }
 
 /// 8 bit, noisy, unequal reflectance and focus.
