@@ -8,6 +8,7 @@
 #include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/phase/phase_ripple.hpp"
 #include "tests/support/fold_error.hpp"
+#include "tests/support/half_fringes.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
 namespace enamel::test {
@@ -64,13 +65,8 @@ algo::PhaseMaps four_step(const GammaScene& s, const std::array<std::vector<std:
   algo::compute_phase(view, noise, {}, maps);
   // Cells are cut at the signs of the three-frame phase; every cell inside the image covers its half fringe.
   for (int v = 0; v < s.height; ++v) {
-    const std::size_t first = spans.size();
-    for (int u = 0; u < s.width; ++u) {
-      const int cell = maps.phase_rad(u, v) < 0 ? 1 : 0;
-      if (u == 0 || spans.back().cell != cell) spans.push_back({v, u, u, cell, true});
-      ++spans.back().end;
-    }
-    spans[first].whole = spans.back().whole = false;
+    cut_half_fringes(
+        v, s.width, [&](int u) { return maps.phase_rad(u, v) < 0 ? 1 : 0; }, spans);
   }
   algo::PolarityMaps polarity;
   algo::apply_polarity(spans, {std::vector<float>(8, 1.0F), false}, noise, {}, maps, polarity);

@@ -5,11 +5,13 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/unwrap/cells.hpp"
 #include "pipeline/algo/unwrap/flood.hpp"
 #include "pipeline/algo/unwrap/links.hpp"
+#include "tests/support/half_fringes.hpp"
 
 namespace enamel::test {
 namespace {
@@ -25,13 +27,11 @@ algo::CellSigns all_plus() { return {std::vector<float>(128, 1.0F), false}; }
 std::vector<algo::CellSpan> lit_spans(const StepSolution& s) {
   std::vector<algo::CellSpan> spans;
   for (int v = 0; v < s.amplitude_dn.height(); ++v) {
-    for (int u = 0; u < s.amplitude_dn.width(); ++u) {
-      if (!(s.amplitude_dn(u, v) > kPlasterMinAmplitude_dn)) continue;
-      const bool goes_on = !spans.empty() && spans.back().row == v && spans.back().end == u;
-      const int half = s.phase_rad(u, v) < 0 ? 1 : 0;
-      if (!goes_on || spans.back().cell != half) spans.push_back({v, u, u, half, goes_on});
-      ++spans.back().end;
-    }
+    const auto half_at = [&](int u) -> std::optional<std::int32_t> {
+      if (!(s.amplitude_dn(u, v) > kPlasterMinAmplitude_dn)) return std::nullopt;
+      return s.phase_rad(u, v) < 0 ? 1 : 0;
+    };
+    cut_half_fringes(v, s.amplitude_dn.width(), half_at, spans);
   }
   return spans;
 }

@@ -47,11 +47,10 @@ class SpanDepths {
 
   [[nodiscard]] std::array<double, 5> power_sums() const {
     std::array<double, 5> sums{};
-    static_cast<void>(phase_moments(spans_, maps_, [&](const CellSpan& s) {
+    each_asked_span(spans_, [&](const CellSpan& s) {
       double power = s.end - s.begin;
       for (double& sum : sums) sum += power, power *= depth_of(s);
-      return 0.0F;
-    }));
+    });
     return sums;
   }
 

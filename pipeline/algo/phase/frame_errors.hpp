@@ -9,7 +9,7 @@
 //   |(C, S)|/A = B/A (1 + k cos 2phi + l sin 2phi) + a cos phi + b sin phi
 // is solved for a, b, k, l by least squares, each pixel against the means of the fringe around it, so that B/A may be
 // anything there; texture and edges are left out by what they leave unexplained. The measured A is rippled by the same
-// frames, so it is averaged over that fringe, too.
+// frames: by how much of C and of S the same fit tells first, with A in place of |(C, S)|/A.
 #pragma once
 
 #include <span>

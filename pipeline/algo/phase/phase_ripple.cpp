@@ -113,6 +113,12 @@ PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& map
   return phase_moments(spans, maps, [](const CellSpan&) { return 1.0F; });
 }
 
+void each_asked_span(std::span<const CellSpan> spans, const std::function<void(const CellSpan& span)>& visit) {
+  const std::int32_t step = row_step(spans);
+  for (const CellSpan& s : spans)
+    if (s.whole && s.row % step == 0) visit(s);
+}
+
 PhaseMoments phase_moments(std::span<const float> phase_rad, int steps) {
   PhaseMoments sums;
   sums.steps = steps;

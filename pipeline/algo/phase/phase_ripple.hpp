@@ -49,6 +49,9 @@ using WeighSpan = std::function<float(const CellSpan& span)>;
 [[nodiscard]] PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps,
                                          const WeighSpan& weigh);
 
+/// Visits the spans that these ask, in order.
+void each_asked_span(std::span<const CellSpan> spans, const std::function<void(const CellSpan& span)>& visit);
+
 /// For bare phases that cover whole fringes.
 [[nodiscard]] PhaseMoments phase_moments(std::span<const float> phase_rad, int steps = 4);
 

@@ -10,6 +10,7 @@
 #include "pipeline/algo/phase/phase_ripple.hpp"
 #include "tests/support/fold_error.hpp"
 #include "tests/support/gamma_scene.hpp"
+#include "tests/support/half_fringes.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
 namespace enamel::algo {
@@ -50,10 +51,7 @@ void add_cells(const std::vector<double>& phi, int row, int width, std::vector<C
     const auto i = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
     return static_cast<std::int32_t>(std::floor(phi[i] / std::numbers::pi));
   };
-  for (int begin = 0, end = 0; begin < width; begin = end) {
-    while (end < width && cell_at(end) == cell_at(begin)) ++end;
-    spans.push_back({row, begin, end, cell_at(begin), begin > 0 && end < width});
-  }
+  test::cut_half_fringes(row, width, cell_at, spans);
 }
 
 /// Amplitude of cos 4 phi that 200 rows seem to have whose measured phase at pixel u is `phase`(u, offset of the row).
