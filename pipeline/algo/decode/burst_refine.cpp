@@ -19,11 +19,11 @@ template <class Step>
 void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& diag, const Step& step) const {
   const float black = diag.noise.black_dn;
   if (config_.correct_closure) {
-    fit_closure(b.phase, b.polarity, config_.closure, b.closure);
+    fit_closure(b.phase, b.polarity, diag.noise, config_.closure, b.closure);
     diag.motion_rad = b.closure.motion_rad;
     diag.harmonic = b.closure.harmonic;
     step("closure");
-    if (config_.motion_passes > 0 && !stands_still(b.closure, config_.rigid)) {
+    if (config_.motion_passes > 0 && !stands_still(b.closure.block_motion_rad, b.closure.block_sigma_rad, config_.rigid.negligible_rad)) {
       FourStepView view(b.phase, b.polarity, b.closure, *rays_, black, config_.rigid.max_residual);
       diag.rigid = fit_rigid_motion(view, b.phase, b.polarity.turn, *rays_, config_.motion_passes, config_.rigid,
                                     b.rigid, b.field);
@@ -82,7 +82,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     const auto& turn = b.polarity.turn;
     fit_micro_motion(turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
     diag.motion_rad = b.micro_motion.motion_rad;
-    if (config_.motion_passes > 0 && !stands_still(b.micro_motion, config_.rigid.negligible_rad)) {
+    if (config_.motion_passes > 0 && !stands_still(b.micro_motion.block_motion_rad, b.micro_motion.block_sigma_rad, config_.rigid.negligible_rad)) {
       MicroView view(
           {turn, turn, 0, *micro_, diag.third_rad, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual, true});
       diag.rigid =

@@ -11,9 +11,6 @@
 namespace enamel::algo {
 namespace {
 
-constexpr float kInformed_rad = 0.005F;     ///< sigma of a block's eps that can be asked whether it moved
-constexpr float kSignificantSigmas = 2.0F;  ///< of a block's eps
-
 /// The sampled pixels of a row, brought together.
 class Gathered {
  public:
@@ -110,17 +107,6 @@ float MicroView::block_rate(int u, int v) const {
   const auto k = static_cast<std::size_t>((v / b.block_px) * b.columns + u / b.block_px);
   const bool tells = in_.orders_are_sure && b.block_sigma_rad[k] < kInformed_rad;
   return tells ? b.block_motion_rad[k] : std::numeric_limits<float>::quiet_NaN();
-}
-
-bool stands_still(const MicroMotion& blocks, float negligible_rad) {
-  std::size_t seen = 0, moving = 0;
-  for (std::size_t k = 0; k < blocks.block_motion_rad.size(); ++k) {
-    if (!(blocks.block_sigma_rad[k] < kInformed_rad)) continue;
-    ++seen;
-    const float limit = negligible_rad + kSignificantSigmas * blocks.block_sigma_rad[k];
-    moving += std::abs(blocks.block_motion_rad[k]) > limit ? 1U : 0U;
-  }
-  return seen > 0 && 4 * moving < seen;
 }
 
 SurfaceMotion surface_motion(const MotionField& field) noexcept {

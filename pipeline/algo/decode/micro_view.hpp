@@ -35,10 +35,6 @@ class MicroView final : public MotionView {
   MicroViewInput in_;
 };
 
-/// Nothing worth an estimate happened during the burst: under a quarter of the blocks that say anything change faster
-/// than negligible_rad and twice their own uncertainty.
-[[nodiscard]] bool stands_still(const MicroMotion& blocks, float negligible_rad);
-
 /// The field as micro_refit.hpp takes it. Borrowed.
 [[nodiscard]] SurfaceMotion surface_motion(const MotionField& field) noexcept;
 

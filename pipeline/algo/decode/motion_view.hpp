@@ -13,6 +13,9 @@
 
 namespace enamel::algo {
 
+/// Sigma of a block's eps beyond which that block tells nothing.
+inline constexpr float kInformed_rad = 0.005F;
+
 /// Motion at the nodes of a grid over the image, per frame interval.
 struct MotionField {
   int columns = 0, rows = 0;

@@ -151,14 +151,17 @@ class Pass {
 
 }  // namespace
 
-bool stands_still(const ClosureFit& coarse, const RigidMotionConfig& config) {
+bool stands_still(std::span<const float> block_motion_rad, std::span<const float> block_sigma_rad,
+                  float negligible_rad) {
+  constexpr float kSignificantSigmas = 2;
   std::size_t seen = 0, moving = 0;
-  for (std::size_t k = 0; k < coarse.block_motion_rad.size(); ++k) {
-    if (coarse.block_pixels[k] < config.min_block_pixels) continue;
+  for (std::size_t k = 0; k < block_motion_rad.size(); ++k) {
+    if (!(block_sigma_rad[k] < kInformed_rad)) continue;
     ++seen;
-    moving += std::abs(coarse.block_motion_rad[k]) > config.negligible_rad ? 1U : 0U;
+    const float limit = negligible_rad + kSignificantSigmas * block_sigma_rad[k];
+    moving += std::abs(block_motion_rad[k]) > limit ? 1U : 0U;
   }
-  return 4 * moving < seen;
+  return seen > 0 && 4 * moving < seen;
 }
 
 RigidMotion fit_rigid_motion(MotionView& view, const PhaseMaps& maps, const Map<std::int16_t>& turn,

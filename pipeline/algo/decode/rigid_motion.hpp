@@ -16,6 +16,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "pipeline/algo/decode/motion_detail.hpp"
 #include "pipeline/algo/decode/motion_images.hpp"
@@ -35,7 +36,6 @@ struct RigidMotionConfig {
   double shared_prior = 0.05;     ///< spread of the projector's B2/B, in mode M of the code frame's gain
   bool dense = true;              ///< mode T: the motion found is taken off by nodes twice as dense (motion_detail.hpp)
   std::size_t min_pixels = 600;   ///< of those asked, one in eight; fewer say nothing about six unknowns
-  float min_block_pixels = 100;   ///< blocks with fewer are not asked whether anything moved
   float negligible_rad = 0.002F;  ///< a burst in which under a quarter of the blocks change faster counts as still
 };
 
@@ -54,8 +54,10 @@ struct RigidMotionWork {
   MotionDetailWork detail;
 };
 
-/// Nothing worth an estimate happened during the burst. Texture that slides by on a surface without slope goes unseen.
-[[nodiscard]] bool stands_still(const ClosureFit& coarse, const RigidMotionConfig& config);
+/// Nothing worth an estimate happened during the burst: of the blocks that say something, under a quarter changes faster
+/// than negligible_rad and twice its own sigma. Texture that slides by on a surface without slope goes unseen.
+[[nodiscard]] bool stands_still(std::span<const float> block_motion_rad, std::span<const float> block_sigma_rad,
+                                float negligible_rad);
 
 /// maps, turn: what `view` sees, phases as they were measured. Slopes are those of the surface less the motion of the
 /// blocks, and in each pass after the first less that which the pass before found. On moved, `field` holds the motion

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "pipeline/algo/phase/closure_rows.hpp"
 #include "pipeline/algo/phase/poly_trig.hpp"
@@ -16,6 +17,8 @@ struct Pair {
   double motion = 0, harmonic = 0;
 };
 
+constexpr double kVarianceOfResidual = 4;  ///< in those of one frame, of which four are summed
+
 /// (X'X + diag(p1, p2)) theta = X'y + diag(p1, p2) prior.
 Pair solve(const double* s, double p1, double p2, Pair prior) {
   const double a = s[0] + p1, b = s[1], d = s[2] + p2;
@@ -25,9 +28,17 @@ Pair solve(const double* s, double p1, double p2, Pair prior) {
   return {(d * y1 - b * y2) / det, (a * y2 - b * y1) / det};
 }
 
+/// Of the motion that solve() finds.
+double sigma_of_motion(const double* s, double p1, double p2) {
+  const double a = s[0] + p1, d = s[2] + p2, det = a * d - s[1] * s[1];
+  if (!(det > 1e-12 * a * d) || !(s[0] > 0)) return std::numeric_limits<double>::infinity();
+  return std::sqrt(kVarianceOfResidual * s[5] / s[0] * d / det);
+}
+
 }  // namespace
 
-void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureConfig& config, ClosureFit& out) {
+void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const NoiseModel& noise,
+                 const ClosureConfig& config, ClosureFit& out) {
   const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
   const auto width = static_cast<std::size_t>(w);
   out.block_px = config.block_px;
@@ -39,7 +50,7 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
   for (int br = 0; br < out.rows; ++br) {
     out.work.column_sums.assign(kClosureSums * width, 0.0F);
     for (int v = br * config.block_px; v < std::min(h, (br + 1) * config.block_px); ++v) {
-      add_closure_row(maps, polarity, static_cast<std::size_t>(v) * width, width, config.max_residual,
+      add_closure_row(maps, polarity, noise, static_cast<std::size_t>(v) * width, width, config.max_residual,
                       out.work.column_sums.data());
     }
     for (std::size_t u = 0; u < width; ++u) {
@@ -55,17 +66,18 @@ void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const Clos
   const Pair burst = solve(all.data(), 1e-3, 1e-3, {});
   out.motion_rad = static_cast<float>(burst.motion);
   out.harmonic = static_cast<float>(burst.harmonic);
-  // A residual's variance is about 4 DN^2 at a typical sigma of 1 DN; only its ratio to the prior's matters.
-  const double p1 = 4.0 / std::pow(static_cast<double>(config.motion_prior_rad), 2);
-  const double p2 = 4.0 / std::pow(static_cast<double>(config.harmonic_prior), 2);
+  // At a typical sigma of 1 DN; only the ratio of the residual's variance to the prior's matters.
+  const double p1 = kVarianceOfResidual / std::pow(static_cast<double>(config.motion_prior_rad), 2);
+  const double p2 = kVarianceOfResidual / std::pow(static_cast<double>(config.harmonic_prior), 2);
   out.block_motion_rad.resize(blocks);
   out.block_harmonic.resize(blocks);
-  out.block_pixels.resize(blocks);
+  out.block_sigma_rad.resize(blocks);
   for (std::size_t k = 0; k < blocks; ++k) {
-    const Pair fit = solve(&out.work.block_sums[k * kClosureSums], p1, p2, burst);
+    const double* sums = &out.work.block_sums[k * kClosureSums];
+    const Pair fit = solve(sums, p1, p2, burst);
     out.block_motion_rad[k] = static_cast<float>(fit.motion);
     out.block_harmonic[k] = static_cast<float>(fit.harmonic);
-    out.block_pixels[k] = static_cast<float>(out.work.block_sums[k * kClosureSums + 5]);
+    out.block_sigma_rad[k] = static_cast<float>(sigma_of_motion(sums, p1, p2));
   }
 }
 

@@ -44,7 +44,8 @@ struct BurstErrors {
 struct ClosureFit {
   int columns = 0, rows = 0, block_px = 32;
   float motion_rad = 0, harmonic = 0;
-  std::vector<float> block_motion_rad, block_harmonic, block_pixels;
+  std::vector<float> block_motion_rad, block_harmonic;
+  std::vector<float> block_sigma_rad;  ///< of block_motion_rad, from the noise of the frames and the prior
 
   /// Valid while this lives.
   [[nodiscard]] BurstErrors errors() const noexcept {
@@ -66,7 +67,8 @@ struct ClosureFit {
 };
 
 /// Regularised least squares per block; uses pixels of full weight only.
-void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const ClosureConfig& config, ClosureFit& out);
+void fit_closure(const PhaseMaps& maps, const PolarityMaps& polarity, const NoiseModel& noise,
+                 const ClosureConfig& config, ClosureFit& out);
 
 /// Brings phase_rad to mid-burst. Phases may leave [-pi, pi) a little.
 void correct_phase(const PolarityMaps& polarity, const BurstErrors& errors, float black_dn, PhaseMaps& maps);

@@ -19,7 +19,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::algo::HWY_NAMESPACE {
 
-void add_loop(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::size_t width, float limit, float* sums) {
+void add_loop(const PhaseMaps& m, const PolarityMaps& p, const NoiseModel& model, std::size_t at, std::size_t width,
+              float limit, float* sums) {
+  const NoiseModel noise = model;  // a copy cannot alias what is written
+  const float* __restrict mean = &m.mean_dn[at];
   const float* __restrict c = &m.cosine_dn[at], * __restrict s = &m.sine_dn[at], * __restrict b = &m.modulation_dn[at];
   const float* __restrict r = &m.code_dn[at], * __restrict w = &p.weight[at];
   float* __restrict s0 = sums, * __restrict s1 = s0 + width, * __restrict s2 = s1 + width;
@@ -36,7 +39,7 @@ void add_loop(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::si
     s2[u] += x2 * x2;
     s3[u] += x1 * y;
     s4[u] += x2 * y;
-    s5[u] += used;
+    s5[u] += x1 * x1 * noise.variance(mean[u]);
   }
 }
 
@@ -252,9 +255,9 @@ RowErrors GatheredErrors::of(const RowErrors& all, const float* weight, const Ga
   return out;
 }
 
-void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::size_t width, float limit,
-                     float* sums) {
-  HWY_DYNAMIC_DISPATCH(add_loop)(m, p, at, width, limit, sums);
+void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, const NoiseModel& noise, std::size_t at,
+                     std::size_t width, float limit, float* sums) {
+  HWY_DYNAMIC_DISPATCH(add_loop)(m, p, noise, at, width, limit, sums);
 }
 
 void mid_burst_row(const PixelRow& row, std::size_t count, float* phase_rad, float* light_dn) {

@@ -9,12 +9,13 @@
 
 namespace enamel::algo {
 
-/// x1x1 x1x2 x2x2 x1y x2y n, with x1 the motion's and x2 the harmonic's column of the residual y.
+/// x1x1 x1x2 x2x2 x1y x2y x1x1v, with x1 the motion's and x2 the harmonic's column of the residual y and v the variance
+/// of one frame there.
 inline constexpr std::size_t kClosureSums = 6;
 
 /// Adds one image row to kClosureSums rows of per-column sums: the order of additions is fixed. limit: of |y|/B.
-void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, std::size_t at, std::size_t width, float limit,
-                     float* sums);
+void add_closure_row(const PhaseMaps& m, const PolarityMaps& p, const NoiseModel& noise, std::size_t at,
+                     std::size_t width, float limit, float* sums);
 
 /// What shifts the phase of one row's pixels.
 struct RowErrors {

@@ -33,7 +33,7 @@ double rms_error(const Map<float>& phase_rad) {
 }
 
 struct Corrected {
-  double before = 0, after = 0, motion_rad = 0;
+  double before = 0, after = 0, motion_rad = 0, sigma_rad = 0;  ///< sigma: of the first block
 };
 
 /// Through the decoder's own closure: one estimate for the burst's blocks, one correction to second order.
@@ -44,10 +44,11 @@ Corrected correct(double motion_rad, double noise, int width, int height, std::u
   solve_four(moving(width, height, motion_rad, noise, seed), std::max(noise, 1e-4), maps, polarity);
   Corrected out;
   out.before = rms_error(maps.phase_rad);
-  fit_closure(maps, polarity, {}, fit);
+  fit_closure(maps, polarity, noise16(std::max(noise, 1e-4)), {}, fit);
   correct_phase(polarity, fit.errors(), 0, maps);
   out.after = rms_error(maps.phase_rad);
   out.motion_rad = static_cast<double>(fit.motion_rad);
+  out.sigma_rad = static_cast<double>(fit.block_sigma_rad[0]);
   return out;
 }
 
@@ -111,13 +112,15 @@ TEST(DsimMotion, whole_decoder_takes_the_ripple_off) {
 
 TEST(DsimMotion, noise_of_the_estimate_and_of_the_phase_that_is_left) {
   constexpr int kPatches = 200;
-  double sum = 0, squares = 0, left = 0;
+  double sum = 0, squares = 0, left = 0, sigma = 0;
   for (int n = 0; n < kPatches; ++n) {
     const Corrected c = correct(0.067, 0.02, 32, 32, static_cast<std::uint64_t>(n + 1));
     sum += c.motion_rad, squares += c.motion_rad * c.motion_rad, left += c.after * c.after;
+    sigma += c.sigma_rad / kPatches;
   }
-  const double mean = sum / kPatches;
-  EXPECT_NEAR(std::sqrt(squares / kPatches - mean * mean), 6e-4, 1e-4);
+  const double mean = sum / kPatches, scatter = std::sqrt(squares / kPatches - mean * mean);
+  EXPECT_NEAR(scatter, 6e-4, 1e-4);
+  EXPECT_NEAR(scatter / sigma, 1, 0.1) << "what the block says of itself";
   EXPECT_NEAR(mean, 0.067 * 1.067, 0.001);
   EXPECT_NEAR(std::sqrt(left / kPatches), 0.0142, 0.0003);
 }

@@ -145,6 +145,23 @@ TEST_P(RigidMotionOf, leaves_a_still_burst_alone) {
   EXPECT_DOUBLE_EQ(ball.sigma_um(found), ball.sigma_um(blocks));
 }
 
+/// Blocks at the border of what is lit know little; what they scatter by is no motion.
+TEST(RigidMotion, noise_of_small_blocks_is_no_motion) {
+  test::Normals normal(5);
+  std::vector<float> rates, sigmas, sure;
+  for (int k = 0; k < 60; ++k) {
+    sigmas.push_back(k % 4 == 0 ? 0.0005F : 0.004F);
+    rates.push_back(sigmas.back() * static_cast<float>(normal()));
+    sure.push_back(0.0005F);
+  }
+  const float negligible_rad = RigidMotionConfig().negligible_rad;
+  EXPECT_TRUE(stands_still(rates, sigmas, negligible_rad));
+  EXPECT_FALSE(stands_still(rates, sure, negligible_rad)) << "negative control: the same, were they sure of it";
+  for (float& rate : rates) rate += 0.012F;
+  EXPECT_FALSE(stands_still(rates, sigmas, negligible_rad));
+  EXPECT_FALSE(stands_still(rates, std::vector<float>(rates.size(), 0.03F), negligible_rad)) << "no block tells";
+}
+
 /// A plane before which specks 1 mm nearer pass in the code frame alone: pixels left out there, and elsewhere.
 struct Torn {
   std::size_t asked = 0, specks = 0, elsewhere = 0;
