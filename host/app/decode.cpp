@@ -1,17 +1,19 @@
 // enamel decode: one burst, every intermediate map.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "host/app/calibration.hpp"
 #include "host/app/command.hpp"
 #include "host/app/input.hpp"
 #include "host/app/run_options.hpp"
 #include "host/record/burst_stream.hpp"
+#include "pipeline/algo/decode/burst_gates.hpp"
 #include "pipeline/algo/decode/decode_maps.hpp"
 #include "pipeline/stages/burst_view.hpp"
 #include "protocol/base/clock.hpp"
@@ -27,12 +29,14 @@ struct Options {
   std::uint64_t burst = 0;
 };
 
-/// Nothing where it was lost or is damaged: it only tells whether a frame was left over from it.
-std::optional<proto::Burst> burst_before(host::BurstStream& stream, std::uint64_t burst) {
-  if (burst == 0) return std::nullopt;
-  auto before = stream.burst_with_id({burst - 1});
-  if (!before || !proto::is_consistent(*before)) return std::nullopt;
-  return std::move(*before);
+/// Without those that were lost or are damaged: they only tell whether a frame was left over from them.
+std::vector<proto::Burst> bursts_before(host::BurstStream& stream, std::uint64_t burst) {
+  std::vector<proto::Burst> out;
+  for (std::uint64_t back = std::min<std::uint64_t>(burst, algo::kBurstsRemembered); back > 0; --back) {
+    auto before = stream.burst_with_id({burst - back});
+    if (before && proto::is_consistent(*before)) out.push_back(std::move(*before));
+  }
+  return out;
 }
 
 Result<int> run_decode(const Options& o) {
@@ -49,7 +53,7 @@ Result<int> run_decode(const Options& o) {
                 fmt::format("its camera is {} x {} px, the frames of burst {} are {} x {}", rig.camera.width,
                             rig.camera.height, o.burst, burst.width, burst.height));
   }
-  const std::optional<proto::Burst> before = burst_before(*stream, o.burst);
+  const std::vector<proto::Burst> before = bursts_before(*stream, o.burst);
   ENAMEL_TRY_ASSIGN(const auto decoder,
                     algo::BurstDecoder::make(calib::rig_at(rig, burst.temp_centi_c / 100.0), config.pipeline.decode));
 
@@ -62,8 +66,9 @@ Result<int> run_decode(const Options& o) {
     last = now;
   };
   algo::DecodedBurst decoded;
-  const algo::BurstView was = before ? stage::view_of(*before) : algo::BurstView{};
-  decoder.decode(stage::view_of(burst), workspace, decoded, before ? &was : nullptr);
+  std::vector<algo::BurstView> views;
+  for (const proto::Burst& was : before) views.push_back(stage::view_of(was));
+  decoder.decode(stage::view_of(burst), workspace, decoded, views);
   ENAMEL_TRY(algo::write_decode_maps(decoded, report, o.run.out));
   std::fputs(algo::decode_json(decoded, report).c_str(), stdout);
   if (decoded.accepted()) return 0;

@@ -1,6 +1,8 @@
 // The two ends of the scan graph: bursts come in from another thread, results are collected.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <iterator>
@@ -42,18 +44,21 @@ class SourceStage final : public graph::Source {
     } else {
       burst.emit(graph::make_item<proto::Burst>(head, next->burst));
     }
-    before_ = next->burst;
+    before_[pulled_++ % before_.size()] = next->burst;
     return graph::Pull::kItem;
   }
 
  private:
   /// Here, where bursts are in order: what decodes them may be replicated.
   [[nodiscard]] bool is_stale(const proto::Burst& now) const {
-    return before_ != nullptr && algo::has_stale_frame(stage::view_of(now), stage::view_of(*before_));
+    return std::ranges::any_of(before_, [&](const std::shared_ptr<const proto::Burst>& was) {
+      return was != nullptr && algo::has_stale_frame(stage::view_of(now), stage::view_of(*was));
+    });
   }
 
   IngressGate<Accepted>& gate_;
-  std::shared_ptr<const proto::Burst> before_;
+  std::array<std::shared_ptr<const proto::Burst>, algo::kBurstsRemembered> before_;
+  std::size_t pulled_ = 0;
 };
 
 /// Counts every burst that comes out, fused or rejected, and keeps poses and digests.

@@ -1,5 +1,6 @@
 #include "pipeline/algo/decode/burst_decoder.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -71,7 +72,7 @@ BurstVerdict BurstDecoder::too_few_valid(const PhaseMaps& maps) const {
   return noisy > dark ? BurstVerdict::kNoFringes : BurstVerdict::kTooDark;
 }
 
-BurstVerdict BurstDecoder::run(const BurstView& view, const BurstView* before, DecodeWorkspace& workspace,
+BurstVerdict BurstDecoder::run(const BurstView& view, std::span<const BurstView> before, DecodeWorkspace& workspace,
                                DecodedBurst& out) const {
   auto& b = *workspace.buffers_;
   const auto step = [&](const char* name) {
@@ -82,8 +83,8 @@ BurstVerdict BurstDecoder::run(const BurstView& view, const BurstView* before, D
   solve_phase(view, workspace, out);
   step("phase");
   if (count_of(b.phase, PixelReject::kNone) < config_.min_points) return too_few_valid(b.phase);
-  if ((before != nullptr && has_stale_frame(view, *before)) || has_blank_frame(view, b.phase, diag.noise))
-    return mismatch(b.phase);
+  const bool stale = std::ranges::any_of(before, [&](const BurstView& was) { return has_stale_frame(view, was); });
+  if (stale || has_blank_frame(view, b.phase, diag.noise)) return mismatch(b.phase);
   diag.repeated_share = repeated_share(view, b.phase, diag.noise);
   if (diag.repeated_share > config_.max_repeated_share) return mismatch(b.phase);
   const bool fringes = looks_like_fringes(workspace, diag);
@@ -112,7 +113,7 @@ BurstVerdict BurstDecoder::run(const BurstView& view, const BurstView* before, D
 }
 
 void BurstDecoder::decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out,
-                          const BurstView* before) const {
+                          std::span<const BurstView> before) const {
   const int w = rays_->width, h = rays_->height;
   auto& b = *workspace.buffers_;
   resize_output(w, h, out);

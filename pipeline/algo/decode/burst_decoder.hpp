@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "calib/model/rig.hpp"
 #include "pipeline/algo/decode/decoded_burst.hpp"
@@ -89,9 +90,10 @@ class BurstDecoder {
   [[nodiscard]] static Result<BurstDecoder> make(const calib::Rig& rig, const DecodeConfig& config = {});
 
   /// `out` keeps its memory. On rejection the maps that were reached are filled, the patch is empty (all NaN).
-  /// before: the burst before this one, if known; a frame left over from it is told at once.
+  /// before: the bursts before this one, as far as they are known (kBurstsRemembered of them are enough); a frame left
+  /// over from one of them is told at once.
   void decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out,
-              const BurstView* before = nullptr) const;
+              std::span<const BurstView> before = {}) const;
 
   /// The same with fresh memory.
   [[nodiscard]] DecodedBurst decode(const BurstView& view) const;
@@ -102,7 +104,8 @@ class BurstDecoder {
 
  private:
   BurstDecoder() = default;
-  BurstVerdict run(const BurstView& view, const BurstView* before, DecodeWorkspace& workspace, DecodedBurst& out) const;
+  BurstVerdict run(const BurstView& view, std::span<const BurstView> before, DecodeWorkspace& workspace,
+                   DecodedBurst& out) const;
   [[nodiscard]] BurstVerdict too_few_valid(const PhaseMaps& maps) const;
   template <class Step>
   void undo_errors(DecodeWorkspace::Buffers& buffers, DecodeDiagnostics& diagnostics, const Step& step) const;

@@ -19,7 +19,11 @@ namespace enamel::algo {
 /// either way.
 [[nodiscard]] double repeated_share(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise);
 
-/// Whether some frames of a burst, but not all, are a frame of the burst before it, byte for byte: left over in a
+/// Bursts whose frames may come up again: a camera's ring of buffers is no longer than their 32 frames, and what was
+/// left over in a buffer is as old as the ring is long.
+inline constexpr std::size_t kBurstsRemembered = 8;
+
+/// Whether some frames of a burst, but not all, are a frame of one burst before it, byte for byte: left over in a
 /// buffer. Noise lets no two exposures be alike. All four are alike where a burst was sent twice, or is drawn without
 /// noise; frames of one level tell nothing. Views consistent; another size is another picture.
 [[nodiscard]] bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "pipeline/algo/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
@@ -74,25 +75,25 @@ TEST_P(FaultFrames, frame_left_over_from_a_burst_a_third_of_a_fringe_away_is_det
 }
 
 /// However little has moved since: the bytes tell.
-TEST_P(FaultFrames, frame_left_over_from_the_burst_before_is_told_by_that_burst) {
-  const test::FrameSet now = burst(0, 1), before = burst(0.02, 2);
-  const BurstView was = before.view();
-  const auto verdict = [&](const test::FrameSet& frames, const BurstView* known) {
+TEST_P(FaultFrames, frame_left_over_from_a_burst_before_is_told_by_that_burst) {
+  const test::FrameSet now = burst(0, 1), before = burst(0.02, 2), between = burst(0.01, 3);
+  const std::array known{before.view(), between.view()};
+  const auto verdict = [](const test::FrameSet& frames, std::span<const BurstView> bursts) {
     DecodeWorkspace workspace;
     DecodedBurst out;
-    decoder().decode(frames.view(), workspace, out, known);
+    decoder().decode(frames.view(), workspace, out, bursts);
     return out.verdict;
   };
   std::size_t unseen = 0;
   for (std::size_t stale = 0; stale < 4; ++stale) {
     test::FrameSet bad = now;
     bad.frames[stale] = before.frames[stale];
-    EXPECT_EQ(verdict(bad, &was), BurstVerdict::kPatternMismatch) << stale;
-    unseen += verdict(bad, nullptr) == BurstVerdict::kAccepted ? 1U : 0U;
+    EXPECT_EQ(verdict(bad, known), BurstVerdict::kPatternMismatch) << stale;
+    unseen += verdict(bad, {}) == BurstVerdict::kAccepted ? 1U : 0U;
   }
   EXPECT_GT(unseen, 0U) << "negative control: a single burst cannot tell so little";
-  EXPECT_EQ(verdict(now, &was), BurstVerdict::kAccepted);
-  EXPECT_EQ(verdict(before, &was), BurstVerdict::kAccepted) << "a burst sent again is whole";
+  EXPECT_EQ(verdict(now, known), BurstVerdict::kAccepted);
+  EXPECT_EQ(verdict(before, known), BurstVerdict::kAccepted) << "a burst sent again is whole";
 }
 
 TEST_P(FaultFrames, frame_without_a_picture_is_detected) {
