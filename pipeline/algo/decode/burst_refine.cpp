@@ -12,6 +12,16 @@
 #include "pipeline/algo/phase/micro_saturated.hpp"
 
 namespace enamel::algo {
+namespace {
+
+/// Whether a rigid motion of the burst is asked for. Blocks: ClosureFit or MicroMotion.
+template <class Blocks>
+bool shows_motion(const Blocks& blocks, const DecodeConfig& config) {
+  return config.motion_passes > 0 &&
+         !stands_still(blocks.block_motion_rad, blocks.block_sigma_rad, config.rigid.negligible_rad);
+}
+
+}  // namespace
 
 // Motion and harmonics, first per block of the image, then, where the probe moved, as one rigid motion of the surface
 // that the first correction shows.
@@ -23,7 +33,7 @@ void BurstDecoder::undo_errors(DecodeWorkspace::Buffers& b, DecodeDiagnostics& d
     diag.motion_rad = b.closure.motion_rad;
     diag.harmonic = b.closure.harmonic;
     step("closure");
-    if (config_.motion_passes > 0 && !stands_still(b.closure.block_motion_rad, b.closure.block_sigma_rad, config_.rigid.negligible_rad)) {
+    if (shows_motion(b.closure, config_)) {
       FourStepView view(b.phase, b.polarity, b.closure, *rays_, black, config_.rigid.max_residual);
       diag.rigid = fit_rigid_motion(view, b.phase, b.polarity.turn, *rays_, config_.motion_passes, config_.rigid,
                                     b.rigid, b.field);
@@ -82,7 +92,7 @@ const Map<std::int16_t>& BurstDecoder::refine(DecodeWorkspace& workspace, Decode
     const auto& turn = b.polarity.turn;
     fit_micro_motion(turn, *micro_, diag.third_rad, diag.noise, config_.micro_refit, b.phase, b.micro_motion);
     diag.motion_rad = b.micro_motion.motion_rad;
-    if (config_.motion_passes > 0 && !stands_still(b.micro_motion.block_motion_rad, b.micro_motion.block_sigma_rad, config_.rigid.negligible_rad)) {
+    if (shows_motion(b.micro_motion, config_)) {
       MicroView view(
           {turn, turn, 0, *micro_, diag.third_rad, b.phase, *rays_, b.micro_motion, config_.rigid.max_residual, true});
       diag.rigid =

@@ -54,8 +54,8 @@ struct RigidMotionWork {
   MotionDetailWork detail;
 };
 
-/// Nothing worth an estimate happened during the burst: of the blocks that say something, under a quarter changes faster
-/// than negligible_rad and twice its own sigma. Texture that slides by on a surface without slope goes unseen.
+/// Nothing worth an estimate happened during the burst: of the blocks that say something, under a quarter changes
+/// faster than negligible_rad and twice its own sigma. Texture that slides by on a surface without slope goes unseen.
 [[nodiscard]] bool stands_still(std::span<const float> block_motion_rad, std::span<const float> block_sigma_rad,
                                 float negligible_rad);
 
