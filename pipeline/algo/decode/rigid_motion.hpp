@@ -23,7 +23,6 @@
 #include "pipeline/algo/decode/motion_nodes.hpp"
 #include "pipeline/algo/decode/motion_samples.hpp"
 #include "pipeline/algo/decode/motion_view.hpp"
-#include "pipeline/algo/phase/closure.hpp"
 #include "pipeline/algo/triangulate/ray_depth.hpp"
 
 namespace enamel::algo {
