@@ -2,6 +2,7 @@
 #   Library enamel_<n> with alias enamel::<n>. DEPS are enamel modules and may not lie on a higher layer (configure fails).
 #   LIBS are third-party targets in the public interface, PRIVATE_LIBS those hidden in .cpp files.
 # enamel_program(NAME target SOURCES … [DEPS …] [LIBS …])   a program: layer 5, may use everything.
+# enamel_vector_loops(SOURCE …)   sources whose loops over pixels must vectorise.
 # enamel_test(NAME n SOURCES … [DEPS …] [LIBS …] [LABELS …] [TIMEOUT s] [ARGS …])   a GoogleTest executable under ctest.
 
 # enamel_assert_layer(<module> <layer> <dep> <dep layer>): the rule itself, apart so that its own test can call it.
@@ -73,4 +74,10 @@ function(enamel_test)
   if("gui" IN_LIST T_LABELS AND ENAMEL_SANITIZE MATCHES "address")
     set_tests_properties(${T_NAME} PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
   endif()
+endfunction()
+
+# enamel_vector_loops(SOURCE …): lets loops with comparisons and square roots vectorise; neither flag changes a result.
+# Per source, because a target's own options come before the policy's -fno-fast-math, which would reset them.
+function(enamel_vector_loops)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-fno-math-errno;-fno-trapping-math")
 endfunction()

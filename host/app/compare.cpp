@@ -1,5 +1,5 @@
 // enamel compare: deviation of a mesh from a reference.
-#include "pipeline/algo/compare/compare.hpp"
+#include "host/compare/compare.hpp"
 
 #include <cstdio>
 #include <map>
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "host/app/command.hpp"
-#include "pipeline/algo/compare/deviation_picture.hpp"
-#include "pipeline/algo/io/mesh_file.hpp"
-#include "pipeline/algo/io/poses_csv.hpp"
+#include "host/compare/deviation_picture.hpp"
+#include "host/mesh_files/mesh_file.hpp"
+#include "host/mesh_files/poses_csv.hpp"
 #include "protocol/base/file.hpp"
 
 namespace enamel::app {
@@ -28,7 +28,7 @@ struct Options {
   bool json = false;
 };
 
-void print(const algo::CompareResult& r) {
+void print(const host::CompareResult& r) {
   std::printf("mean absolute  %8.2f um\nmedian signed  %8.2f um\nrms            %8.2f um\n", r.mean_abs_um, r.median_um,
               r.rms_um);
   std::printf("95 %%           %8.2f um\n99 %%           %8.2f um\nlargest        %8.2f um\n", r.p95_um, r.p99_um,
@@ -39,38 +39,38 @@ void print(const algo::CompareResult& r) {
   if (r.end->scale_ppm) std::printf("scale          %8.1f ppm\n", *r.end->scale_ppm);
 }
 
-Result<void> write_pictures(const Options& o, const Mesh& mesh, const algo::CompareResult& result) {
+Result<void> write_pictures(const Options& o, const Mesh& mesh, const host::CompareResult& result) {
   if (o.out.empty()) return {};
   ENAMEL_TRY(make_folder(o.out));
-  const auto png = algo::deviation_png(mesh, result);
+  const auto png = host::deviation_png(mesh, result);
   ENAMEL_TRY(write_file(o.out + "/deviation.png", {reinterpret_cast<const char*>(png.data()), png.size()}));
   ENAMEL_TRY(
-      write_file(o.out + "/deviation.ply", algo::ply_bytes(mesh, algo::deviation_colours(result.deviation_um, 100.0))));
-  return write_file(o.out + "/compare.json", algo::compare_json(result));
+      write_file(o.out + "/deviation.ply", host::ply_bytes(mesh, host::deviation_colours(result.deviation_um, 100.0))));
+  return write_file(o.out + "/compare.json", host::compare_json(result));
 }
 
 Result<int> run_compare(const Options& o) {
-  static const std::map<std::string, algo::Alignment> kAlignments{
-      {"none", algo::Alignment::kNone}, {"best", algo::Alignment::kBest}, {"start", algo::Alignment::kStart}};
-  algo::CompareInput input{.alignment = kAlignments.at(o.align)};
-  std::optional<std::vector<algo::PoseRow>> estimate, truth;
-  if (input.alignment == algo::Alignment::kStart) {
+  static const std::map<std::string, host::Alignment> kAlignments{
+      {"none", host::Alignment::kNone}, {"best", host::Alignment::kBest}, {"start", host::Alignment::kStart}};
+  host::CompareInput input{.alignment = kAlignments.at(o.align)};
+  std::optional<std::vector<host::PoseRow>> estimate, truth;
+  if (input.alignment == host::Alignment::kStart) {
     if (o.poses.empty() || o.truth_poses.empty()) {
       return fail(ErrorCode::kUsage, "--align start needs --poses EST.csv and --truth-poses TRUTH.csv");
     }
-    ENAMEL_TRY_ASSIGN(estimate, algo::read_poses_csv(o.poses));
-    ENAMEL_TRY_ASSIGN(truth, algo::read_poses_csv(o.truth_poses));
+    ENAMEL_TRY_ASSIGN(estimate, host::read_poses_csv(o.poses));
+    ENAMEL_TRY_ASSIGN(truth, host::read_poses_csv(o.truth_poses));
     input.estimate_poses = &*estimate;
     input.truth_poses = &*truth;
   }
-  ENAMEL_TRY_ASSIGN(const algo::MeshFile mesh, algo::read_mesh(o.mesh));
-  std::vector<algo::MeshFile> references;
+  ENAMEL_TRY_ASSIGN(const host::MeshFile mesh, host::read_mesh(o.mesh));
+  std::vector<host::MeshFile> references;
   for (const std::string& path : o.references) {
-    ENAMEL_TRY_ASSIGN(references.emplace_back(), algo::read_mesh(path));
+    ENAMEL_TRY_ASSIGN(references.emplace_back(), host::read_mesh(path));
   }
-  ENAMEL_TRY_ASSIGN(const auto result, algo::compare(mesh.mesh, references, input));
+  ENAMEL_TRY_ASSIGN(const auto result, host::compare(mesh.mesh, references, input));
   ENAMEL_TRY(write_pictures(o, mesh.mesh, result));
-  o.json ? static_cast<void>(std::puts(algo::compare_json(result).c_str())) : print(result);
+  o.json ? static_cast<void>(std::puts(host::compare_json(result).c_str())) : print(result);
   const bool missed = (o.max_mean_um > 0 && !(result.mean_abs_um <= o.max_mean_um)) ||
                       (o.min_coverage_pct > 0 && !(result.coverage_pct >= o.min_coverage_pct));
   if (!missed) return 0;

@@ -13,8 +13,8 @@
 #include "host/app/input.hpp"
 #include "host/app/run_options.hpp"
 #include "host/record/burst_stream.hpp"
-#include "pipeline/algo/decode/burst_gates.hpp"
-#include "pipeline/algo/decode/decode_maps.hpp"
+#include "pipeline/decode/decode_maps.hpp"
+#include "pipeline/decode/steps/frame_gates.hpp"
 #include "pipeline/stages/burst_view.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/log.hpp"
@@ -32,7 +32,7 @@ struct Options {
 /// Without those that were lost or are damaged: they only tell whether a frame was left over from them.
 std::vector<proto::Burst> bursts_before(host::BurstStream& stream, std::uint64_t burst) {
   std::vector<proto::Burst> out;
-  for (std::uint64_t back = std::min<std::uint64_t>(burst, algo::kBurstsRemembered); back > 0; --back) {
+  for (std::uint64_t back = std::min<std::uint64_t>(burst, pipeline::kBurstsRemembered); back > 0; --back) {
     auto before = stream.burst_with_id({burst - back});
     if (before && proto::is_consistent(*before)) out.push_back(std::move(*before));
   }
@@ -54,26 +54,26 @@ Result<int> run_decode(const Options& o) {
                             rig.camera.height, o.burst, burst.width, burst.height));
   }
   const std::vector<proto::Burst> before = bursts_before(*stream, o.burst);
-  ENAMEL_TRY_ASSIGN(const auto decoder,
-                    algo::BurstDecoder::make(calib::rig_at(rig, burst.temp_centi_c / 100.0), config.pipeline.decode));
+  ENAMEL_TRY_ASSIGN(const auto decoder, pipeline::BurstDecoder::make(calib::rig_at(rig, burst.temp_centi_c / 100.0),
+                                                                     config.pipeline.decode));
 
-  algo::DecodeReport report{.burst = o.burst, .mode = rig.patterns.mode, .stage_ms = {}};
-  algo::DecodeWorkspace workspace;
+  pipeline::DecodeReport report{.burst = o.burst, .mode = rig.patterns.mode, .stage_ms = {}};
+  pipeline::DecodeWorkspace workspace;
   HostTime last = clock.now();
   workspace.on_step = [&](const char* step) {
     const HostTime now = clock.now();
     report.stage_ms.emplace_back(step, std::chrono::duration<double, std::milli>(now - last).count());
     last = now;
   };
-  algo::DecodedBurst decoded;
-  std::vector<algo::BurstView> views;
+  pipeline::DecodedBurst decoded;
+  std::vector<pipeline::BurstView> views;
   for (const proto::Burst& was : before) views.push_back(stage::view_of(was));
   decoder.decode(stage::view_of(burst), workspace, decoded, views);
-  ENAMEL_TRY(algo::write_decode_maps(decoded, report, o.run.out));
-  std::fputs(algo::decode_json(decoded, report).c_str(), stdout);
+  ENAMEL_TRY(pipeline::write_decode_maps(decoded, report, o.run.out));
+  std::fputs(pipeline::decode_json(decoded, report).c_str(), stdout);
   if (decoded.accepted()) return 0;
   std::fprintf(stderr, "burst %llu is rejected: %s; its maps were written as far as they go\n",
-               static_cast<unsigned long long>(o.burst), std::string(algo::name_of(decoded.verdict)).c_str());
+               static_cast<unsigned long long>(o.burst), std::string(pipeline::name_of(decoded.verdict)).c_str());
   return exit_code(ErrorCode::kQualityGate);
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "host/app/command.hpp"
-#include "pipeline/algo/io/mesh_file.hpp"
+#include "host/mesh_files/mesh_file.hpp"
 #include "protocol/base/file.hpp"
 
 namespace enamel::app {
@@ -20,7 +20,7 @@ struct Options {
 };
 
 Result<int> run_export(const Options& o) {
-  ENAMEL_TRY_ASSIGN(const auto file, algo::read_mesh((fs::path(o.session) / "mesh.ply").string()));
+  ENAMEL_TRY_ASSIGN(const auto file, host::read_mesh((fs::path(o.session) / "mesh.ply").string()));
   const std::string path = o.out.empty() ? (fs::path(o.session) / ("export." + o.format)).string() : o.out;
   nlohmann::json sidecar = {{"format", o.format},
                             {"units", "mm"},
@@ -37,7 +37,7 @@ Result<int> run_export(const Options& o) {
     }
   }
   if (sidecar.value("simulated", false)) sidecar["notice"] = "SIMULATED";
-  ENAMEL_TRY(algo::write_mesh(path, file.mesh));
+  ENAMEL_TRY(host::write_mesh(path, file.mesh));
   ENAMEL_TRY(write_file(path + ".json", sidecar.dump(1) + "\n"));
   std::puts(path.c_str());
   return 0;

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "host/app/run_options.hpp"
-#include "pipeline/algo/compare/compare.hpp"
-#include "pipeline/algo/compare/deviation_picture.hpp"
-#include "pipeline/algo/io/mesh_file.hpp"
-#include "pipeline/algo/io/poses_csv.hpp"
+#include "host/compare/compare.hpp"
+#include "host/compare/deviation_picture.hpp"
+#include "host/mesh_files/mesh_file.hpp"
+#include "host/mesh_files/poses_csv.hpp"
 #include "protocol/base/file.hpp"
 #include "protocol/base/log.hpp"
 #include "protocol/base/sha256.hpp"
@@ -17,24 +17,24 @@ namespace enamel::app {
 
 namespace {
 
-std::vector<algo::PoseRow> pose_rows(const host::ScanResult& scan) {
-  std::vector<algo::PoseRow> rows;
+std::vector<host::PoseRow> pose_rows(const host::ScanResult& scan) {
+  std::vector<host::PoseRow> rows;
   rows.reserve(scan.poses.size());
   for (const host::PlacedPose& p : scan.poses) rows.push_back({p.id.value, to_ns(p.t_mid), p.T_model_cam});
   return rows;
 }
 
 // Accuracy against the twin's truth, laid on it by the first pose alone: drift is not hidden by a best fit.
-Result<std::string> accuracy(const Mesh& mesh, const std::vector<algo::PoseRow>& estimate, const Truth& truth,
+Result<std::string> accuracy(const Mesh& mesh, const std::vector<host::PoseRow>& estimate, const Truth& truth,
                              const std::string& folder) {
-  ENAMEL_TRY_ASSIGN(const auto truth_poses, algo::parse_poses_csv(truth.poses_csv));
-  std::vector<algo::MeshFile> references(1);
-  ENAMEL_TRY_ASSIGN(references[0], algo::parse_mesh(truth.surface_ply, algo::MeshFormat::kPly));
-  const algo::CompareInput input{algo::Alignment::kStart, &estimate, &truth_poses};
-  ENAMEL_TRY_ASSIGN(const auto result, algo::compare(mesh, references, input));
-  const auto png = algo::deviation_png(mesh, result);
+  ENAMEL_TRY_ASSIGN(const auto truth_poses, host::parse_poses_csv(truth.poses_csv));
+  std::vector<host::MeshFile> references(1);
+  ENAMEL_TRY_ASSIGN(references[0], host::parse_mesh(truth.surface_ply, host::MeshFormat::kPly));
+  const host::CompareInput input{host::Alignment::kStart, &estimate, &truth_poses};
+  ENAMEL_TRY_ASSIGN(const auto result, host::compare(mesh, references, input));
+  const auto png = host::deviation_png(mesh, result);
   ENAMEL_TRY(write_file(folder + "/deviation.png", {reinterpret_cast<const char*>(png.data()), png.size()}));
-  return algo::compare_json(result);
+  return host::compare_json(result);
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ Result<std::string> accuracy(const Mesh& mesh, const std::vector<algo::PoseRow>&
 Result<host::Report> write_outputs(const std::string& folder, const host::ScanResult& scan, host::Report report,
                                    const Truth& truth) {
   const auto poses = pose_rows(scan);
-  const std::string ply = algo::ply_bytes(scan.mesh);
+  const std::string ply = host::ply_bytes(scan.mesh);
   report.hash = scan.trace.hash(RollingHash().update(ply).hex());
   report.stage_ms = scan.stage_ms;
   report.latency_ms = scan.latency_ms;
@@ -50,8 +50,8 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   report.mesh_vertices = scan.mesh.vertices.size();
   report.mesh_triangles = scan.mesh.triangles.size();
   ENAMEL_TRY(write_file(folder + "/mesh.ply", ply));
-  ENAMEL_TRY(write_file(folder + "/mesh.stl", algo::stl_bytes(scan.mesh)));
-  ENAMEL_TRY(algo::write_poses_csv(folder + "/poses.csv", poses));
+  ENAMEL_TRY(write_file(folder + "/mesh.stl", host::stl_bytes(scan.mesh)));
+  ENAMEL_TRY(host::write_poses_csv(folder + "/poses.csv", poses));
   ENAMEL_TRY(write_file(folder + "/stages.csv", scan.trace.to_csv()));
   if (truth.known() && !scan.mesh.triangles.empty()) {
     log::info("outputs", "comparing with the truth");

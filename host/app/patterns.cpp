@@ -7,7 +7,7 @@
 #include "calib/model/measuring_rig.hpp"
 #include "host/app/calibration.hpp"
 #include "host/app/command.hpp"
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 
 namespace enamel::app {
 
@@ -22,7 +22,7 @@ struct Options {
 /// range leaves that to whoever decodes.
 Result<void> check_code(const calib::Rig& rig) {
   if (!rig.depth_range) return {};
-  const auto decoder = algo::BurstDecoder::make(rig);
+  const auto decoder = pipeline::BurstDecoder::make(rig);
   if (decoder || decoder.error().code != ErrorCode::kPatternAmbiguous) return {};
   return tl::unexpected<Error>(decoder.error());
 }

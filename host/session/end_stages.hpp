@@ -16,10 +16,10 @@
 #include "host/ingest/ingress_gate.hpp"
 #include "host/report/stage_trace.hpp"
 #include "host/session/scan_pipeline.hpp"
-#include "pipeline/algo/decode/burst_gates.hpp"
-#include "pipeline/algo/decode/decoded_burst.hpp"
-#include "pipeline/algo/track/mid_burst.hpp"
-#include "pipeline/graph/stage.hpp"
+#include "pipeline/decode/steps/decoded_burst.hpp"
+#include "pipeline/decode/steps/frame_gates.hpp"
+#include "pipeline/flow/stage.hpp"
+#include "pipeline/register/track/mid_burst.hpp"
 #include "pipeline/stages/burst_view.hpp"
 #include "pipeline/stages/items.hpp"
 #include "pipeline/stages/preview_item.hpp"
@@ -28,44 +28,44 @@
 
 namespace enamel::host {
 
-class SourceStage final : public graph::Source {
+class SourceStage final : public flow::Source {
  public:
   explicit SourceStage(IngressGate<Accepted>& gate) : Source("source"), gate_(gate) {}
-  graph::Out<proto::Burst> burst{*this, "burst"};
+  flow::Out<proto::Burst> burst{*this, "burst"};
 
-  Result<graph::Pull> pull() override {
+  Result<flow::Pull> pull() override {
     auto next = gate_.try_pop();
-    if (!next) return gate_.drained() ? graph::Pull::kEnd : graph::Pull::kNotYet;
-    graph::ItemHead head;
+    if (!next) return gate_.drained() ? flow::Pull::kEnd : flow::Pull::kNotYet;
+    flow::ItemHead head;
     head.id = next->id;
     head.captured = proto::mid_burst(*next->burst);
     if (is_stale(*next->burst)) {
-      burst.emit_rejected(head, algo::name_of(algo::BurstVerdict::kPatternMismatch).data());
+      burst.emit_rejected(head, pipeline::name_of(pipeline::BurstVerdict::kPatternMismatch).data());
     } else {
-      burst.emit(graph::make_item<proto::Burst>(head, next->burst));
+      burst.emit(flow::make_item<proto::Burst>(head, next->burst));
     }
     before_[pulled_++ % before_.size()] = next->burst;
-    return graph::Pull::kItem;
+    return flow::Pull::kItem;
   }
 
  private:
   /// Here, where bursts are in order: what decodes them may be replicated.
   [[nodiscard]] bool is_stale(const proto::Burst& now) const {
     return std::ranges::any_of(before_, [&](const std::shared_ptr<const proto::Burst>& was) {
-      return was != nullptr && algo::has_stale_frame(stage::view_of(now), stage::view_of(*was));
+      return was != nullptr && pipeline::has_stale_frame(stage::view_of(now), stage::view_of(*was));
     });
   }
 
   IngressGate<Accepted>& gate_;
-  std::array<std::shared_ptr<const proto::Burst>, algo::kBurstsRemembered> before_;
+  std::array<std::shared_ptr<const proto::Burst>, pipeline::kBurstsRemembered> before_;
   std::size_t pulled_ = 0;
 };
 
 /// Counts every burst that comes out, fused or rejected, and keeps poses and digests.
-class SinkStage final : public graph::Stage {
+class SinkStage final : public flow::Stage {
  public:
   explicit SinkStage(const Clock& clock) : Stage("sink"), clock_(clock) {}
-  graph::In<stage::Fused> fused{*this, "fused"};
+  flow::In<stage::Fused> fused{*this, "fused"};
 
   /// From the thread that pushes: when the burst's last exposure ended.
   void note_exposure(BurstId id, HostTime exposed) {
@@ -94,8 +94,8 @@ class SinkStage final : public graph::Stage {
   }
 
   StageTrace trace;
-  std::vector<BurstId> placed;            ///< the fused bursts, in order …
-  std::vector<algo::MeasuredPose> poses;  ///< … and where they were
+  std::vector<BurstId> placed;                ///< the fused bursts, in order …
+  std::vector<pipeline::MeasuredPose> poses;  ///< … and where they were
   OrderTotals orders;
   std::map<std::string, std::uint64_t> rejected;
   Counter fused_count, rejected_count;  ///< readable from any thread
@@ -123,10 +123,10 @@ class SinkStage final : public graph::Stage {
 };
 
 /// End of the keep-latest edge: hands the newest item to whoever draws.
-class PreviewStage final : public graph::Stage {
+class PreviewStage final : public flow::Stage {
  public:
   explicit PreviewStage(PreviewSlot& slot) : Stage("preview"), slot_(slot) {}
-  graph::In<stage::PreviewItem> item{*this, "item"};
+  flow::In<stage::PreviewItem> item{*this, "item"};
 
   Result<void> step() override {
     slot_.put(item.take().value);

@@ -4,7 +4,7 @@ namespace enamel::host {
 
 namespace {
 
-void bind_decode(ConfigReader r, algo::DecodeConfig& c) {
+void bind_decode(ConfigReader r, pipeline::DecodeConfig& c) {
   r.bind("dark_sigmas", c.phase.dark_sigmas, {0.0F, 100.0F}, "brightest frame must exceed black by this many sigma");
   r.bind("saturation", c.phase.saturation, {0.5F, 1.0F}, "of full scale; brighter pixels are saturated");
   r.bind("max_sigma_rad", c.phase.max_sigma_rad, {0.01F, 1.0F}, "largest predicted phase noise of a pixel");
@@ -17,7 +17,7 @@ void bind_decode(ConfigReader r, algo::DecodeConfig& c) {
   if (range.near_mm > 0 && range.far_mm > range.near_mm) c.depth_range_mm = range;
 }
 
-void bind_track(ConfigReader r, algo::TrackerConfig& c) {
+void bind_track(ConfigReader r, pipeline::TrackerConfig& c) {
   r.bind("start_coverage", c.start_coverage, {0.0, 1.0},
          "share of the image that must be good surface to define the model");
   r.bind("max_gap_s", c.max_gap_s, {0.05, 60.0}, "longer without a placed burst: found again by features only");
@@ -32,13 +32,13 @@ void bind_track(ConfigReader r, algo::TrackerConfig& c) {
   c.relocalise.accept = c.accept;
 }
 
-void bind_guide(ConfigReader r, algo::GuideConfig& c) {
+void bind_guide(ConfigReader r, pipeline::GuideConfig& c) {
   r.bind("tolerance_mm", c.tolerance_mm, {0.02, 1.0}, "a pixel this near the model's surface lies on it");
   r.bind("min_votes", c.min_votes, {1, 1000000}, "pixels of a region that must lie on the model before it decides");
   r.bind("suspect_share", c.suspect_share, {0.0, 1.0}, "more contradiction of code and model puts the burst in doubt");
 }
 
-void bind_fuse(ConfigReader r, algo::FuseConfig& c) {
+void bind_fuse(ConfigReader r, pipeline::FuseConfig& c) {
   r.bind("voxel_mm", c.voxel_mm, {0.02, 1.0}, "edge of a voxel");
   r.bind("truncation_voxels", c.truncation_voxels, {1.5, 8.0}, "half width of the band stored around the surface");
   r.bind("max_incidence_deg", c.max_incidence_deg, {10.0, 89.0}, "steeper measurements are not fused");
@@ -47,7 +47,7 @@ void bind_fuse(ConfigReader r, algo::FuseConfig& c) {
   r.bind("carve_margin_mm", c.carve_margin_mm, {0.1, 10.0}, "unconfirmed surface seen through with this margin goes");
 }
 
-void bind_mesh(ConfigReader r, algo::MeshConfig& c) {
+void bind_mesh(ConfigReader r, pipeline::MeshConfig& c) {
   r.bind("max_step_voxels", c.max_step_voxels, {1.8, 6.0}, "larger steps of distance inside a cell are two surfaces");
   r.bind("min_component_triangles", c.min_component_triangles, {0, 1000000}, "smaller floating pieces are left out");
 }

@@ -1,21 +1,21 @@
 // Everything about the scan pipeline that can be configured, bound to TOML. docs: config/default.toml (generated).
 #pragma once
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
-#include "pipeline/algo/fuse/fuse_config.hpp"
-#include "pipeline/algo/guide/model_guide.hpp"
-#include "pipeline/algo/mesh/mesh_config.hpp"
-#include "pipeline/algo/track/tracker.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/model/fuse/fuse_config.hpp"
+#include "pipeline/model/guide/model_guide.hpp"
+#include "pipeline/model/mesh/mesh_config.hpp"
+#include "pipeline/register/track/tracker.hpp"
 #include "protocol/base/config.hpp"
 
 namespace enamel::host {
 
 struct PipelineConfig {
-  algo::DecodeConfig decode;
-  algo::TrackerConfig track;
-  algo::GuideConfig guide;
-  algo::FuseConfig fuse;
-  algo::MeshConfig mesh;
+  pipeline::DecodeConfig decode;
+  pipeline::TrackerConfig track;
+  pipeline::GuideConfig guide;
+  pipeline::FuseConfig fuse;
+  pipeline::MeshConfig mesh;
   int feedback_delay = 2;  ///< bursts; registration of burst n uses the model after burst n - delay
   int preview_period = 2;
 };

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "host/session/end_stages.hpp"
-#include "pipeline/graph/executor.hpp"
-#include "pipeline/graph/graph.hpp"
+#include "pipeline/flow/executor.hpp"
+#include "pipeline/flow/graph.hpp"
 #include "pipeline/stages/decode_stage.hpp"
 #include "pipeline/stages/fuse_stage.hpp"
 #include "pipeline/stages/track_stage.hpp"
@@ -28,18 +28,18 @@ struct ScanPipeline::Impl {
   Impl(const calib::Rig& r, const PipelineConfig& p, const ScanPipelineOptions& o, Clock& c)
       : rig(r), config(p), options(o), clock(c), gate(kEntrance, GatePolicy::kLossless), graph(c) {}
 
-  void build(const calib::Rig& rig, const std::shared_ptr<const algo::BurstDecoder>& decoder);
+  void build(const calib::Rig& rig, const std::shared_ptr<const pipeline::BurstDecoder>& decoder);
   void start(std::optional<double> temp_c);
   void run(const std::stop_token& stop);
 
   calib::Rig rig;
   PipelineConfig config;
-  std::shared_ptr<const algo::BurstDecoder> decoder;  ///< of `rig` as it stands
+  std::shared_ptr<const pipeline::BurstDecoder> decoder;  ///< of `rig` as it stands
   ScanPipelineOptions options;
   Clock& clock;
   std::once_flag started;
   IngressGate<Accepted> gate;
-  graph::Graph graph;
+  flow::Graph graph;
   PreviewSlot preview;
   std::atomic<SinkStage*> sink{nullptr};  ///< of the graph, once started
   stage::FuseStage* fuse = nullptr;
@@ -52,7 +52,7 @@ struct ScanPipeline::Impl {
   std::jthread thread;  // last: ends before what it uses
 };
 
-void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<const algo::BurstDecoder>& baked) {
+void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<const pipeline::BurstDecoder>& baked) {
   auto& source = graph.add<SourceStage>(gate);
   std::array<stage::DecodeStage*, kDecoders> decoders{};
   for (std::size_t i = 0; i < kDecoders; ++i) {
@@ -67,17 +67,17 @@ void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<c
   SinkStage& last = graph.add<SinkStage>(clock);
   auto& screen = graph.add<PreviewStage>(preview);
 
-  const std::array<graph::In<proto::Burst>*, kDecoders> ins{&decoders[0]->burst, &decoders[1]->burst};
-  const std::array<graph::Out<stage::Decoded>*, kDecoders> outs{&decoders[0]->patch, &decoders[1]->patch};
-  const graph::EdgeSpec one{.capacity = 1};
+  const std::array<flow::In<proto::Burst>*, kDecoders> ins{&decoders[0]->burst, &decoders[1]->burst};
+  const std::array<flow::Out<stage::Decoded>*, kDecoders> outs{&decoders[0]->patch, &decoders[1]->patch};
+  const flow::EdgeSpec one{.capacity = 1};
   graph.connect_split<proto::Burst>(source.burst, ins, one);
   graph.connect_merge<stage::Decoded>(outs, track.patch, one);
   graph.connect(track.tracked, fuse->tracked, one);
   graph.connect(fuse->fused, last.fused);
-  graph.connect(fuse->preview, screen.item, {.on_full = graph::OnFull::kKeepLatest});
-  const graph::ItemHead none;
+  graph.connect(fuse->preview, screen.item, {.on_full = flow::OnFull::kKeepLatest});
+  const flow::ItemHead none;
   graph.connect_feedback(fuse->view, track.model, static_cast<std::size_t>(config.feedback_delay),
-                         graph::make_item<ModelView>(none, ModelView{}));
+                         flow::make_item<ModelView>(none, ModelView{}));
   sink = &last;
 }
 
@@ -88,8 +88,8 @@ void ScanPipeline::Impl::start(std::optional<double> temp_c_first) {
     calib::Rig optics = rig;
     if (rig.temperature && temp_c_first) {
       optics = calib::rig_at(rig, *temp_c_first);
-      if (auto warm = algo::BurstDecoder::make(optics, config.decode)) {
-        decoder = std::make_shared<const algo::BurstDecoder>(std::move(*warm));
+      if (auto warm = pipeline::BurstDecoder::make(optics, config.decode)) {
+        decoder = std::make_shared<const pipeline::BurstDecoder>(std::move(*warm));
       } else {
         ran = tl::unexpected<Error>(warm.error());
       }
@@ -104,9 +104,9 @@ void ScanPipeline::Impl::run(const std::stop_token& stop) {
   if (!ran) {
     // Nothing runs: what comes is turned away, and join() tells why.
   } else if (options.workers <= 0) {
-    ran = graph::InlineExecutor().run(graph, stop);
+    ran = flow::InlineExecutor().run(graph, stop);
   } else {
-    ran = graph::WorkerExecutor(static_cast<std::size_t>(options.workers)).run(graph, stop);
+    ran = flow::WorkerExecutor(static_cast<std::size_t>(options.workers)).run(graph, stop);
   }
   drained_at = clock.now();
   gate.close();  // a stage that failed: nobody takes any more
@@ -116,9 +116,9 @@ void ScanPipeline::Impl::run(const std::stop_token& stop) {
 
 Result<std::unique_ptr<ScanPipeline>> ScanPipeline::create(const calib::Rig& rig, const PipelineConfig& config,
                                                            const ScanPipelineOptions& options, Clock& clock) {
-  ENAMEL_TRY_ASSIGN(auto decoder, algo::BurstDecoder::make(rig, config.decode));
+  ENAMEL_TRY_ASSIGN(auto decoder, pipeline::BurstDecoder::make(rig, config.decode));
   auto impl = std::make_unique<Impl>(rig, config, options, clock);
-  impl->decoder = std::make_shared<const algo::BurstDecoder>(std::move(decoder));
+  impl->decoder = std::make_shared<const pipeline::BurstDecoder>(std::move(decoder));
   return std::unique_ptr<ScanPipeline>(new ScanPipeline(std::move(impl)));
 }
 
@@ -166,7 +166,7 @@ ScanResult ScanPipeline::take_result() {
   SinkStage& sink = *impl_->sink.load();
   ScanResult result;
   result.trace = std::move(sink.trace);
-  const std::vector<Pose> at_mid_burst = algo::poses_at_mid_burst(sink.poses, {});
+  const std::vector<Pose> at_mid_burst = pipeline::poses_at_mid_burst(sink.poses, {});
   for (std::size_t i = 0; i < sink.poses.size(); ++i)
     result.poses.push_back({sink.placed[i], sink.poses[i].t_mid, at_mid_burst[i]});
   result.rejected = std::move(sink.rejected);

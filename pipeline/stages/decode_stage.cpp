@@ -8,7 +8,7 @@ namespace enamel::stage {
 namespace {
 
 /// The surface's motion per frame as the camera's per second.
-BurstMotion motion_of(const proto::Burst& burst, const algo::RigidMotion& surface) {
+BurstMotion motion_of(const proto::Burst& burst, const pipeline::RigidMotion& surface) {
   BurstMotion out;
   out.exposure_spread_s2 = proto::exposure_spread_s2(burst);
   const double period_s = proto::frame_period_s(burst);
@@ -23,20 +23,20 @@ BurstMotion motion_of(const proto::Burst& burst, const algo::RigidMotion& surfac
 Result<void> DecodeStage::step() {
   const auto item = burst.take();
   if (calib_crc32_ != 0 && item->calib_crc32 != calib_crc32_) {
-    patch.emit(graph::make_rejected<Decoded>(item, "foreign_calibration"));
+    patch.emit(flow::make_rejected<Decoded>(item, "foreign_calibration"));
     return {};
   }
-  algo::DecodedBurst decoded;
+  pipeline::DecodedBurst decoded;
   decoder_->decode(view_of(*item), workspace_, decoded);
   if (!decoded.accepted()) {
-    patch.emit(graph::make_rejected<Decoded>(item, algo::name_of(decoded.verdict).data()));
+    patch.emit(flow::make_rejected<Decoded>(item, pipeline::name_of(decoded.verdict).data()));
     return {};
   }
   Decoded out{std::move(decoded.patch), std::move(decoded.relative), motion_of(*item, decoded.diagnostics.rigid), {}};
   out.digests.input = Digest().add(std::span<const std::uint8_t>(item->payload)).value();
   // Normals follow from depth; registration, which uses them, is digested next.
   out.digests.decode = Digest().add(out.patch.depth_mm).add(out.patch.sigma_mm).add(out.patch.texture_dn).value();
-  patch.emit(graph::make_item<Decoded>(item, std::move(out)));
+  patch.emit(flow::make_item<Decoded>(item, std::move(out)));
   return {};
 }
 

@@ -5,28 +5,28 @@
 #include <memory>
 #include <string>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
-#include "pipeline/graph/stage.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/flow/stage.hpp"
 #include "pipeline/stages/digest.hpp"
 #include "pipeline/stages/items.hpp"
 
 namespace enamel::stage {
 
-class DecodeStage final : public graph::Stage {
+class DecodeStage final : public flow::Stage {
  public:
   /// calib_crc32: of the rig in force; bursts that name another are rejected. 0: any.
-  DecodeStage(const std::string& name, std::shared_ptr<const algo::BurstDecoder> decoder, std::uint32_t calib_crc32)
+  DecodeStage(const std::string& name, std::shared_ptr<const pipeline::BurstDecoder> decoder, std::uint32_t calib_crc32)
       : Stage(name), decoder_(std::move(decoder)), calib_crc32_(calib_crc32) {}
 
-  graph::In<proto::Burst> burst{*this, "burst"};
-  graph::Out<Decoded> patch{*this, "patch"};
+  flow::In<proto::Burst> burst{*this, "burst"};
+  flow::Out<Decoded> patch{*this, "patch"};
 
   Result<void> step() override;
 
  private:
-  std::shared_ptr<const algo::BurstDecoder> decoder_;
+  std::shared_ptr<const pipeline::BurstDecoder> decoder_;
   std::uint32_t calib_crc32_;
-  algo::DecodeWorkspace workspace_;
+  pipeline::DecodeWorkspace workspace_;
 };
 
 }  // namespace enamel::stage

@@ -54,7 +54,7 @@ Result<void> FuseStage::step() {
   }
   const SurfacePatch& patch = *item->patch;
   const Pose& T_model_cam = item->result.T_model_cam;
-  const algo::FuseStats stats = model_.integrate(item.id, patch, T_model_cam);
+  const pipeline::FuseStats stats = model_.integrate(item.id, patch, T_model_cam);
   last_view_ = std::make_shared<const ModelView>(model_.view(T_model_cam, patch));
 
   Fused out{item->result, item->orders, item->motion, item->digests};
@@ -65,23 +65,23 @@ Result<void> FuseStage::step() {
                          .add(last_view_->points)
                          .add(last_view_->normals)
                          .value();
-  fused.emit(graph::make_item<Fused>(item, std::move(out)));
-  view.emit(graph::make_item<ModelView>(item, last_view_));
-  preview.emit(graph::make_item<PreviewItem>(item, make_preview(item)));
+  fused.emit(flow::make_item<Fused>(item, std::move(out)));
+  view.emit(flow::make_item<ModelView>(item, last_view_));
+  preview.emit(flow::make_item<PreviewItem>(item, make_preview(item)));
   return {};
 }
 
-void FuseStage::pass_rejected(const graph::Item<Tracked>& item) {
-  graph::ItemHead head = item;
-  fused.emit(graph::make_rejected<Fused>(head, head.rejected));
+void FuseStage::pass_rejected(const flow::Item<Tracked>& item) {
+  flow::ItemHead head = item;
+  fused.emit(flow::make_rejected<Fused>(head, head.rejected));
   head.rejected = nullptr;
-  view.emit(graph::make_item<ModelView>(head, last_view_));
+  view.emit(flow::make_item<ModelView>(head, last_view_));
   last_preview_.burst = item.id;
   last_preview_.track.state = TrackState::kLost;
-  preview.emit(graph::make_item<PreviewItem>(head, last_preview_));
+  preview.emit(flow::make_item<PreviewItem>(head, last_preview_));
 }
 
-std::shared_ptr<const PreviewItem> FuseStage::make_preview(const graph::Item<Tracked>& item) {
+std::shared_ptr<const PreviewItem> FuseStage::make_preview(const flow::Item<Tracked>& item) {
   last_preview_.burst = item.id;
   last_preview_.track = item->result;
   const SurfacePatch& patch = *item->patch;

@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "pipeline/algo/fuse/tsdf_model.hpp"
-#include "pipeline/algo/mesh/incremental_mesher.hpp"
-#include "pipeline/graph/stage.hpp"
+#include "pipeline/flow/stage.hpp"
+#include "pipeline/model/fuse/tsdf_model.hpp"
+#include "pipeline/model/mesh/incremental_mesher.hpp"
 #include "pipeline/stages/items.hpp"
 #include "pipeline/stages/preview_item.hpp"
 #include "pipeline/types/mesh.hpp"
@@ -14,21 +14,21 @@
 namespace enamel::stage {
 
 struct FuseStageConfig {
-  algo::FuseConfig fuse;
-  algo::MeshConfig mesh;
+  pipeline::FuseConfig fuse;
+  pipeline::MeshConfig mesh;
   bool preview_model = false;  ///< somebody watches the surface grow: mesh it as it changes
   int preview_period = 2;      ///< … every so many bursts
 };
 
 /// Sees rejected bursts too: registration wants a view for every burst, and the person at the screen that one was lost.
-class FuseStage final : public graph::Stage {
+class FuseStage final : public flow::Stage {
  public:
   FuseStage(const calib::Rig& rig, const FuseStageConfig& config);
 
-  graph::In<Tracked> tracked{*this, "tracked"};
-  graph::Out<Fused> fused{*this, "fused"};
-  graph::Out<ModelView> view{*this, "view"};
-  graph::Out<PreviewItem> preview{*this, "preview"};
+  flow::In<Tracked> tracked{*this, "tracked"};
+  flow::Out<Fused> fused{*this, "fused"};
+  flow::Out<ModelView> view{*this, "view"};
+  flow::Out<PreviewItem> preview{*this, "preview"};
 
   Result<void> step() override;
   [[nodiscard]] bool handles_rejected() const noexcept override { return true; }
@@ -37,12 +37,12 @@ class FuseStage final : public graph::Stage {
   [[nodiscard]] Mesh extract_mesh();
 
  private:
-  void pass_rejected(const graph::Item<Tracked>& item);
-  [[nodiscard]] std::shared_ptr<const PreviewItem> make_preview(const graph::Item<Tracked>& item);
+  void pass_rejected(const flow::Item<Tracked>& item);
+  [[nodiscard]] std::shared_ptr<const PreviewItem> make_preview(const flow::Item<Tracked>& item);
 
   FuseStageConfig config_;
-  algo::TsdfModel model_;
-  algo::IncrementalMesher mesher_;
+  pipeline::TsdfModel model_;
+  pipeline::IncrementalMesher mesher_;
   std::shared_ptr<const ModelView> last_view_;
   PreviewItem last_preview_;
   int until_preview_ = 0;

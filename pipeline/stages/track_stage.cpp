@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "pipeline/algo/guide/complete.hpp"
+#include "pipeline/model/guide/complete.hpp"
 #include "pipeline/stages/digest.hpp"
 
 namespace enamel::stage {
 
-TrackStage::TrackStage(const calib::Rig& rig, const algo::TrackerConfig& track, const algo::GuideConfig& guide,
-                       const std::shared_ptr<const algo::BurstDecoder>& decoder)
+TrackStage::TrackStage(const calib::Rig& rig, const pipeline::TrackerConfig& track, const pipeline::GuideConfig& guide,
+                       const std::shared_ptr<const pipeline::BurstDecoder>& decoder)
     : Stage("track"),
       tracker_(rig, track),
       guide_(decoder->shared_rays(), rig.camera, guide),
@@ -20,7 +20,7 @@ Result<void> TrackStage::step() {
   const auto view = model.take();
   const TrackResult result = tracker_.track(decoded.id, decoded.captured, decoded->patch, *view, decoded->motion.twist);
   if (result.state == TrackState::kLost) {
-    tracked.emit(graph::make_rejected<Tracked>(decoded, "lost_track"));
+    tracked.emit(flow::make_rejected<Tracked>(decoded, "lost_track"));
     return {};
   }
   OrderCheck orders;
@@ -35,7 +35,7 @@ Result<void> TrackStage::step() {
                           .add(orders.guided_px)
                           .add(orders.withdrawn_px)
                           .value();
-  tracked.emit(graph::make_item<Tracked>(decoded, std::move(out)));
+  tracked.emit(flow::make_item<Tracked>(decoded, std::move(out)));
   return {};
 }
 
@@ -48,7 +48,7 @@ std::shared_ptr<const SurfacePatch> TrackStage::complete(const std::shared_ptr<c
   if (none && orders.contradicting == 0) return {decoded, &decoded->patch};
   auto judged = std::make_shared<SurfacePatch>(decoded->patch);
   if (orders.contradicting > 0) orders.withdrawn_px = guide_.withdraw(view, T_model_cam, *judged);
-  orders.guided_px = algo::add_decided(decoded->relative, told, guide_.rays(), normals_, *judged);
+  orders.guided_px = pipeline::add_decided(decoded->relative, told, guide_.rays(), normals_, *judged);
   return judged;
 }
 

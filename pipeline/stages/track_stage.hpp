@@ -4,23 +4,23 @@
 
 #include <memory>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
-#include "pipeline/algo/guide/model_guide.hpp"
-#include "pipeline/algo/track/tracker.hpp"
-#include "pipeline/graph/stage.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/flow/stage.hpp"
+#include "pipeline/model/guide/model_guide.hpp"
+#include "pipeline/register/track/tracker.hpp"
 #include "pipeline/stages/items.hpp"
 #include "pipeline/types/model_view.hpp"
 
 namespace enamel::stage {
 
-class TrackStage final : public graph::Stage {
+class TrackStage final : public flow::Stage {
  public:
-  TrackStage(const calib::Rig& rig, const algo::TrackerConfig& track, const algo::GuideConfig& guide,
-             const std::shared_ptr<const algo::BurstDecoder>& decoder);
+  TrackStage(const calib::Rig& rig, const pipeline::TrackerConfig& track, const pipeline::GuideConfig& guide,
+             const std::shared_ptr<const pipeline::BurstDecoder>& decoder);
 
-  graph::In<Decoded> patch{*this, "patch"};
-  graph::In<ModelView> model{*this, "model"};
-  graph::Out<Tracked> tracked{*this, "tracked"};
+  flow::In<Decoded> patch{*this, "patch"};
+  flow::In<ModelView> model{*this, "model"};
+  flow::Out<Tracked> tracked{*this, "tracked"};
 
   Result<void> step() override;
 
@@ -30,9 +30,9 @@ class TrackStage final : public graph::Stage {
                                                              const ModelView& view, const Pose& T_model_cam,
                                                              OrderCheck& orders) const;
 
-  algo::Tracker tracker_;
-  algo::ModelGuide guide_;
-  algo::NormalConfig normals_;
+  pipeline::Tracker tracker_;
+  pipeline::ModelGuide guide_;
+  pipeline::NormalConfig normals_;
 };
 
 }  // namespace enamel::stage

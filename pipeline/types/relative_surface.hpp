@@ -1,5 +1,5 @@
 // Surface whose fringe order one burst leaves open: its phase is known up to whole turns. The model may tell them
-// (algo/guide).
+// (model/guide).
 #pragma once
 
 #include <cstdint>

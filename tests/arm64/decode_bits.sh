@@ -18,9 +18,8 @@ for headers in nlohmann tl hwy eigen3/Eigen; do
 done
 
 cd "$source_dir"
-sources=(tests/arm64/decode_bits.cpp calib/model/*.cpp protocol/base/{result,check,crc32,file}.cpp
-  pipeline/algo/{phase,unwrap,triangulate}/*.cpp
-  pipeline/algo/decode/{burst_*,gate_rows,likely_turns,micro_*,motion_*,relative_regions,rigid_motion,ripple_*,surface*}.cpp)
+mapfile -t decoder < <(find pipeline/decode -name '*.cpp' ! -name decode_maps.cpp | sort)
+sources=(tests/arm64/decode_bits.cpp calib/model/*.cpp protocol/base/{result,check,crc32,file}.cpp "${decoder[@]}")
 flags=(-std=c++20 -O2 -DNDEBUG -ffp-contract=off -fno-fast-math -fno-math-errno -fno-trapping-math
   -DHWY_COMPILE_ONLY_STATIC -I. -isystem "$work_dir/include")
 export compiler work_dir

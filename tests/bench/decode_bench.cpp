@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 
@@ -25,11 +25,11 @@ double thread_ms() {
   return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-void decode_frames(benchmark::State& state, const enamel::calib::Rig& rig, const enamel::algo::BurstView& frames) {
-  const auto decoder = enamel::algo::BurstDecoder::make(rig);
+void decode_frames(benchmark::State& state, const enamel::calib::Rig& rig, const enamel::pipeline::BurstView& frames) {
+  const auto decoder = enamel::pipeline::BurstDecoder::make(rig);
   if (!decoder) return state.SkipWithError("rig refused");
-  enamel::algo::DecodeWorkspace workspace;
-  enamel::algo::DecodedBurst out;
+  enamel::pipeline::DecodeWorkspace workspace;
+  enamel::pipeline::DecodedBurst out;
   decoder->decode(frames, workspace, out);  // takes the memory that later bursts find there
   if (!out.accepted()) return state.SkipWithError("burst rejected: the time of a whole decode is asked for");
   std::map<std::string, double> steps;
@@ -90,7 +90,7 @@ void decode_twin(benchmark::State& state, const std::string& scene, const std::s
   if (fresh) at->second = render(scene, rig, number);
   if (!at->second) return state.SkipWithError("cannot be rendered");
   const auto& burst = at->second->burst;
-  enamel::algo::BurstView view{burst.width, burst.height, burst.bit_depth, {}};
+  enamel::pipeline::BurstView view{burst.width, burst.height, burst.bit_depth, {}};
   for (std::size_t k = 0; k < view.frames.size(); ++k) view.frames[k] = burst.frames[k];
   decode_frames(state, at->second->rig, view);
 }

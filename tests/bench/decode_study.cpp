@@ -8,9 +8,9 @@
 #include <set>
 #include <string>
 
-#include "pipeline/algo/decode/decode_maps.hpp"
-#include "pipeline/algo/phase/polarity.hpp"
-#include "pipeline/algo/triangulate/ray_depth.hpp"
+#include "pipeline/decode/decode_maps.hpp"
+#include "pipeline/decode/mode_t/polarity.hpp"
+#include "pipeline/decode/triangulate/ray_depth.hpp"
 #include "protocol/base/file.hpp"
 #include "tests/bench/study.hpp"
 #include "tests/support/blocks_scene.hpp"
@@ -24,10 +24,10 @@ namespace enamel::bench {
 namespace {
 
 /// rms of (phase - truth)/sigma over all valid pixels.
-double normalised_rms(const algo::PhaseMaps& maps, const Map<double>& truth) {
+double normalised_rms(const pipeline::PhaseMaps& maps, const Map<double>& truth) {
   double sum = 0, n = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (maps.reject[i] != algo::PixelReject::kNone) continue;
+    if (maps.reject[i] != pipeline::PixelReject::kNone) continue;
     const double e = test::wrap_pi(static_cast<double>(maps.phase_rad[i]) - truth[i]);
     sum += std::pow(e / static_cast<double>(maps.sigma_rad[i]), 2);
     n += 1;
@@ -42,7 +42,7 @@ Json error_json(const test::FoldedError& e) {
 }  // namespace
 
 void save(const std::string& path, const Map<float>& map) {
-  if (const auto written = write_file(path, algo::pfm_bytes(map)); !written) {
+  if (const auto written = write_file(path, pipeline::pfm_bytes(map)); !written) {
     std::fprintf(stderr, "%s\n", written.error().message().c_str());
     std::exit(exit_code(written.error().code));
   }
@@ -59,15 +59,15 @@ Json noise_study() {
     o.modulation_dn = modulation_dn;
     o.mean_dn = 1.25 * modulation_dn + 3;
     const auto scene = test::render(rig, test::flat(48), o);
-    const algo::NoiseModel noise = algo::noise_from_rig(*rig.noise, 8);
-    algo::PhaseMaps maps;
-    algo::compute_phase(scene.frames.view(), noise, {}, maps);
+    const pipeline::NoiseModel noise = pipeline::noise_from_rig(*rig.noise, 8);
+    pipeline::PhaseMaps maps;
+    pipeline::compute_phase(scene.frames.view(), noise, {}, maps);
     const double three = normalised_rms(maps, scene.phase_rad);
-    std::vector<algo::CellSpan> spans;
+    std::vector<pipeline::CellSpan> spans;
     spans.reserve(240);
     for (int v = 0; v < 240; ++v) spans.push_back({v, 0, 320, 0, false});
-    algo::PolarityMaps polarity;
-    algo::apply_polarity(spans, {std::vector<float>(8, 1.0F), false}, noise, {}, maps, polarity);
+    pipeline::PolarityMaps polarity;
+    pipeline::apply_polarity(spans, {std::vector<float>(8, 1.0F), false}, noise, {}, maps, polarity);
     rows.push_back({{"modulation_dn", modulation_dn},
                     {"three_frames", three},
                     {"four_frames", normalised_rms(maps, scene.phase_rad)}});
@@ -97,7 +97,7 @@ Json ripple_study() {
 
 Json baked_study() {
   const calib::Rig rig = calib::parse_rig(test::kRigText).value();
-  const algo::RayDepth rays = algo::RayDepth::bake(rig, *rig.depth_range).value();
+  const pipeline::RayDepth rays = pipeline::RayDepth::bake(rig, *rig.depth_range).value();
   double worst_um = 0;
   std::size_t points = 0;
   for (int v = 0; v < 480; v += 9) {
@@ -107,7 +107,7 @@ Json baked_study() {
       for (int s = 0; s <= 16; ++s) {
         const float share = static_cast<float>(s) / 16;
         const float phase = rays.phase_near_rad[i] * (1 - share) + rays.phase_far_rad[i] * share;
-        const auto exact = algo::depth_by_iteration(rig, ray, static_cast<double>(phase), 48);
+        const auto exact = pipeline::depth_by_iteration(rig, ray, static_cast<double>(phase), 48);
         const double baked = 1 / static_cast<double>(rays.inverse_depth(i, phase));
         worst_um = std::max(worst_um, exact ? 1e3 * std::abs(baked - *exact) : 1e9);
         ++points;

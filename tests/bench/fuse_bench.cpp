@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "pipeline/algo/fuse/tsdf_model.hpp"
-#include "pipeline/algo/mesh/incremental_mesher.hpp"
-#include "tests/unit/fusion/synthetic.hpp"
+#include "pipeline/model/fuse/tsdf_model.hpp"
+#include "pipeline/model/mesh/incremental_mesher.hpp"
+#include "tests/unit/model/synthetic.hpp"
 
 namespace enamel {
 namespace {
@@ -39,13 +39,13 @@ const Sweep& sweep() {
 
 void integrate(benchmark::State& state) {
   const Sweep& s = sweep();
-  algo::TsdfModel model(s.rig);
+  pipeline::TsdfModel model(s.rig);
   std::uint64_t k = 0;
   std::uint64_t voxels = 0;
   std::uint64_t blocks = 0;
   for (auto _ : state) {
     const std::size_t i = k % s.patches.size();
-    const algo::FuseStats stats = model.integrate(BurstId{k}, s.patches[i], s.poses[i]);
+    const pipeline::FuseStats stats = model.integrate(BurstId{k}, s.patches[i], s.poses[i]);
     voxels += stats.voxels_updated;
     blocks += stats.blocks_touched;
     ++k;
@@ -58,9 +58,9 @@ BENCHMARK(integrate)->Unit(benchmark::kMillisecond)->Iterations(60);
 
 void prepare_surfels(benchmark::State& state) {
   const Sweep& s = sweep();
-  const algo::FuseConfig config;
-  algo::SurfelMap surfels(s.rig, config);
-  algo::FuseStats stats;
+  const pipeline::FuseConfig config;
+  pipeline::SurfelMap surfels(s.rig, config);
+  pipeline::FuseStats stats;
   for (auto _ : state) {
     surfels.build(s.patches[0], config, stats);
     benchmark::DoNotOptimize(surfels[0]);
@@ -70,7 +70,7 @@ BENCHMARK(prepare_surfels)->Unit(benchmark::kMillisecond)->Iterations(60);
 
 void view(benchmark::State& state) {
   const Sweep& s = sweep();
-  algo::TsdfModel model(s.rig);
+  pipeline::TsdfModel model(s.rig);
   for (std::size_t i = 0; i < s.patches.size(); ++i) {
     model.integrate(BurstId{i}, s.patches[i], s.poses[i]);
   }
@@ -85,8 +85,8 @@ BENCHMARK(view)->Unit(benchmark::kMillisecond)->Iterations(60);
 /// Blocks that moved by 2 um or more, after every burst of a sweep that comes over the same surface again and again.
 void mesh_update(benchmark::State& state) {
   const Sweep& s = sweep();
-  algo::TsdfModel model(s.rig);
-  algo::IncrementalMesher mesher;
+  pipeline::TsdfModel model(s.rig);
+  pipeline::IncrementalMesher mesher;
   std::uint64_t k = 0;
   std::uint64_t blocks = 0;
   for (auto _ : state) {
@@ -105,11 +105,11 @@ BENCHMARK(mesh_update)->Arg(400)->Arg(1000000)->Unit(benchmark::kMillisecond)->I
 
 void mesh_all_touched(benchmark::State& state) {
   const Sweep& s = sweep();
-  algo::TsdfModel model(s.rig);
+  pipeline::TsdfModel model(s.rig);
   model.integrate(BurstId{0}, s.patches[0], s.poses[0]);
   model.integrate(BurstId{1}, s.patches[0], s.poses[0]);
   const auto changed = model.take_changed();
-  algo::IncrementalMesher mesher;
+  pipeline::IncrementalMesher mesher;
   for (auto _ : state) {
     benchmark::DoNotOptimize(mesher.update(model, changed).blocks_meshed);
   }

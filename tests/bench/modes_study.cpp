@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/bench/study.hpp"
 #include "tests/support/order_score.hpp"
 #include "tests/support/tooth_steps.hpp"
@@ -28,10 +28,10 @@ calib::Rig rig_of(calib::PatternMode mode, double noise_dn) {
   return rig;
 }
 
-test::OrderCounts measure(const calib::Rig& rig, const algo::BurstDecoder& decoder, const Condition& c) {
+test::OrderCounts measure(const calib::Rig& rig, const pipeline::BurstDecoder& decoder, const Condition& c) {
   test::OrderCounts sum;
-  algo::DecodeWorkspace workspace;
-  algo::DecodedBurst decoded;
+  pipeline::DecodeWorkspace workspace;
+  pipeline::DecodedBurst decoded;
   for (std::uint64_t scene = 1; scene <= kScenes; ++scene) {
     const test::ToothSteps steps = test::make_tooth_steps(rig, scene);
     test::SceneOptions o = steps.options(scene);
@@ -65,7 +65,7 @@ Json modes_study() {
   for (const double noise : {0.03, 0.05, 0.1, 0.15}) {
     const auto t = rig_of(calib::PatternMode::kPolarity, noise * kModulation_dn);
     const auto m = rig_of(calib::PatternMode::kMicro, noise * kModulation_dn);
-    const auto by_t = algo::BurstDecoder::make(t).value(), by_m = algo::BurstDecoder::make(m).value();
+    const auto by_t = pipeline::BurstDecoder::make(t).value(), by_m = pipeline::BurstDecoder::make(m).value();
     for (const double motion : {0.0, 0.1, 0.2}) {
       for (const double blur : {0.0, 0.1, 0.2}) {
         const Condition c{noise, motion, blur};

@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/bench/study.hpp"
 #include "tests/support/marker_baseline.hpp"
 #include "tests/support/order_score.hpp"
@@ -22,18 +22,18 @@ test::SyntheticBurst render(const calib::Rig& rig, const test::ToothSteps& steps
 }
 
 /// The baseline's orders in the form of a decoded burst: what it does not place is undecided.
-test::OrderCounts score_marker(const calib::Rig& rig, const algo::RayDepth& rays, const test::ToothSteps& steps,
-                               const algo::DecodedBurst& by_code, std::uint64_t seed) {
+test::OrderCounts score_marker(const calib::Rig& rig, const pipeline::RayDepth& rays, const test::ToothSteps& steps,
+                               const pipeline::DecodedBurst& by_code, std::uint64_t seed) {
   const auto burst = render(rig, steps, seed);
   const test::MarkerOrders orders = test::orders_from_marker(rig, rays, burst.frames.view());
-  algo::DecodedBurst as_decoded = by_code;  // same mask, same noise
-  as_decoded.verdict = algo::BurstVerdict::kAccepted;
+  pipeline::DecodedBurst as_decoded = by_code;  // same mask, same noise
+  as_decoded.verdict = pipeline::BurstVerdict::kAccepted;
   as_decoded.phase_rad = orders.phase_rad;
   for (std::size_t i = 0; i < orders.order.size(); ++i) {
-    algo::PixelReject& why = as_decoded.reject[i];
-    const bool left_out = why == algo::PixelReject::kDark || why == algo::PixelReject::kSaturated ||
-                          why == algo::PixelReject::kNoisy || why == algo::PixelReject::kEdge;
-    if (!left_out) why = orders.order[i] < 0 ? algo::PixelReject::kRelative : algo::PixelReject::kNone;
+    pipeline::PixelReject& why = as_decoded.reject[i];
+    const bool left_out = why == pipeline::PixelReject::kDark || why == pipeline::PixelReject::kSaturated ||
+                          why == pipeline::PixelReject::kNoisy || why == pipeline::PixelReject::kEdge;
+    if (!left_out) why = orders.order[i] < 0 ? pipeline::PixelReject::kRelative : pipeline::PixelReject::kNone;
     as_decoded.order[i] = static_cast<std::uint8_t>(std::max(0, orders.order[i]));
   }
   return test::score_orders(as_decoded, burst, steps.light, steps.near_jump);
@@ -69,9 +69,9 @@ Counts count_orders(int first, int step, int end) {
   marked.patterns.mode = calib::PatternMode::kSingle;
   marked.patterns.polarity_code.clear();
   marked.patterns.marker_fringe = 17;  // in the middle of the field, half way through the depth range
-  const auto by_t = algo::BurstDecoder::make(t).value(), by_m = algo::BurstDecoder::make(m).value();
-  algo::DecodeWorkspace workspace;
-  algo::DecodedBurst decoded;
+  const auto by_t = pipeline::BurstDecoder::make(t).value(), by_m = pipeline::BurstDecoder::make(m).value();
+  pipeline::DecodeWorkspace workspace;
+  pipeline::DecodedBurst decoded;
   Counts out;
   for (int k = first; k < end; k += step) {
     const auto seed = static_cast<std::uint64_t>(1000 + k);

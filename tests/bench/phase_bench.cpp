@@ -6,9 +6,9 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "pipeline/algo/phase/four_step.hpp"
-#include "pipeline/algo/phase/phase.hpp"
+#include "pipeline/decode/phase/phase.hpp"
 #include "tests/support/crown_scene.hpp"
+#include "tests/support/four_step.hpp"
 
 namespace {
 
@@ -39,7 +39,7 @@ void textbook(benchmark::State& state) {
   const auto frames = copies(state);
   std::vector<enamel::Map<float>> phase(frames.size()), modulation(frames.size());
   for (auto _ : state) {
-    for (std::size_t k = 0; k < frames.size(); ++k) enamel::algo::four_step(frames[k].view(), phase[k], modulation[k]);
+    for (std::size_t k = 0; k < frames.size(); ++k) enamel::test::four_step(frames[k].view(), phase[k], modulation[k]);
     benchmark::DoNotOptimize(phase.data());
     benchmark::ClobberMemory();
   }
@@ -47,11 +47,11 @@ void textbook(benchmark::State& state) {
 }
 
 void ours(benchmark::State& state) {
-  enamel::algo::NoiseModel noise;
+  enamel::pipeline::NoiseModel noise;
   noise.floor_dn2 = 4;
-  enamel::algo::PhaseMaps maps;
+  enamel::pipeline::PhaseMaps maps;
   for (auto _ : state) {
-    enamel::algo::compute_phase(burst().frames.view(), noise, {}, maps);
+    enamel::pipeline::compute_phase(burst().frames.view(), noise, {}, maps);
     benchmark::DoNotOptimize(maps.phase_rad.pixels().data());
   }
   per_pixel(state);

@@ -16,7 +16,7 @@ Json twin_study() { return Json::object(); }
 #include <string>
 #include <utility>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tools/twin/twin_source.hpp"
 
 namespace enamel::bench {
@@ -48,8 +48,8 @@ calib::Rig rig_of(const char* name) {
 
 fw::SimBurst next(twin::TwinSource& source) { return need(source.next()).value(); }
 
-algo::DecodedBurst decode(const fw::SimBurst& burst, const algo::BurstDecoder& decoder) {
-  algo::BurstView view{burst.width, burst.height, burst.bit_depth, {}};
+pipeline::DecodedBurst decode(const fw::SimBurst& burst, const pipeline::BurstDecoder& decoder) {
+  pipeline::BurstView view{burst.width, burst.height, burst.bit_depth, {}};
   for (std::size_t k = 0; k < 4; ++k) view.frames[k] = burst.frames[k];
   return decoder.decode(view);
 }
@@ -115,7 +115,7 @@ Json at_rest(const char* rig_name, double fill) {
   if (fill > 0) scene.render.light.reference_mm = kDistance_mm, scene.render.light.reference_fraction = 2 * fill;
   const calib::Rig rig = rig_of(rig_name);
   const auto source = need(twin::TwinSource::create(scene, rig));
-  const auto decoder = need(algo::BurstDecoder::make(rig));
+  const auto decoder = need(pipeline::BurstDecoder::make(rig));
   double raw = 0, smooth = 0, sigma = 0, mean = 0, contrast = 0, valid = 0;
   for (int k = 0; k < kBursts; ++k) {
     const auto burst = decode(next(*source), decoder);
@@ -134,7 +134,7 @@ Json at_rest(const char* rig_name, double fill) {
 }
 
 /// Along the axis, per frame interval: of the rigid motion, or, where a mode fits none, by the mean rate of the phase.
-double shift_mm(const algo::DecodeDiagnostics& seen, const algo::RayDepth& rays) {
+double shift_mm(const pipeline::DecodeDiagnostics& seen, const pipeline::RayDepth& rays) {
   if (seen.rigid.moved) return std::abs(seen.rigid.shift_mm[2]);
   const std::size_t centre = static_cast<std::size_t>(rays.height / 2 * rays.width + rays.width / 2);
   const double inverse_per_rad = static_cast<double>(rays.c1[centre]);
@@ -147,9 +147,10 @@ Json in_motion(const char* rig_name, double frame_period_ms) {
   scene.timing.exposure_ms = frame_period_ms - 0.3;
   scene.views[0].velocity_mm_s = {0, 0, kSpeed};
   const calib::Rig rig = rig_of(rig_name);
-  algo::DecodeConfig uncorrected;
+  pipeline::DecodeConfig uncorrected;
   uncorrected.correct_closure = false;
-  const auto ours = need(algo::BurstDecoder::make(rig)), plain = need(algo::BurstDecoder::make(rig, uncorrected));
+  const auto ours = need(pipeline::BurstDecoder::make(rig)),
+             plain = need(pipeline::BurstDecoder::make(rig, uncorrected));
   const auto source = need(twin::TwinSource::create(scene, rig));
   double with = 0, without = 0, off_mm_s = 0;
   bool accepted = true;

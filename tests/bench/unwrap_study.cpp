@@ -8,10 +8,10 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
-#include "pipeline/algo/phase/polarity.hpp"
-#include "pipeline/algo/unwrap/flood.hpp"
-#include "pipeline/algo/unwrap/least_cuts.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/decode/mode_t/polarity.hpp"
+#include "pipeline/decode/unwrap/flood.hpp"
+#include "pipeline/decode/unwrap/least_cuts.hpp"
 #include "tests/bench/study.hpp"
 #include "tests/support/crown_scene.hpp"
 #include "tests/support/marker_baseline.hpp"
@@ -42,19 +42,19 @@ double median_ms(Run run, int repeats = kRepeats) {
 
 struct Problem {
   test::CrownBurst burst;
-  algo::PhaseMaps maps;
+  pipeline::PhaseMaps maps;
 };
 
 Problem make(double noise_dn, std::uint64_t layout = 0) {
   Problem p{test::render_crowns({.noise_dn = noise_dn, .seed = layout + 1, .layout = layout}), {}};
-  algo::NoiseModel noise;
+  pipeline::NoiseModel noise;
   noise.floor_dn2 = static_cast<float>(noise_dn * noise_dn + 1.0 / 12);
-  algo::compute_phase(p.burst.frames.view(), noise, {}, p.maps);
-  std::vector<algo::CellSpan> rows;
+  pipeline::compute_phase(p.burst.frames.view(), noise, {}, p.maps);
+  std::vector<pipeline::CellSpan> rows;
   rows.reserve(static_cast<std::size_t>(p.maps.phase_rad.height()));
   for (int v = 0; v < p.maps.phase_rad.height(); ++v) rows.push_back({v, 0, p.maps.phase_rad.width(), 0, false});
-  algo::PolarityMaps polarity;
-  algo::apply_polarity(rows, {std::vector<float>(4, 1.0F), false}, noise, {}, p.maps, polarity);
+  pipeline::PolarityMaps polarity;
+  pipeline::apply_polarity(rows, {std::vector<float>(4, 1.0F), false}, noise, {}, p.maps, polarity);
   return p;
 }
 
@@ -64,7 +64,8 @@ Map<std::int32_t> regions_of(const Problem& p) {
   const int w = p.maps.phase_rad.width(), h = p.maps.phase_rad.height();
   cv::Mat mask(h, w, CV_8UC1), labels;
   for (int v = 0; v < h; ++v)
-    for (int u = 0; u < w; ++u) mask.at<std::uint8_t>(v, u) = p.maps.reject(u, v) == algo::PixelReject::kNone ? 255 : 0;
+    for (int u = 0; u < w; ++u)
+      mask.at<std::uint8_t>(v, u) = p.maps.reject(u, v) == pipeline::PixelReject::kNone ? 255 : 0;
   cv::connectedComponents(mask, labels, 4, CV_32S);
   Map<std::int32_t> out(w, h);
   for (int v = 0; v < h; ++v)
@@ -77,7 +78,7 @@ Json score(const Problem& p, const Map<float>& unwrapped, const Map<std::uint8_t
   std::map<std::int32_t, std::map<long, std::size_t>> shifts;
   std::size_t mask = 0, told = 0;
   for (std::size_t i = 0; i < answered.size(); ++i) {
-    mask += p.maps.reject[i] == algo::PixelReject::kNone ? 1U : 0U;
+    mask += p.maps.reject[i] == pipeline::PixelReject::kNone ? 1U : 0U;
     if (answered[i] == 0) continue;
     ++told;
     const double off = (static_cast<double>(unwrapped[i]) - p.burst.phase_rad[i]) / (2 * std::numbers::pi);
@@ -96,19 +97,19 @@ Json score(const Problem& p, const Map<float>& unwrapped, const Map<std::uint8_t
 }
 
 Json ours(const Problem& p, int repeats = kRepeats) {
-  algo::LeastCutsWork work;
-  algo::FloodMaps found;
+  pipeline::LeastCutsWork work;
+  pipeline::FloodMaps found;
   const double ms = median_ms(
       [&] {
-        algo::unwrap_by_least_cuts(p.maps, {p.burst.carrier_rad.pixels().data(), kSlope_rad, kSlope_rad}, {}, work,
-                                   found);
+        pipeline::unwrap_by_least_cuts(p.maps, {p.burst.carrier_rad.pixels().data(), kSlope_rad, kSlope_rad}, {}, work,
+                                       found);
       },
       repeats);
   Map<float> unwrapped(p.maps.phase_rad.width(), p.maps.phase_rad.height());
   Map<std::uint8_t> answered(p.maps.phase_rad.width(), p.maps.phase_rad.height());
   for (std::size_t i = 0; i < unwrapped.size(); ++i) {
     unwrapped[i] = p.maps.phase_rad[i] + 2 * std::numbers::pi_v<float> * found.turn[i];
-    answered[i] = p.maps.reject[i] == algo::PixelReject::kNone ? 1 : 0;
+    answered[i] = p.maps.reject[i] == pipeline::PixelReject::kNone ? 1 : 0;
   }
   Json out = score(p, unwrapped, answered);
   out["ms"] = ms;
@@ -117,17 +118,17 @@ Json ours(const Problem& p, int repeats = kRepeats) {
 
 /// The links and the flood that the decoder's code works on.
 Json links_and_flood(const Problem& p, int repeats = kRepeats) {
-  algo::LinkMaps links;
-  algo::FloodMaps flooded;
-  Map<algo::PixelReject> reject = p.maps.reject;
-  algo::PhaseMaps maps = p.maps;
+  pipeline::LinkMaps links;
+  pipeline::FloodMaps flooded;
+  Map<pipeline::PixelReject> reject = p.maps.reject;
+  pipeline::PhaseMaps maps = p.maps;
   const double ms = median_ms(
       [&] {
         maps.reject = p.maps.reject;
-        algo::reject_half_lit(maps.modulation_dn, maps.reject);
-        algo::compute_links(maps, {p.burst.carrier_rad.pixels().data(), kSlope_rad, kSlope_rad}, {}, links);
-        algo::reject_edges(links, maps);
-        algo::flood(maps.phase_rad, links, flooded);
+        pipeline::reject_half_lit(maps.modulation_dn, maps.reject);
+        pipeline::compute_links(maps, {p.burst.carrier_rad.pixels().data(), kSlope_rad, kSlope_rad}, {}, links);
+        pipeline::reject_edges(links, maps);
+        pipeline::flood(maps.phase_rad, links, flooded);
       },
       repeats);
   // In every region of the mask the largest component is the answer; the rest is left out.
@@ -161,7 +162,7 @@ Json opencv_histogram(const Problem& p, int repeats = kRepeats) {
   for (int v = 0; v < h; ++v) {
     for (int u = 0; u < w; ++u) {
       wrapped.at<float>(v, u) = p.maps.phase_rad(u, v);
-      mask.at<std::uint8_t>(v, u) = p.maps.reject(u, v) == algo::PixelReject::kNone ? 255 : 0;
+      mask.at<std::uint8_t>(v, u) = p.maps.reject(u, v) == pipeline::PixelReject::kNone ? 255 : 0;
     }
   }
   cv::phase_unwrapping::HistogramPhaseUnwrapping::Params params;
@@ -226,9 +227,9 @@ Json share_wrong(std::size_t wrong, std::size_t placed, std::size_t lit) {
 /// What the code makes of the flood's leaks: mode T through the whole decoder.
 Json with_code(double noise_dn) {
   const CodedScene scene = render_coded(noise_dn, calib::PatternMode::kPolarity);
-  const auto decoder = algo::BurstDecoder::make(scene.rig).value();
-  algo::DecodeWorkspace workspace;
-  algo::DecodedBurst decoded;
+  const auto decoder = pipeline::BurstDecoder::make(scene.rig).value();
+  pipeline::DecodeWorkspace workspace;
+  pipeline::DecodedBurst decoded;
   std::size_t valid = 0, wrong = 0, lit = 0;
   decoder.decode(scene.burst.frames.view(), workspace, decoded);
   for (std::size_t i = 0; i < scene.lit.size(); ++i) {
@@ -239,7 +240,7 @@ Json with_code(double noise_dn) {
     wrong += std::abs(z - scene.burst.depth_mm[i]) > 0.5 * scene.fringe_mm ? 1U : 0U;
   }
   Json out = share_wrong(wrong, valid, lit);
-  out["verdict"] = algo::name_of(decoded.verdict);
+  out["verdict"] = pipeline::name_of(decoded.verdict);
   return out;
 }
 
@@ -269,7 +270,7 @@ namespace {
 void save_problem(const Problem& p, const std::string& stem) {
   Map<float> masked = p.maps.phase_rad, truth(masked.width(), masked.height());
   for (std::size_t i = 0; i < masked.size(); ++i) {
-    if (p.maps.reject[i] != algo::PixelReject::kNone) masked[i] = std::nanf("");
+    if (p.maps.reject[i] != pipeline::PixelReject::kNone) masked[i] = std::nanf("");
     truth[i] = static_cast<float>(p.burst.phase_rad[i]);
   }
   save(stem + "_wrapped.pfm", masked);

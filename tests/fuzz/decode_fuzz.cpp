@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/fuzz/byte_source.hpp"
 #include "tests/fuzz/demand.hpp"
 #include "tests/unit/decode/synthetic.hpp"
@@ -83,22 +83,22 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const int bits = depths[in.below(depths.size())];
   const auto rig = calib::parse_rig(rig_text(in, width, height, bits));
   if (!rig || rig->camera.width > 96 || rig->camera.height > 40) return 0;
-  algo::DecodeConfig config;
+  pipeline::DecodeConfig config;
   config.min_points = 1 + in.below(50);  // images of this size would otherwise hardly get past the first gate
-  const auto decoder = algo::BurstDecoder::make(*rig, config);
+  const auto decoder = pipeline::BurstDecoder::make(*rig, config);
   if (!decoder) {
     demand(!decoder.error().detail.empty(), "a refusal has a reason");
     return 0;
   }
   const test::FrameSet frames = frames_of(in, *rig, bits);
-  const algo::DecodedBurst out = decoder->decode(frames.view());
+  const pipeline::DecodedBurst out = decoder->decode(frames.view());
   std::size_t counted = 0;
   for (const std::size_t n : out.counts) counted += n;
   demand(counted == out.reject.size(), "every pixel is counted");
   demand(out.counts[0] == out.patch.valid_px, "accepted pixels are the valid ones");
   for (std::size_t i = 0; i < out.reject.size(); ++i) {
     const float z = out.patch.depth_mm[i];
-    demand((out.reject[i] == algo::PixelReject::kNone) == (z == z), "accepted means a depth");
+    demand((out.reject[i] == pipeline::PixelReject::kNone) == (z == z), "accepted means a depth");
     demand(!(z == z) || (z > 0 && z < 1e9F && out.patch.sigma_mm[i] >= 0), "a depth is one");
   }
   return 0;

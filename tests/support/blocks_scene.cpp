@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "pipeline/algo/phase/phase_ripple.hpp"
-#include "pipeline/algo/unwrap/flood.hpp"
+#include "pipeline/decode/phase/phase_ripple.hpp"
+#include "pipeline/decode/unwrap/flood.hpp"
 #include "tests/support/fold_error.hpp"
 #include "tests/support/fringe_set.hpp"
 
@@ -20,7 +20,7 @@ constexpr float kMinModulation_dn = 10, kNoise_dn = 1.5F;  // noise: from the fl
 constexpr int kMinPiece_px = 64;
 
 /// Three-step phase of images 0 … 2 as the set's author defines it; the noise of three frames is 0.816 sigma/B.
-void solve(const FringeImages& set, algo::PhaseMaps& m) {
+void solve(const FringeImages& set, pipeline::PhaseMaps& m) {
   m.resize(set.width, set.height);
   for (std::size_t i = 0; i < m.phase_rad.size(); ++i) {
     const auto i0 = static_cast<float>(set.images[0][i]), i1 = static_cast<float>(set.images[1][i]),
@@ -30,16 +30,16 @@ void solve(const FringeImages& set, algo::PhaseMaps& m) {
     m.phase_rad[i] = std::atan2(s, c);
     m.modulation_dn[i] = b;
     m.sigma_rad[i] = 0.816F * kNoise_dn / b;
-    m.reject[i] = b > kMinModulation_dn ? algo::PixelReject::kNone : algo::PixelReject::kDark;
+    m.reject[i] = b > kMinModulation_dn ? pipeline::PixelReject::kNone : pipeline::PixelReject::kDark;
   }
 }
 
 /// No calibration: the carrier is the median phase step of the image.
-float median_step(const algo::PhaseMaps& m) {
+float median_step(const pipeline::PhaseMaps& m) {
   std::vector<float> steps;
   for (int v = 0; v < m.phase_rad.height(); ++v) {
     for (int u = 0; u + 1 < m.phase_rad.width(); ++u) {
-      if (m.reject(u, v) == algo::PixelReject::kNone && m.reject(u + 1, v) == algo::PixelReject::kNone)
+      if (m.reject(u, v) == pipeline::PixelReject::kNone && m.reject(u + 1, v) == pipeline::PixelReject::kNone)
         steps.push_back(std::remainder(m.phase_rad(u + 1, v) - m.phase_rad(u, v), 2 * kPi));
     }
   }
@@ -49,20 +49,22 @@ float median_step(const algo::PhaseMaps& m) {
   return *middle;
 }
 
-double rms_of(const algo::PhaseRipple& ripple) {
+double rms_of(const pipeline::PhaseRipple& ripple) {
   double sum = 0;
-  for (std::size_t m = 0; m < algo::kRippleTerms; ++m)
+  for (std::size_t m = 0; m < pipeline::kRippleTerms; ++m)
     sum += 0.5 * (ripple.cosine[m] * ripple.cosine[m] + ripple.sine[m] * ripple.sine[m]);
   return std::sqrt(sum);
 }
 
 /// Distance, rad, of Phi (relative) to the middle of the pixel's cell: cell n of the code covers [n, n+1) fringes.
-double to_middle(const algo::PhaseMaps& m, const algo::FloodMaps& f, const Map<std::int32_t>& cell, std::size_t i) {
+double to_middle(const pipeline::PhaseMaps& m, const pipeline::FloodMaps& f, const Map<std::int32_t>& cell,
+                 std::size_t i) {
   const double absolute = static_cast<double>(m.phase_rad[i]) + 2 * std::numbers::pi * f.turn[i];
   return 2 * std::numbers::pi * (cell[i] + 0.5) - absolute;
 }
 
-void judge(const algo::PhaseMaps& m, const algo::FloodMaps& f, const Map<std::int32_t>& cell, BlocksFigures& out) {
+void judge(const pipeline::PhaseMaps& m, const pipeline::FloodMaps& f, const Map<std::int32_t>& cell,
+           BlocksFigures& out) {
   std::map<std::int32_t, std::vector<std::size_t>> pieces;
   for (std::size_t i = 0; i < m.phase_rad.size(); ++i)
     if (f.component[i] >= 0) pieces[f.component[i]].push_back(i);
@@ -89,7 +91,7 @@ void judge(const algo::PhaseMaps& m, const algo::FloodMaps& f, const Map<std::in
 }
 
 /// Fringe of a pixel by its Gray cell; nothing within 0.6 rad of the cell's borders, where code and phase may part.
-std::optional<long> fringe_by_code(const algo::PhaseMaps& m, const Map<std::int32_t>& cell, std::size_t i) {
+std::optional<long> fringe_by_code(const pipeline::PhaseMaps& m, const Map<std::int32_t>& cell, std::size_t i) {
   // Cell n begins where the wrapped phase jumps, at pi: its middle has phase 0 modulo 2 pi.
   const double turns = cell[i] + 0.5 - static_cast<double>(m.phase_rad[i]) / (2 * std::numbers::pi);
   const double nearest = std::round(turns);
@@ -97,7 +99,7 @@ std::optional<long> fringe_by_code(const algo::PhaseMaps& m, const Map<std::int3
   return std::lround(nearest);
 }
 
-double torn_links(const algo::PhaseMaps& m, const algo::LinkMaps& links, const Map<std::int32_t>& cell) {
+double torn_links(const pipeline::PhaseMaps& m, const pipeline::LinkMaps& links, const Map<std::int32_t>& cell) {
   std::size_t judged = 0, torn = 0;
   for (std::size_t i = 0; i + 1 < m.phase_rad.size(); ++i) {
     if (links.east[i] == 0) continue;
@@ -118,20 +120,20 @@ Result<BlocksFigures> measure_blocks(const std::string& folder) {
   for (const auto& more : {numbered("pat", 12, 5, 2), numbered("pat", 30, 2)})
     names.insert(names.end(), more.begin(), more.end());
   ENAMEL_TRY_ASSIGN(const FringeImages set, load_fringe_images(folder, names));
-  algo::PhaseMaps maps;
+  pipeline::PhaseMaps maps;
   solve(set, maps);
   BlocksFigures out;
   std::vector<float> lit;
   Map<float> threshold(set.width, set.height);
   for (std::size_t i = 0; i < threshold.size(); ++i) {
     threshold[i] = 0.5F * (static_cast<float>(set.images[8][i]) + static_cast<float>(set.images[9][i]));
-    if (maps.reject[i] == algo::PixelReject::kNone) lit.push_back(maps.phase_rad[i]);
+    if (maps.reject[i] == pipeline::PixelReject::kNone) lit.push_back(maps.phase_rad[i]);
   }
   out.lit_px = lit.size();
-  const algo::PhaseRipple ripple = algo::level(algo::phase_moments(lit, 3));
+  const pipeline::PhaseRipple ripple = pipeline::level(pipeline::phase_moments(lit, 3));
   out.ripple_before = rms_of(ripple);
-  algo::correct_phase(ripple, lit);
-  out.ripple_after = rms_of(algo::level(algo::phase_moments(lit, 3)));
+  pipeline::correct_phase(ripple, lit);
+  out.ripple_after = rms_of(pipeline::level(pipeline::phase_moments(lit, 3)));
   for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
     maps.phase_rad[i] = static_cast<float>(
         wrap_pi(static_cast<double>(maps.phase_rad[i]) - ripple.error_rad(static_cast<double>(maps.phase_rad[i]))));
@@ -141,12 +143,12 @@ Result<BlocksFigures> measure_blocks(const std::string& folder) {
   Map<float> carrier(set.width, set.height);
   for (int v = 0; v < set.height; ++v)
     for (int u = 0; u < set.width; ++u) carrier(u, v) = step * static_cast<float>(u);
-  algo::LinkMaps links;
+  pipeline::LinkMaps links;
   // A slope may at most stop or double the fringes' run.
-  algo::compute_links(maps, {carrier.pixels().data(), std::abs(step), std::abs(step)}, {}, links);
-  algo::reject_edges(links, maps);
-  algo::FloodMaps flooded;
-  algo::flood(maps.phase_rad, links, flooded);
+  pipeline::compute_links(maps, {carrier.pixels().data(), std::abs(step), std::abs(step)}, {}, links);
+  pipeline::reject_edges(links, maps);
+  pipeline::FloodMaps flooded;
+  pipeline::flood(maps.phase_rad, links, flooded);
   const Map<std::int32_t> cell = decode_gray(set, 3, 5, threshold);
   judge(maps, flooded, cell, out);
   out.links_torn = torn_links(maps, links, cell);

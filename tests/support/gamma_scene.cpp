@@ -5,8 +5,8 @@
 #include <numbers>
 #include <span>
 
-#include "pipeline/algo/phase/closure.hpp"
-#include "pipeline/algo/phase/phase_ripple.hpp"
+#include "pipeline/decode/mode_t/closure.hpp"
+#include "pipeline/decode/phase/phase_ripple.hpp"
 #include "tests/support/fold_error.hpp"
 #include "tests/support/half_fringes.hpp"
 #include "tests/unit/decode/synthetic.hpp"
@@ -55,28 +55,28 @@ double true_phase(const GammaScene& s, int burst, int u, int v) {
 
 double three_step(double a, double b, double c) { return std::atan2(std::sqrt(3.0) * (a - c), 2 * b - a - c); }
 
-algo::PhaseMaps four_step(const GammaScene& s, const std::array<std::vector<std::uint8_t>, 4>& frames,
-                          std::vector<algo::CellSpan>& spans) {
-  algo::BurstView view{s.width, s.height, 16, {}};
+pipeline::PhaseMaps four_step(const GammaScene& s, const std::array<std::vector<std::uint8_t>, 4>& frames,
+                              std::vector<pipeline::CellSpan>& spans) {
+  pipeline::BurstView view{s.width, s.height, 16, {}};
   for (std::size_t k = 0; k < 4; ++k) view.frames[k] = frames[k];
-  algo::NoiseModel noise;
+  pipeline::NoiseModel noise;
   noise.floor_dn2 = 100, noise.full_scale_dn = 65535;
-  algo::PhaseMaps maps;
-  algo::compute_phase(view, noise, {}, maps);
+  pipeline::PhaseMaps maps;
+  pipeline::compute_phase(view, noise, {}, maps);
   // Cells are cut at the signs of the three-frame phase; every cell inside the image covers its half fringe.
   for (int v = 0; v < s.height; ++v) {
     cut_half_fringes(
         v, s.width, [&](int u) { return maps.phase_rad(u, v) < 0 ? 1 : 0; }, spans);
   }
-  algo::PolarityMaps polarity;
-  algo::apply_polarity(spans, {std::vector<float>(8, 1.0F), false}, noise, {}, maps, polarity);
+  pipeline::PolarityMaps polarity;
+  pipeline::apply_polarity(spans, {std::vector<float>(8, 1.0F), false}, noise, {}, maps, polarity);
   return maps;
 }
 
 struct Rendered {
   Burst burst;
-  algo::PhaseMaps maps;
-  std::vector<algo::CellSpan> spans;
+  pipeline::PhaseMaps maps;
+  std::vector<pipeline::CellSpan> spans;
 };
 
 Rendered render_burst(const GammaScene& s, int number) {
@@ -123,24 +123,24 @@ double repeating(const std::vector<Rendered>& bursts, std::vector<float> Burst::
 
 GammaRipple measure_gamma(const GammaScene& scene, int bursts) {
   std::vector<Rendered> all;
-  algo::PhaseMoments moments;
+  pipeline::PhaseMoments moments;
   for (int k = 0; k < bursts; ++k) {
     all.push_back(render_burst(scene, k));
     const Rendered& r = all.back();
-    moments.add(algo::phase_moments(r.spans, r.maps));
+    moments.add(pipeline::phase_moments(r.spans, r.maps));
   }
   GammaRipple out;
   out.three_step = repeating(all, &Burst::three);
   out.double_three_step = repeating(all, &Burst::twice);
   out.four_step = repeating(all, &Burst::four);
   const std::vector<Rendered> raw = all;
-  algo::PhaseRipple one;
-  one.sine[0] = algo::level(moments, 1).sine[0];
-  for (Rendered& r : all) algo::correct_phase(one, r.burst.four);
+  pipeline::PhaseRipple one;
+  one.sine[0] = pipeline::level(moments, 1).sine[0];
+  for (Rendered& r : all) pipeline::correct_phase(one, r.burst.four);
   out.one_term = repeating(all, &Burst::four);
   all = raw;
-  const algo::PhaseRipple ripple = algo::level(moments);
-  for (Rendered& r : all) algo::correct_phase(ripple, r.burst.four);
+  const pipeline::PhaseRipple ripple = pipeline::level(moments);
+  for (Rendered& r : all) pipeline::correct_phase(ripple, r.burst.four);
   out.levelled = repeating(all, &Burst::four);
   return out;
 }

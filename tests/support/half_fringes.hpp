@@ -5,14 +5,14 @@
 #include <optional>
 #include <vector>
 
-#include "pipeline/algo/phase/cell_span.hpp"
+#include "pipeline/decode/phase/cell_span.hpp"
 
 namespace enamel::test {
 
 /// Appends the spans of a row of `width` pixels whose half fringe at pixel u is cell_at(u); none: not lit. What another
 /// half fringe follows on both sides is whole.
 template <class CellAt>
-void cut_half_fringes(int row, int width, const CellAt& cell_at, std::vector<algo::CellSpan>& spans) {
+void cut_half_fringes(int row, int width, const CellAt& cell_at, std::vector<pipeline::CellSpan>& spans) {
   using Cell = std::optional<std::int32_t>;
   const auto at = [&](int u) -> Cell { return u >= 0 && u < width ? Cell(cell_at(u)) : Cell(); };
   for (int begin = 0, end = 0; begin < width; begin = end) {

@@ -4,10 +4,10 @@
 #include <map>
 #include <utility>
 
-#include "pipeline/algo/phase/four_step.hpp"
-#include "pipeline/algo/phase/phase.hpp"
-#include "pipeline/algo/triangulate/ray_depth.hpp"
-#include "pipeline/algo/unwrap/flood.hpp"
+#include "pipeline/decode/phase/phase.hpp"
+#include "pipeline/decode/triangulate/ray_depth.hpp"
+#include "pipeline/decode/unwrap/flood.hpp"
+#include "tests/support/four_step.hpp"
 
 namespace enamel::test {
 namespace {
@@ -20,12 +20,13 @@ struct Cue {
   double difference = 0, modulation = 0, pixels = 0;
 };
 
-int fringe_of(const algo::PhaseMaps& phase, const algo::FloodMaps& flood, std::size_t i) {
+int fringe_of(const pipeline::PhaseMaps& phase, const pipeline::FloodMaps& flood, std::size_t i) {
   return flood.turn[i] - (phase.phase_rad[i] < 0 ? 1 : 0);
 }
 
 /// By component and relative fringe. four_dn: the four-frame modulation.
-std::map<std::pair<std::int32_t, int>, Cue> modulation_cues(const algo::PhaseMaps& phase, const algo::FloodMaps& flood,
+std::map<std::pair<std::int32_t, int>, Cue> modulation_cues(const pipeline::PhaseMaps& phase,
+                                                            const pipeline::FloodMaps& flood,
                                                             const Map<float>& four_dn) {
   std::map<std::pair<std::int32_t, int>, Cue> cues;
   for (std::size_t i = 0; i < phase.phase_rad.size(); ++i) {
@@ -45,7 +46,7 @@ struct Found {
 };
 
 /// Of each component: the fringe that looks most like the marker, where one does.
-std::map<std::int32_t, Found> find_markers(const algo::PhaseMaps& phase, const algo::FloodMaps& flood,
+std::map<std::int32_t, Found> find_markers(const pipeline::PhaseMaps& phase, const pipeline::FloodMaps& flood,
                                            const Map<float>& four_dn) {
   std::map<std::int32_t, Found> markers;
   for (const auto& [where, cue] : modulation_cues(phase, flood, four_dn)) {
@@ -59,21 +60,22 @@ std::map<std::int32_t, Found> find_markers(const algo::PhaseMaps& phase, const a
 
 }  // namespace
 
-MarkerOrders orders_from_marker(const calib::Rig& rig, const algo::BurstView& view) {
-  return orders_from_marker(rig, algo::RayDepth::bake(rig, *rig.depth_range).value(), view);
+MarkerOrders orders_from_marker(const calib::Rig& rig, const pipeline::BurstView& view) {
+  return orders_from_marker(rig, pipeline::RayDepth::bake(rig, *rig.depth_range).value(), view);
 }
 
-MarkerOrders orders_from_marker(const calib::Rig& rig, const algo::RayDepth& rays, const algo::BurstView& view) {
-  algo::PhaseMaps phase;
-  algo::LinkMaps links;
-  algo::FloodMaps flooded;
-  algo::compute_phase(view, algo::noise_from_rig(*rig.noise, view.bit_depth), {}, phase);
-  algo::reject_half_lit(phase.modulation_dn, phase.reject);
-  algo::compute_links(phase, {rays.phase_mid_rad.data(), kSlope_rad, kSlope_rad}, {}, links);
-  algo::reject_edges(links, phase);
-  algo::flood(phase.phase_rad, links, flooded);
+MarkerOrders orders_from_marker(const calib::Rig& rig, const pipeline::RayDepth& rays,
+                                const pipeline::BurstView& view) {
+  pipeline::PhaseMaps phase;
+  pipeline::LinkMaps links;
+  pipeline::FloodMaps flooded;
+  pipeline::compute_phase(view, pipeline::noise_from_rig(*rig.noise, view.bit_depth), {}, phase);
+  pipeline::reject_half_lit(phase.modulation_dn, phase.reject);
+  pipeline::compute_links(phase, {rays.phase_mid_rad.data(), kSlope_rad, kSlope_rad}, {}, links);
+  pipeline::reject_edges(links, phase);
+  pipeline::flood(phase.phase_rad, links, flooded);
   Map<float> four_rad, four_dn;
-  algo::four_step(view, four_rad, four_dn);
+  test::four_step(view, four_rad, four_dn);
   const auto markers = find_markers(phase, flooded, four_dn);
   MarkerOrders out{Map<std::int32_t>(view.width, view.height, -1), phase.phase_rad, static_cast<int>(markers.size())};
   for (std::size_t i = 0; i < out.order.size(); ++i) {

@@ -5,8 +5,8 @@
 #pragma once
 
 #include "calib/model/rig.hpp"
-#include "pipeline/algo/phase/burst_view.hpp"
-#include "pipeline/algo/triangulate/ray_depth.hpp"
+#include "pipeline/decode/phase/burst_view.hpp"
+#include "pipeline/decode/triangulate/ray_depth.hpp"
 #include "pipeline/types/map.hpp"
 
 namespace enamel::test {
@@ -19,10 +19,10 @@ struct MarkerOrders {
 
 /// A burst of mode single with depth range and noise in its rig, through the decoder's own phase, links and unwrapping.
 /// Orders stand where no pixel is rejected.
-[[nodiscard]] MarkerOrders orders_from_marker(const calib::Rig& rig, const algo::BurstView& view);
+[[nodiscard]] MarkerOrders orders_from_marker(const calib::Rig& rig, const pipeline::BurstView& view);
 
 /// The same with the rig's geometry baked before: for many bursts.
-[[nodiscard]] MarkerOrders orders_from_marker(const calib::Rig& rig, const algo::RayDepth& rays,
-                                              const algo::BurstView& view);
+[[nodiscard]] MarkerOrders orders_from_marker(const calib::Rig& rig, const pipeline::RayDepth& rays,
+                                              const pipeline::BurstView& view);
 
 }  // namespace enamel::test

@@ -13,8 +13,9 @@ double absolute_phase(double phase_rad, int order) {
   return phase_rad + 2 * std::numbers::pi * (order + (phase_rad < 0 ? 1 : 0));
 }
 
-bool is_masked(algo::PixelReject r) {
-  return r == algo::PixelReject::kDark || r == algo::PixelReject::kSaturated || r == algo::PixelReject::kNoisy;
+bool is_masked(pipeline::PixelReject r) {
+  return r == pipeline::PixelReject::kDark || r == pipeline::PixelReject::kSaturated ||
+         r == pipeline::PixelReject::kNoisy;
 }
 
 }  // namespace
@@ -62,7 +63,7 @@ std::size_t largest_region(const Map<std::uint8_t>& marked) {
   return largest;
 }
 
-OrderCounts score_orders(const algo::DecodedBurst& burst, const SyntheticBurst& truth, const Map<double>& light,
+OrderCounts score_orders(const pipeline::DecodedBurst& burst, const SyntheticBurst& truth, const Map<double>& light,
                          const Map<std::uint8_t>& band) {
   OrderCounts out;
   out.bursts = 1;
@@ -71,12 +72,12 @@ OrderCounts score_orders(const algo::DecodedBurst& burst, const SyntheticBurst& 
   for (std::size_t i = 0; i < light.size(); ++i) {
     if (!(light[i] > 0)) continue;
     ++out.lit;
-    const algo::PixelReject why = burst.reject[i];
+    const pipeline::PixelReject why = burst.reject[i];
     if (is_masked(why)) {
       ++out.masked;
-    } else if (burst.accepted() && why == algo::PixelReject::kEdge) {
+    } else if (burst.accepted() && why == pipeline::PixelReject::kEdge) {
       ++out.edge;
-    } else if (!burst.accepted() || why != algo::PixelReject::kNone) {
+    } else if (!burst.accepted() || why != pipeline::PixelReject::kNone) {
       ++out.undecided;
     } else {
       const double phi = absolute_phase(static_cast<double>(burst.phase_rad[i]), burst.order[i]);

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "pipeline/algo/decode/decoded_burst.hpp"
+#include "pipeline/decode/steps/decoded_burst.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
 namespace enamel::test {
@@ -38,7 +38,7 @@ inline constexpr std::size_t kLargeWrong_px = 100;
 
 /// A pixel is wrong when its phase is off by more than half a fringe. A rejected burst counts as undecided throughout
 /// but for what the mask took out. band: as ToothSteps::near_jump.
-[[nodiscard]] OrderCounts score_orders(const algo::DecodedBurst& burst, const SyntheticBurst& truth,
+[[nodiscard]] OrderCounts score_orders(const pipeline::DecodedBurst& burst, const SyntheticBurst& truth,
                                        const Map<double>& light, const Map<std::uint8_t>& band);
 
 /// Pixels of the largest 4-connected region of the pixels that are not 0.

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <optional>
 
-#include "pipeline/algo/phase/closure.hpp"
-#include "pipeline/algo/unwrap/cells.hpp"
-#include "pipeline/algo/unwrap/flood.hpp"
-#include "pipeline/algo/unwrap/links.hpp"
+#include "pipeline/decode/mode_t/closure.hpp"
+#include "pipeline/decode/unwrap/cells.hpp"
+#include "pipeline/decode/unwrap/flood.hpp"
+#include "pipeline/decode/unwrap/links.hpp"
 #include "tests/support/half_fringes.hpp"
 
 namespace enamel::test {
@@ -20,12 +20,12 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr calib::DepthRange kDepth_mm{650, 1000};  // generous about the 750 … 846 that the set's author implies
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-algo::CellSigns all_plus() { return {std::vector<float>(128, 1.0F), false}; }
+pipeline::CellSigns all_plus() { return {std::vector<float>(128, 1.0F), false}; }
 
 /// Spans of all pixels with amplitude, cut where the phase is 0 or pi, without unwrapping: enough for a solution that
 /// needs no order.
-std::vector<algo::CellSpan> lit_spans(const StepSolution& s) {
-  std::vector<algo::CellSpan> spans;
+std::vector<pipeline::CellSpan> lit_spans(const StepSolution& s) {
+  std::vector<pipeline::CellSpan> spans;
   for (int v = 0; v < s.amplitude_dn.height(); ++v) {
     const auto half_at = [&](int u) -> std::optional<std::int32_t> {
       if (!(s.amplitude_dn(u, v) > kPlasterMinAmplitude_dn)) return std::nullopt;
@@ -37,9 +37,9 @@ std::vector<algo::CellSpan> lit_spans(const StepSolution& s) {
 }
 
 Map<float> corrected_reference(const StepSolution& s) {
-  algo::PhaseMaps maps;
+  pipeline::PhaseMaps maps;
   maps.resize(s.phase_rad.width(), s.phase_rad.height());
-  algo::PolarityMaps polarity;
+  pipeline::PolarityMaps polarity;
   polarity.weight = Map<float>(s.phase_rad.width(), s.phase_rad.height(), 1.0F);
   for (std::size_t i = 0; i < s.phase_rad.size(); ++i) {
     maps.mean_dn[i] = s.mean_dn[i];
@@ -48,15 +48,15 @@ Map<float> corrected_reference(const StepSolution& s) {
     maps.cosine_dn[i] = s.amplitude_dn[i] * std::cos(s.phase_rad[i]);
     maps.sine_dn[i] = s.amplitude_dn[i] * std::sin(s.phase_rad[i]);
   }
-  algo::correct_frame_errors(lit_spans(s), polarity, 0, {}, maps);
+  pipeline::correct_frame_errors(lit_spans(s), polarity, 0, {}, maps);
   return std::move(maps.phase_rad);
 }
 
 struct Unwrapped {
-  algo::PhaseMaps phase;
-  algo::NoiseModel noise;
-  algo::FloodMaps flood;
-  std::vector<algo::CellSpan> spans;
+  pipeline::PhaseMaps phase;
+  pipeline::NoiseModel noise;
+  pipeline::FloodMaps flood;
+  std::vector<pipeline::CellSpan> spans;
 };
 
 /// The Gray cell's middle, absolute rad of the twelve-step phase: code 2n-1 is the first half of fringe n.
@@ -81,39 +81,39 @@ std::map<std::int32_t, std::int32_t> vote(const PlasterSet& set, const Unwrapped
 }
 
 /// The decoder's steps up to the four-frame solution, the Gray code standing in for the polarity code.
-Unwrapped unwrap(const PlasterSet& set, const FrameSet& frames, double offset_rad, algo::PolarityMaps& polarity) {
+Unwrapped unwrap(const PlasterSet& set, const FrameSet& frames, double offset_rad, pipeline::PolarityMaps& polarity) {
   Unwrapped b;
-  b.noise = algo::noise_from_closure(frames.view());
-  algo::compute_phase(frames.view(), b.noise, {}, b.phase);
-  algo::reject_half_lit(b.phase.modulation_dn, b.phase.reject);
+  b.noise = pipeline::noise_from_closure(frames.view());
+  pipeline::compute_phase(frames.view(), b.noise, {}, b.phase);
+  pipeline::reject_half_lit(b.phase.modulation_dn, b.phase.reject);
   const auto& rays = set.rays;
   const std::size_t centre = static_cast<std::size_t>(rays.height / 2 * rays.width + rays.width / 2);
-  const algo::RaySlopes slopes{static_cast<double>(rays.c0[centre]), static_cast<double>(rays.c1[centre]),
-                               1 / set.rig.camera.fx, 1 / set.rig.camera.fy};
-  algo::LinkMaps links;
-  const algo::LinkConfig config;
-  algo::compute_links(b.phase,
-                      algo::make_carrier(rays.phase_mid_rad.data(), slopes, kDepth_mm.near_mm, config.max_slope_deg),
-                      config, links);
-  algo::reject_edges(links, b.phase);
-  algo::flood(b.phase.phase_rad, links, b.flood);
-  algo::PieceList pieces;
-  algo::find_pieces(b.phase, links, b.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, {}, pieces);
+  const pipeline::RaySlopes slopes{static_cast<double>(rays.c0[centre]), static_cast<double>(rays.c1[centre]),
+                                   1 / set.rig.camera.fx, 1 / set.rig.camera.fy};
+  pipeline::LinkMaps links;
+  const pipeline::LinkConfig config;
+  pipeline::compute_links(
+      b.phase, pipeline::make_carrier(rays.phase_mid_rad.data(), slopes, kDepth_mm.near_mm, config.max_slope_deg),
+      config, links);
+  pipeline::reject_edges(links, b.phase);
+  pipeline::flood(b.phase.phase_rad, links, b.flood);
+  pipeline::PieceList pieces;
+  pipeline::find_pieces(b.phase, links, b.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, {}, pieces);
   const auto shifts = vote(set, b, offset_rad);
   for (std::size_t k = 0; k < pieces.pieces.size(); ++k) {
-    const algo::Piece& p = pieces.pieces[k];
+    const pipeline::Piece& p = pieces.pieces[k];
     const auto shift = shifts.find(p.component);
     if (shift == shifts.end()) continue;
     const bool whole = p.joined && k + 1 < pieces.pieces.size() && pieces.pieces[k + 1].joined;
     b.spans.push_back({p.row, p.begin, p.end, p.cell + 2 * shift->second, whole});
   }
-  algo::apply_polarity(b.spans, all_plus(), b.noise, {}, b.phase, polarity);
+  pipeline::apply_polarity(b.spans, all_plus(), b.noise, {}, b.phase, polarity);
   return b;
 }
 
 template <class Visit>
 void each_pixel(const PlasterSet& set, const Unwrapped& b, Visit visit) {
-  for (const algo::CellSpan& s : b.spans) {
+  for (const pipeline::CellSpan& s : b.spans) {
     for (int u = s.begin; u < s.end; ++u) {
       const std::size_t i = b.phase.phase_rad.index(u, s.row);
       if (set.twelve.amplitude_dn[i] > kPlasterMinAmplitude_dn) visit(i);
@@ -132,12 +132,12 @@ FoldedError compare(const PlasterSet& set, const Unwrapped& b, const Map<float>&
   return folder.result();
 }
 
-void correct_all(const Unwrapped& b, const algo::PhaseRipple& ripple, algo::PhaseMaps& maps) {
-  for (const algo::CellSpan& s : b.spans)
-    algo::correct_phase(ripple, {&maps.phase_rad(s.begin, s.row), static_cast<std::size_t>(s.end - s.begin)});
+void correct_all(const Unwrapped& b, const pipeline::PhaseRipple& ripple, pipeline::PhaseMaps& maps) {
+  for (const pipeline::CellSpan& s : b.spans)
+    pipeline::correct_phase(ripple, {&maps.phase_rad(s.begin, s.row), static_cast<std::size_t>(s.end - s.begin)});
 }
 
-void judge_surface(const PlasterSet& set, const Unwrapped& b, const algo::PolarityMaps& polarity, double offset_rad,
+void judge_surface(const PlasterSet& set, const Unwrapped& b, const pipeline::PolarityMaps& polarity, double offset_rad,
                    PlasterFigures& out) {
   const int w = set.images.width, h = set.images.height;
   out.modulation_dn = b.phase.modulation_dn;
@@ -180,14 +180,14 @@ Result<PlasterSet> load_plaster(const std::string& folder) {
   set.half_fringe = decode_gray(set.images, 12, 6, set.twelve.mean_dn);
   ENAMEL_TRY_ASSIGN(set.rig, load_camera_projector(folder + "/camera_projector.yml", set.images.width,
                                                    set.images.height, {1920, 1080, 60}));
-  ENAMEL_TRY_ASSIGN(set.rays, algo::RayDepth::bake(set.rig, kDepth_mm));
+  ENAMEL_TRY_ASSIGN(set.rays, pipeline::RayDepth::bake(set.rig, kDepth_mm));
   return set;
 }
 
 Result<PlasterFigures> measure_plaster(const PlasterSet& set, std::size_t burst) {
   ENAMEL_TRY_ASSIGN(const FrameSet frames, burst_of(set.images, burst, 3));
   const double offset_rad = kTwoPi * static_cast<double>(burst) / 12;
-  algo::PolarityMaps polarity;
+  pipeline::PolarityMaps polarity;
   Unwrapped b = unwrap(set, frames, offset_rad, polarity);
   PlasterFigures out;
   for (const float amplitude : set.twelve.amplitude_dn.pixels())
@@ -195,18 +195,18 @@ Result<PlasterFigures> measure_plaster(const PlasterSet& set, std::size_t burst)
   out.raw = compare(set, b, set.twelve.phase_rad, offset_rad, &out.raw_curve);
 
   const Map<float> uncorrected = b.phase.phase_rad;
-  algo::PhaseRipple one;
-  one.sine[0] = algo::level(algo::phase_moments(b.spans, b.phase), 1).sine[0];
+  pipeline::PhaseRipple one;
+  one.sine[0] = pipeline::level(pipeline::phase_moments(b.spans, b.phase), 1).sine[0];
   correct_all(b, one, b.phase);
   out.fourth = compare(set, b, set.twelve.phase_rad, offset_rad, nullptr);
 
   b.phase.phase_rad = uncorrected;
-  correct_all(b, algo::level(algo::phase_moments(b.spans, b.phase)), b.phase);
+  correct_all(b, pipeline::level(pipeline::phase_moments(b.spans, b.phase)), b.phase);
   out.levelled = compare(set, b, set.twelve.phase_rad, offset_rad, nullptr);
 
   b.phase.phase_rad = uncorrected;
-  out.frames = algo::correct_frame_errors(b.spans, polarity, 0, {}, b.phase);
-  out.ripple = algo::level(algo::phase_moments(b.spans, b.phase));
+  out.frames = pipeline::correct_frame_errors(b.spans, polarity, 0, {}, b.phase);
+  out.ripple = pipeline::level(pipeline::phase_moments(b.spans, b.phase));
   correct_all(b, out.ripple, b.phase);
   out.full = compare(set, b, set.reference_rad, offset_rad, &out.full_curve);
   out.full_raw = compare(set, b, set.twelve.phase_rad, offset_rad, nullptr);

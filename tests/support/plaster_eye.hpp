@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/algo/phase/frame_errors.hpp"
-#include "pipeline/algo/phase/phase_ripple.hpp"
-#include "pipeline/algo/triangulate/ray_depth.hpp"
+#include "pipeline/decode/mode_t/frame_errors.hpp"
+#include "pipeline/decode/phase/phase_ripple.hpp"
+#include "pipeline/decode/triangulate/ray_depth.hpp"
 #include "tests/support/fold_error.hpp"
 #include "tests/support/fringe_set.hpp"
 
@@ -21,7 +21,7 @@ struct PlasterSet {
   Map<float> reference_rad;
   Map<std::int32_t> half_fringe;  ///< Gray code; fringe order = (code + 1) >> 1
   calib::Rig rig;
-  algo::RayDepth rays;
+  pipeline::RayDepth rays;
 };
 
 inline constexpr float kPlasterMinAmplitude_dn = 20;
@@ -34,8 +34,8 @@ struct PlasterFigures {
   FoldedError levelled;  ///< four terms of cos and sin 4m phi, against the same
   FoldedError full;      ///< and frame errors, against the reference with its frame errors removed
   FoldedError full_raw;  ///< the same against the raw twelve-step phase, which has frame errors of its own
-  algo::FrameErrors frames;
-  algo::PhaseRipple ripple;
+  pipeline::FrameErrors frames;
+  pipeline::PhaseRipple ripple;
   std::vector<double> raw_curve, full_curve;  ///< mean error in 64 bins of phase
   std::size_t reference_px = 0;               ///< pixels with amplitude above 20
   std::size_t solved_px = 0;                  ///< of these, in the unwrapped result

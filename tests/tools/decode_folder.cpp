@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
-#include "pipeline/algo/decode/decode_maps.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/decode/decode_maps.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 
 int main(int argc, char** argv) {
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", rig.error().message().c_str());
     return enamel::exit_code(rig.error().code);
   }
-  const auto decoder = enamel::algo::BurstDecoder::make(*rig);
+  const auto decoder = enamel::pipeline::BurstDecoder::make(*rig);
   if (!decoder) {
     std::fprintf(stderr, "%s\n", decoder.error().message().c_str());
     return enamel::exit_code(decoder.error().code);
@@ -34,13 +34,13 @@ int main(int argc, char** argv) {
       return 2;
     }
     const auto decoded = decoder->decode(frames->view());
-    const enamel::algo::DecodeReport report{static_cast<std::uint64_t>(id), rig->patterns.mode, {}};
-    const auto written = enamel::algo::write_decode_maps(decoded, report, out + "/" + std::to_string(id));
+    const enamel::pipeline::DecodeReport report{static_cast<std::uint64_t>(id), rig->patterns.mode, {}};
+    const auto written = enamel::pipeline::write_decode_maps(decoded, report, out + "/" + std::to_string(id));
     if (!written) {
       std::fprintf(stderr, "%s\n", written.error().message().c_str());
       return enamel::exit_code(written.error().code);
     }
-    std::printf("%s", enamel::algo::decode_json(decoded, report).c_str());
+    std::printf("%s", enamel::pipeline::decode_json(decoded, report).c_str());
   }
   return 0;
 }

@@ -11,15 +11,15 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
-#include "pipeline/algo/fuse/tsdf_model.hpp"
-#include "pipeline/algo/mesh/incremental_mesher.hpp"
-#include "pipeline/algo/track/tracker.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/model/fuse/tsdf_model.hpp"
+#include "pipeline/model/mesh/incremental_mesher.hpp"
+#include "pipeline/register/track/tracker.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 
 namespace {
 
-namespace ea = enamel::algo;
+namespace ea = enamel::pipeline;
 
 struct Row {
   int id = 0;

@@ -10,7 +10,11 @@ IMAGE = BASE + ["protocol/image"]
 PROTOCOL = BASE + ["protocol/types", "protocol/idl", "protocol/dds", "protocol/mcap", "protocol/capture"]
 FIRMWARE = ["firmware/hal", "firmware/sim", "firmware/acquire", "firmware/publish", "firmware/control"]
 HOST = ["host/ingest", "host/record", "host/report", "host/update", "host/session"]
-ALGO = ["pipeline/types", "pipeline/algo"]
+DECODE = ["pipeline/decode/" + room for room in ("phase", "unwrap", "triangulate", "motion", "steps", "mode_t", "mode_m")]
+REGISTER = ["pipeline/register/" + room for room in ("icp", "feature", "track")]
+MODEL = ["pipeline/model/" + room for room in ("fuse", "mesh", "guide")]
+SHARED = BASE + ["calib/model", "pipeline/types"]
+ALGORITHMS = ["pipeline/types", "pipeline/decode"] + DECODE + REGISTER + MODEL
 
 # module: (layer, what it may include besides itself; None = everything on its layer and below)
 MODULES: dict[str, tuple[int, list[str] | None]] = {
@@ -23,9 +27,23 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "protocol/image": (1, BASE),
     "calib/model": (1, BASE),
     "pipeline/types": (2, BASE + ["calib/model"]),
-    "pipeline/graph": (2, BASE),
-    "pipeline/algo": (2, BASE + ["calib/model", "pipeline/types"]),
-    "pipeline/stages": (3, BASE + ["protocol/types", "calib/model", "pipeline/graph"] + ALGO),
+    "pipeline/flow": (2, BASE),
+    # A burst's way: each room sees those before it, and neither mode the other.
+    "pipeline/decode/phase": (2, SHARED),
+    "pipeline/decode/unwrap": (2, SHARED + DECODE[:1]),
+    "pipeline/decode/triangulate": (2, SHARED + DECODE[:1]),
+    "pipeline/decode/motion": (2, SHARED + DECODE[:3]),
+    "pipeline/decode/steps": (2, SHARED + DECODE[:4]),
+    "pipeline/decode/mode_t": (2, SHARED + DECODE[:5]),
+    "pipeline/decode/mode_m": (2, SHARED + DECODE[:5]),
+    "pipeline/decode": (2, SHARED + DECODE),
+    "pipeline/register/icp": (2, SHARED),
+    "pipeline/register/feature": (2, SHARED),
+    "pipeline/register/track": (2, SHARED + REGISTER),
+    "pipeline/model/fuse": (2, SHARED),
+    "pipeline/model/mesh": (2, SHARED + ["pipeline/model/fuse"]),
+    "pipeline/model/guide": (2, SHARED + ["pipeline/decode/phase", "pipeline/decode/triangulate", "pipeline/register/icp"]),
+    "pipeline/stages": (3, BASE + ["protocol/types", "calib/model", "pipeline/flow"] + ALGORITHMS),
     **{m: (3, PROTOCOL + FIRMWARE + ["calib/model"]) for m in FIRMWARE},
     "firmware/boot": (3, IMAGE + ["firmware/hal"]),
     "firmware/update": (3, IMAGE + ["firmware/hal", "firmware/boot"]),
@@ -37,21 +55,23 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "calib/target": (4, BASE + ["calib/model", "pipeline/types"]),
     "calib/fringe": (4, BASE + ["calib/model", "calib/target", "pipeline/types"]),
     "calib/io": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "pipeline/types"]),
-    "calib/solve": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io"] + ALGO),
-    "calib/judge": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] + ALGO),
+    "calib/solve": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io"] + ALGORITHMS),
+    "calib/judge": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] + ALGORITHMS),
     "calib/report": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve", "calib/judge"] +
-                     ALGO),
-    "calib/guide": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] + ALGO),
+                     ALGORITHMS),
+    "calib/guide": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] + ALGORITHMS),
     "tools/twin": (4, PROTOCOL + FIRMWARE + ["calib/model"]),
     "viewer/scene": (4, BASE + ["pipeline/types"]),
     "viewer/gl": (4, BASE + ["pipeline/types", "viewer/scene"]),
-    "host/ingest": (4, PROTOCOL + ["pipeline/graph", "calib/model", "host/report"]),
-    "host/record": (4, PROTOCOL + ["pipeline/graph", "calib/model", "host/report"]),
+    "host/ingest": (4, PROTOCOL + ["pipeline/flow", "calib/model", "host/report"]),
+    "host/record": (4, PROTOCOL + ["pipeline/flow", "calib/model", "host/report"]),
     "host/report": (4, BASE + ["protocol/types"]),
+    "host/mesh_files": (4, BASE + ["pipeline/types"]),
+    "host/compare": (4, BASE + ["pipeline/types", "host/mesh_files"]),
     "host/update": (4, IMAGE),
     "host/flash": (5, IMAGE + ["host/update"]),
     "tools/sign": (5, IMAGE),
-    "host/session": (4, PROTOCOL + ["calib/model", "pipeline/graph", "pipeline/stages"] + ALGO + HOST),
+    "host/session": (4, PROTOCOL + ["calib/model", "pipeline/flow", "pipeline/stages"] + ALGORITHMS + HOST),
     "host/app": (5, None),
     "firmware/app": (5, PROTOCOL + FIRMWARE + ["firmware/storage", "calib/model", "tools/twin"]),
     # The program, not the renderer, writes exchange folders with the recorder's code.
@@ -61,7 +81,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
 
 # header: modules it must not be seen in, although the module that owns it is allowed
 WITHHELD = {
-    "pipeline/algo": r"protocol/base/(clock|log|progress|spsc_ring|latest_slot|pool|metrics|config)\.hpp",
+    **{m: r"protocol/base/(clock|log|progress|spsc_ring|latest_slot|pool|metrics|config)\.hpp" for m in ALGORITHMS},
     "tools/twin": r"calib/model/(?!(rig|pattern)\.hpp)",
 }
 
@@ -107,8 +127,8 @@ def check_own(path: str, line: int, target: str) -> list[Finding]:
 
 
 def check_foreign(path: str, line: int, target: str) -> list[Finding]:
-    if path.startswith("pipeline/algo/") and target in ("thread", "mutex", "condition_variable", "future"):
-        return [Finding(path, line, "neighbour", f"pipeline/algo has no threads of its own: <{target}>")]
+    if module_of(path) in ALGORITHMS and target in ("thread", "mutex", "condition_variable", "future"):
+        return [Finding(path, line, "neighbour", f"algorithms have no threads of their own: <{target}>")]
     for pattern, home, name in HOMES:
         if re.match(pattern, target) and not re.match(home, path):
             return [Finding(path, line, "home", f"<{target}>: {name} may not be included here")]

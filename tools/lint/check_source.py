@@ -19,8 +19,8 @@ DIMENSIONS = (r"length|distance|radius|diameter|width|height|depth|angle|offset|
 PATTERNS = [
     ("clock", r"::now\s*\(|\b(clock_gettime|gettimeofday)\s*\(|\bstd::time\s*\(|this_thread::sleep_(for|until)\b",
      r"protocol/base/clock\.cpp$|tests/", "only protocol/base/clock.cpp reads a clock or sleeps: take a Clock&"),
-    ("thread", r"\bstd::(jthread|thread|async)\b(?!::)|\bpthread_create\b", r"pipeline/graph/|tests/",
-     "threads live in pipeline/graph and in named I/O threads listed with a reason in tools/lint/allowed.toml"),
+    ("thread", r"\bstd::(jthread|thread|async)\b(?!::)|\bpthread_create\b", r"pipeline/flow/|tests/",
+     "threads live in pipeline/flow and in named I/O threads listed with a reason in tools/lint/allowed.toml"),
     ("random", r"\bstd::(random_device|mt19937(_64)?|default_random_engine|\w+_distribution|shuffle)\b|\bs?rand\s*\(",
      r"tests/", "use protocol/base/rng.hpp: the same numbers everywhere"),
     ("using_namespace", r"^\s*using namespace\b", r".*\.cpp$", "a header must not open a namespace for everybody"),

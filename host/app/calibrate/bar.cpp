@@ -9,7 +9,7 @@
 #include "calib/model/measuring_rig.hpp"
 #include "host/app/calibration.hpp"
 #include "host/record/burst_stream.hpp"
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "pipeline/stages/burst_view.hpp"
 
 namespace enamel::app {
@@ -69,10 +69,10 @@ Result<Json> check_bar(const calib::Rig& rig, const BarOptions& options) {
                                          id, temp_c, *beyond));
     }
     ENAMEL_TRY_ASSIGN(const calib::Rig optics, calib::measuring_rig(calib::rig_at(rig, temp_c), recorded));
-    ENAMEL_TRY_ASSIGN(const auto decoder, algo::BurstDecoder::make(optics));
-    const algo::DecodedBurst decoded = decoder.decode(stage::view_of(burst));
+    ENAMEL_TRY_ASSIGN(const auto decoder, pipeline::BurstDecoder::make(optics));
+    const pipeline::DecodedBurst decoded = decoder.decode(stage::view_of(burst));
     if (!decoded.accepted())
-      return fail(ErrorCode::kQualityGate, fmt::format("burst {}: {}", id, algo::name_of(decoded.verdict)));
+      return fail(ErrorCode::kQualityGate, fmt::format("burst {}: {}", id, pipeline::name_of(decoded.verdict)));
     ENAMEL_TRY_ASSIGN(const calib::BarCheck bar, calib::check_bar(points_of(decoded.patch)));
     out["bursts"].push_back(burst_json(id, bar, design));
     if (!out["bursts"].back()["reasons"].empty()) out["verdict"] = "refused";

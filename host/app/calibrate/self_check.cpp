@@ -14,7 +14,7 @@
 #include "host/app/input.hpp"
 #include "host/record/burst_stream.hpp"
 #include "host/session/replay_session.hpp"
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "pipeline/stages/burst_view.hpp"
 #include "protocol/base/log.hpp"
 
@@ -52,10 +52,10 @@ std::vector<host::PlacedPose> spread(const std::vector<host::PlacedPose>& poses,
 
 Result<std::vector<calib::DriftView>> views_of(const std::vector<host::PlacedPose>& poses, host::BurstStream& stream,
                                                const calib::Rig& optics) {
-  ENAMEL_TRY_ASSIGN(const auto decoder, algo::BurstDecoder::make(optics));
+  ENAMEL_TRY_ASSIGN(const auto decoder, pipeline::BurstDecoder::make(optics));
   std::vector<calib::DriftView> views;
-  algo::DecodeWorkspace workspace;
-  algo::DecodedBurst decoded;
+  pipeline::DecodeWorkspace workspace;
+  pipeline::DecodedBurst decoded;
   for (const host::PlacedPose& pose : poses) {
     ENAMEL_TRY_ASSIGN(const proto::Burst burst, stream.burst_with_id(pose.id));
     if (!proto::is_consistent(burst)) continue;

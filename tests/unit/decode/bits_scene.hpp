@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "protocol/base/crc32.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
@@ -35,12 +35,12 @@ inline FrameSet bits_burst(const calib::Rig& rig) {
   });
 }
 
-inline BitHashes bit_hashes(const calib::Rig& rig, const algo::DecodeConfig& config = {}) {
+inline BitHashes bit_hashes(const calib::Rig& rig, const pipeline::DecodeConfig& config = {}) {
   const FrameSet frames = bits_burst(rig);
   BitHashes out;
   for (const auto& f : frames.frames) out.frames = crc32(std::as_bytes(std::span(f)), out.frames);
 
-  const algo::DecodedBurst b = algo::BurstDecoder::make(rig, config).value().decode(frames.view());
+  const pipeline::DecodedBurst b = pipeline::BurstDecoder::make(rig, config).value().decode(frames.view());
   if (!b.accepted()) return out;
   const auto add = [&](const auto& map) { out.decoded = crc32(std::as_bytes(map.pixels()), out.decoded); };
   add(b.patch.depth_mm);

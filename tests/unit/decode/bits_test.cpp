@@ -10,7 +10,7 @@
 
 #include "tests/unit/decode/bits_scene.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 void expect_bits(const calib::Rig& rig, const test::BitHashes& expected) {
@@ -61,4 +61,4 @@ TEST(DecodeBits, are_those_of_a_burst_with_clipped_frames_and_passing_edges) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

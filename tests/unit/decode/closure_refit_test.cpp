@@ -5,11 +5,11 @@
 #include <cmath>
 #include <vector>
 
-#include "pipeline/algo/phase/closure.hpp"
-#include "pipeline/algo/phase/closure_rows.hpp"
+#include "pipeline/decode/mode_t/closure.hpp"
+#include "pipeline/decode/mode_t/closure_rows.hpp"
 #include "tests/unit/decode/dsim.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 using namespace test::dsim;  // NOLINT: the vocabulary of these tests
@@ -124,4 +124,4 @@ TEST(ClosureRefit, nothing_is_left_of_the_residual_when_all_is_known) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -1,5 +1,5 @@
 // Jumps of whole fringes that leave the phase smooth.
-#include "pipeline/algo/unwrap/code_steps.hpp"
+#include "pipeline/decode/mode_m/code_steps.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/algo/phase/micro_phase.hpp"
+#include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr int kWidth = 160, kHeight = 40, kJump_px = 83;
@@ -111,4 +111,4 @@ TEST(MicroEvidence, a_narrow_piece_at_the_images_border_is_heard) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

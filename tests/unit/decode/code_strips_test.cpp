@@ -1,4 +1,4 @@
-#include "pipeline/algo/phase/code_strips.hpp"
+#include "pipeline/decode/mode_m/code_strips.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace enamel::test {
 namespace {
 
-using algo::PixelReject;
+using pipeline::PixelReject;
 
 constexpr int kWidth = 80, kHeight = 60, kStrip_px = 3;
 constexpr float kEvidence = 12;
@@ -32,13 +32,13 @@ struct Edge {
   /// What becomes of the pixels; pixel (begin + 1, 0) was rejected before.
   [[nodiscard]] Map<PixelReject> judged(std::uint64_t seed, std::size_t* withdrawn = nullptr) const {
     Normals normal(seed);
-    std::vector<algo::CellSpan> spans;
+    std::vector<pipeline::CellSpan> spans;
     for (int v = 0; v < kHeight; ++v) {
       if (jump) spans.push_back({v, begin(v) - 10, begin(v), 6, false});
       spans.push_back({v, begin(v), begin(v) + 9, 4, false});  // two cells, one run
       spans.push_back({v, begin(v) + 9, kWidth - 10, 5, false});
     }
-    algo::CodeStrips strips;
+    pipeline::CodeStrips strips;
     strips.find_ends(spans, kHeight);
     for (int v = 0; v < kHeight; ++v) {
       std::vector<float> more(kWidth), less(kWidth);

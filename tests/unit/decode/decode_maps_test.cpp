@@ -1,4 +1,4 @@
-#include "pipeline/algo/decode/decode_maps.hpp"
+#include "pipeline/decode/decode_maps.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,11 +8,11 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "protocol/base/file.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 DecodedBurst small_burst() {
@@ -64,4 +64,4 @@ TEST(DecodeMaps, folder_that_cannot_be_made_is_an_error_not_a_crash) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/algo/phase/polarity.hpp"
+#include "pipeline/decode/mode_t/polarity.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
@@ -66,20 +66,21 @@ FrameSet frames16(int width, int height, const Wave& wave) {
 }
 
 /// The noise model of such frames; noise in units of the modulation.
-inline algo::NoiseModel noise16(double noise) {
-  algo::NoiseModel model;
+inline pipeline::NoiseModel noise16(double noise) {
+  pipeline::NoiseModel model;
   model.floor_dn2 = static_cast<float>(std::pow(kModulation_dn * noise, 2) + 1.0 / 12);
   model.full_scale_dn = 65535;
   return model;
 }
 
 /// Three-frame solution, then the fourth frame with b = +1 everywhere.
-inline void solve_four(const FrameSet& frames, double noise, algo::PhaseMaps& maps, algo::PolarityMaps& polarity) {
-  algo::compute_phase(frames.view(), noise16(noise), {}, maps);
-  std::vector<algo::CellSpan> rows;
+inline void solve_four(const FrameSet& frames, double noise, pipeline::PhaseMaps& maps,
+                       pipeline::PolarityMaps& polarity) {
+  pipeline::compute_phase(frames.view(), noise16(noise), {}, maps);
+  std::vector<pipeline::CellSpan> rows;
   rows.reserve(static_cast<std::size_t>(frames.height));
   for (int v = 0; v < frames.height; ++v) rows.push_back({v, 0, frames.width, 0, false});
-  algo::apply_polarity(rows, {std::vector<float>(8, 1.0F), false}, noise16(noise), {}, maps, polarity);
+  pipeline::apply_polarity(rows, {std::vector<float>(8, 1.0F), false}, noise16(noise), {}, maps, polarity);
 }
 
 }  // namespace enamel::test::dsim

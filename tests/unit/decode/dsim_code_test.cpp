@@ -5,7 +5,7 @@
 
 #include "tests/unit/decode/dsim.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 using namespace test::dsim;  // NOLINT: the vocabulary of these tests
@@ -205,4 +205,4 @@ TEST(DsimCode, a_code_fringe_of_thirteen_twelfths_is_fragile) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -3,10 +3,10 @@
 
 #include <Eigen/Dense>
 
-#include "pipeline/algo/unwrap/links.hpp"
+#include "pipeline/decode/unwrap/links.hpp"
 #include "tests/unit/decode/dsim.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 using namespace test::dsim;  // NOLINT: the vocabulary of these tests
@@ -135,4 +135,4 @@ TEST(DsimGeometry, undistortion_contracts_fiftyfold) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

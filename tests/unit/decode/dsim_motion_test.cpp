@@ -1,12 +1,12 @@
 // [D-sim] figures of algorithms.md §9 made anew: motion within the burst.
 #include <gtest/gtest.h>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
-#include "pipeline/algo/phase/closure.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/decode/mode_t/closure.hpp"
 #include "tests/support/fold_error.hpp"
 #include "tests/unit/decode/dsim.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 using namespace test::dsim;  // NOLINT: the vocabulary of these tests
@@ -139,4 +139,4 @@ TEST(DsimMotion, binomial_self_compensation_of_order_one) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

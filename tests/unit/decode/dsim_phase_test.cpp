@@ -4,12 +4,12 @@
 #include <Eigen/Dense>
 #include <array>
 
-#include "pipeline/algo/phase/micro_phase.hpp"
-#include "pipeline/algo/phase/phase_ripple.hpp"
+#include "pipeline/decode/mode_m/micro_phase.hpp"
+#include "pipeline/decode/phase/phase_ripple.hpp"
 #include "tests/support/fold_error.hpp"
 #include "tests/unit/decode/dsim.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 using namespace test::dsim;  // NOLINT: the vocabulary of these tests
@@ -214,4 +214,4 @@ TEST(DsimRipple, second_harmonic_in_three_of_four_frames) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

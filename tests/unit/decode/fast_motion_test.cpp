@@ -1,5 +1,5 @@
 // A surface that moves too fast is called that, and frames that do not belong together never are.
-#include "pipeline/algo/phase/fast_motion.hpp"
+#include "pipeline/decode/mode_t/fast_motion.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr int kWidth = 480, kHeight = 320;
@@ -78,4 +78,4 @@ TEST(FastMotion, no_order_of_frames_and_no_frame_of_another_time_is_taken_for_mo
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <span>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 /// In mode T and in mode M.
@@ -154,4 +154,4 @@ TEST_P(FaultFrames, light_that_clips_the_crests_of_the_fringes_leaves_no_wrong_d
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

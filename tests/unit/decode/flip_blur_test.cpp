@@ -1,5 +1,5 @@
 // Frame 3 beside the flips of the polarity code: the blur that the burst shows, and what is made of it.
-#include "pipeline/algo/phase/flip_blur.hpp"
+#include "pipeline/decode/mode_t/flip_blur.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
@@ -109,4 +109,4 @@ TEST(FlipBlur, frame_3_nearer_to_the_flips_means_less_noise) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pipeline/algo/phase/burst_view.hpp"
+#include "pipeline/decode/phase/burst_view.hpp"
 
 namespace enamel::test {
 
@@ -14,8 +14,8 @@ struct FrameSet {
   std::array<std::vector<std::uint8_t>, 4> frames;
   int bit_depth = 8;
 
-  [[nodiscard]] algo::BurstView view() const {
-    algo::BurstView v{width, height, bit_depth, {}};
+  [[nodiscard]] pipeline::BurstView view() const {
+    pipeline::BurstView v{width, height, bit_depth, {}};
     for (std::size_t k = 0; k < 4; ++k) v.frames[k] = frames[k];
     return v;
   }

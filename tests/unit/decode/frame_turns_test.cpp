@@ -1,5 +1,5 @@
 // Sine and cosine of the four frames' phases about mid-burst, composed from two angles, against the library's.
-#include "pipeline/algo/phase/frame_turns.hpp"
+#include "pipeline/decode/phase/frame_turns.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr double kBound = 1e-6;
@@ -52,4 +52,4 @@ TEST(FrameTurns, of_steady_motion_are_those_of_a_change_of_zero) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

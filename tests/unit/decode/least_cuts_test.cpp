@@ -1,5 +1,5 @@
 // Unwrapping without a code: what neighbours alone can tell, told rightly; and that the tests see it when it is not.
-#include "pipeline/algo/unwrap/least_cuts.hpp"
+#include "pipeline/decode/unwrap/least_cuts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr int kWidth = 160, kHeight = 200;
@@ -152,4 +152,4 @@ TEST(LeastCuts, nothing_valid_and_maps_without_numbers_do_no_harm) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -6,7 +6,7 @@
 #include "tests/support/marker_baseline.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 struct Placed {
@@ -60,4 +60,4 @@ TEST(MarkerBaseline, far_side_of_a_gap_is_lost) {  // what the code is for
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

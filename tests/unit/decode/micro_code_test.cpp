@@ -1,6 +1,6 @@
 // Mode M's code: which rigs are refused, and how often a patch of pixels gets a wrong order ([D-sim] figures of
 // algorithms.md §2.3 made anew).
-#include "pipeline/algo/phase/micro_code.hpp"
+#include "pipeline/decode/mode_m/micro_code.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,12 +9,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
-#include "pipeline/algo/phase/micro_phase.hpp"
-#include "pipeline/algo/unwrap/micro_evidence.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/decode/mode_m/micro_evidence.hpp"
+#include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -201,4 +201,4 @@ TEST(MicroCode, single_pixels_and_a_code_frame_in_the_last_slot_are_no_good) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

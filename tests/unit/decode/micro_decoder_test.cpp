@@ -6,10 +6,10 @@
 #include <cmath>
 #include <string>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 const calib::Rig& wide_rig() {
@@ -352,4 +352,4 @@ TEST(MicroDecoder, foreign_bursts_are_refused) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -1,14 +1,14 @@
-#include "pipeline/algo/phase/micro_phase.hpp"
+#include "pipeline/decode/mode_m/micro_phase.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/decode/phase/poly_trig.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -216,4 +216,4 @@ TEST(MicroPhase, motion_delays_and_ripples_as_the_header_says) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -1,15 +1,15 @@
 // Mode M's code frame after the orders are known: motion within the burst, and a fourth frame for the phase.
-#include "pipeline/algo/phase/micro_refit.hpp"
+#include "pipeline/decode/mode_m/micro_refit.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "pipeline/algo/phase/micro_phase.hpp"
+#include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "tests/support/fold_error.hpp"
 #include "tests/unit/decode/dsim.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 using namespace test::dsim;  // NOLINT: the vocabulary of these tests
@@ -146,4 +146,4 @@ TEST(MicroRefit, without_a_code_frame_the_three_frame_solution_stays) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr double kFull_dn = 0.97 * 255;
@@ -83,4 +83,4 @@ TEST(MicroSaturated, crests_below_the_limit_cost_nothing) {  // the control
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -1,5 +1,5 @@
 // Sigma that grows where the frames of a moving burst contradict each other by more than noise.
-#include "pipeline/algo/phase/misfit.hpp"
+#include "pipeline/decode/phase/misfit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/moving_ball.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 using test::MovingBall;
@@ -140,4 +140,4 @@ TEST_P(MisfitOf, passing_texture_keeps_the_sigma_it_has_at_rest) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

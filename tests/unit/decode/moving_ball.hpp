@@ -9,7 +9,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
 namespace enamel::test {
@@ -76,7 +76,7 @@ struct MovingBall {
     });
   }
   /// Mean depth error where the normal's x lies between those given, um.
-  [[nodiscard]] double error_um(const algo::DecodedBurst& burst, double from, double to) const {
+  [[nodiscard]] double error_um(const pipeline::DecodedBurst& burst, double from, double to) const {
     double sum = 0, count = 0;
     for (int v = 0; v < rig.camera.height; ++v) {
       for (int u = 0; u < rig.camera.width; ++u) {
@@ -90,7 +90,7 @@ struct MovingBall {
     return sum / count;
   }
   /// Mean depth error of a strip of the image's columns, um.
-  [[nodiscard]] double strip_error_um(const algo::DecodedBurst& burst, int begin, int end) const {
+  [[nodiscard]] double strip_error_um(const pipeline::DecodedBurst& burst, int begin, int end) const {
     double sum = 0, count = 0;
     for (int v = 0; v < rig.camera.height; ++v) {
       for (int u = begin; u < end; ++u) {
@@ -103,7 +103,7 @@ struct MovingBall {
     return sum / count;
   }
   /// 1.48 times the median deviation of depth at mid-burst, um: what ripple and noise do, not a few pixels at edges.
-  [[nodiscard]] double sigma_um(const algo::DecodedBurst& burst) const {
+  [[nodiscard]] double sigma_um(const pipeline::DecodedBurst& burst) const {
     std::vector<double> errors;
     for (int v = 0; v < rig.camera.height; ++v) {
       for (int u = 0; u < rig.camera.width; ++u) {

@@ -12,13 +12,13 @@
 #include <memory>
 #include <string>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
-#include "pipeline/algo/decode/decode_maps.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/decode/decode_maps.hpp"
 #include "protocol/base/file.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 const std::string kShared = test::shared_folder();
@@ -160,4 +160,4 @@ TEST_P(OracleFrames, repeated_or_left_over_are_told_from_a_burst) {
 INSTANTIATE_TEST_SUITE_P(Sets, OracleFrames, testing::Values("plane-01", "spheres-01", "steps-01", "sweep-01"));
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -1,5 +1,5 @@
 // Messages of the labelling against their definitions, evaluated the slow way in double.
-#include "pipeline/algo/unwrap/order_messages.hpp"
+#include "pipeline/decode/unwrap/order_messages.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 OrderCosts random_costs(std::mt19937& rng, int most_nats) {
@@ -92,4 +92,4 @@ TEST(OrderMessages, blend_is_a_mean_to_a_step) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

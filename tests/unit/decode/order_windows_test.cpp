@@ -1,5 +1,5 @@
 // Surfaces many fringes apart in one component of the flood: each is asked about its own shifts.
-#include "pipeline/algo/unwrap/order_windows.hpp"
+#include "pipeline/decode/unwrap/order_windows.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <ranges>
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr std::int32_t kRows = 30, kWide_px = 12;
@@ -142,4 +142,4 @@ TEST(OrderWindows, pieces_without_a_place_in_the_range_are_no_reason_to_fail) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -1,4 +1,4 @@
-#include "pipeline/algo/phase/phase.hpp"
+#include "pipeline/decode/phase/phase.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,12 +10,12 @@
 // simd.hpp says for which sets the decoder is compiled.
 #include <hwy/highway.h>
 
-#include "pipeline/algo/phase/cell_signs.hpp"
-#include "pipeline/algo/phase/four_step.hpp"
-#include "pipeline/algo/phase/poly_trig.hpp"
+#include "pipeline/decode/mode_t/cell_signs.hpp"
+#include "pipeline/decode/phase/poly_trig.hpp"
+#include "tests/support/four_step.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 TEST(PolyTrig, arctangent_stays_below_its_error_bound_all_around) {
@@ -74,7 +74,7 @@ WorstErrors errors_of_four_step(const test::FrameSet& f) {
     return f.bit_depth == 8 ? f.frames[k][i] : f.frames[k][2 * i] + 256 * f.frames[k][2 * i + 1];
   };
   Map<float> phase, modulation;
-  four_step(f.view(), phase, modulation);
+  test::four_step(f.view(), phase, modulation);
   EXPECT_EQ(phase.size(), static_cast<std::size_t>(f.width * f.height));
   WorstErrors worst;
   for (std::size_t i = 0; i < phase.size(); ++i) {
@@ -102,11 +102,11 @@ TEST(FourStep, is_the_textbooks_phase_and_modulation) {
 TEST(FourStep, gives_the_same_bits_on_every_instruction_set) {
   const test::FrameSet f = all_differences();
   Map<float> phase, modulation;
-  four_step(f.view(), phase, modulation);
+  test::four_step(f.view(), phase, modulation);
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
     Map<float> other_phase, other_modulation;
-    four_step(f.view(), other_phase, other_modulation);
+    test::four_step(f.view(), other_phase, other_modulation);
     EXPECT_TRUE(std::ranges::equal(phase.pixels(), other_phase.pixels())) << hwy::TargetName(target);
     EXPECT_TRUE(std::ranges::equal(modulation.pixels(), other_modulation.pixels())) << hwy::TargetName(target);
   }
@@ -116,7 +116,7 @@ TEST(FourStep, gives_the_same_bits_on_every_instruction_set) {
 TEST(FourStep, gives_zeros_where_the_frames_are_alike) {
   const test::FrameSet f{1, 1, {{{90}, {90}, {90}, {90}}}};
   Map<float> phase, modulation;
-  four_step(f.view(), phase, modulation);
+  test::four_step(f.view(), phase, modulation);
   EXPECT_EQ(phase[0], 0);
   EXPECT_EQ(modulation[0], 0);
 }
@@ -237,4 +237,4 @@ TEST(CellSigns, windows_that_repeat_within_the_depth_range_are_named) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

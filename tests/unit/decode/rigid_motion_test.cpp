@@ -1,16 +1,16 @@
 // Motion during the burst, on a textured ball that moves between the frames.
-#include "pipeline/algo/decode/rigid_motion.hpp"
+#include "pipeline/decode/motion/rigid_motion.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/moving_ball.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 using Eigen::Vector3d;
@@ -203,4 +203,4 @@ TEST(TornPixels, whose_code_frame_saw_another_surface_are_left_out) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

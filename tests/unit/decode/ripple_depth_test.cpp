@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/support/fold_error.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr int kWidth = 480, kHeight = 240;
@@ -67,4 +67,4 @@ TEST(RippleByDepth, nothing_is_made_up_where_nothing_changes) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

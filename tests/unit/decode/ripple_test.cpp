@@ -6,14 +6,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/algo/phase/frame_errors.hpp"
-#include "pipeline/algo/phase/phase_ripple.hpp"
+#include "pipeline/decode/mode_t/frame_errors.hpp"
+#include "pipeline/decode/phase/phase_ripple.hpp"
 #include "tests/support/fold_error.hpp"
 #include "tests/support/gamma_scene.hpp"
 #include "tests/support/half_fringes.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 class Gamma : public testing::TestWithParam<double> {};
@@ -243,4 +243,4 @@ TEST(FrameErrors, few_pixels_give_no_estimate) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

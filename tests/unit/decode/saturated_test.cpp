@@ -1,15 +1,15 @@
 // Bright surfaces: pixels whose crest is clipped in one frame are solved from the other three, or rejected.
-#include "pipeline/algo/phase/saturated.hpp"
+#include "pipeline/decode/mode_t/saturated.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 const calib::Rig& rig() {
@@ -135,4 +135,4 @@ TEST(Saturated, two_clipped_frames_leave_nothing_to_solve) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

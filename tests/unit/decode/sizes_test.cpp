@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 struct Size {
@@ -73,4 +73,4 @@ TEST(DepthsOfRig, frames_of_ten_bits_are_measured_in_the_rigs_own_levels) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

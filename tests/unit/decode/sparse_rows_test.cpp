@@ -5,12 +5,12 @@
 #include <random>
 #include <vector>
 
-#include "pipeline/algo/decode/motion_images.hpp"
-#include "pipeline/algo/decode/motion_samples.hpp"
-#include "pipeline/algo/phase/closure_rows.hpp"
-#include "pipeline/algo/phase/grid_rows.hpp"
+#include "pipeline/decode/mode_t/closure_rows.hpp"
+#include "pipeline/decode/motion/motion_images.hpp"
+#include "pipeline/decode/motion/motion_samples.hpp"
+#include "pipeline/decode/phase/grid_rows.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr int kWidth = 173, kHeight = 91;
@@ -112,4 +112,4 @@ TEST(SparseRows, sampled_pixels_are_those_of_the_maps) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/support/order_score.hpp"
 
 namespace enamel::test {
@@ -18,12 +18,12 @@ namespace {
 constexpr int kWidth = 300, kHeight = 220;
 
 /// A burst that was decoded without a fault.
-algo::DecodedBurst perfect(const SyntheticBurst& truth) {
-  algo::DecodedBurst b;
-  b.verdict = algo::BurstVerdict::kAccepted;
+pipeline::DecodedBurst perfect(const SyntheticBurst& truth) {
+  pipeline::DecodedBurst b;
+  b.verdict = pipeline::BurstVerdict::kAccepted;
   b.phase_rad = Map<float>(kWidth, kHeight);
   b.order = Map<std::uint8_t>(kWidth, kHeight);
-  b.reject = Map<algo::PixelReject>(kWidth, kHeight, algo::PixelReject::kNone);
+  b.reject = Map<pipeline::PixelReject>(kWidth, kHeight, pipeline::PixelReject::kNone);
   b.patch.depth_mm = b.patch.sigma_mm = Map<float>(kWidth, kHeight, 0.01F);
   for (std::size_t i = 0; i < b.order.size(); ++i) {
     b.order[i] = static_cast<std::uint8_t>(truth.phase_rad[i] / (2 * std::numbers::pi));
@@ -82,7 +82,7 @@ TEST(ToothSteps, phase_does_not_show_the_jump_of_one_fringe) {
 
 TEST(OrderScore, counts_what_is_wrong_and_nothing_else) {
   const Scene s;
-  algo::DecodedBurst b = perfect(s.burst);
+  pipeline::DecodedBurst b = perfect(s.burst);
   const OrderCounts right = score_orders(b, s.burst, s.steps.light, s.steps.near_jump);
   EXPECT_EQ(right.wrong, 0U);
   EXPECT_EQ(right.accepted, right.lit);
@@ -94,16 +94,16 @@ TEST(OrderScore, counts_what_is_wrong_and_nothing_else) {
   const OrderCounts wrong = score_orders(b, s.burst, s.steps.light, s.steps.near_jump);
   EXPECT_EQ(wrong.wrong, moved);
   EXPECT_EQ(wrong.bursts_with_large_wrong, moved > 100 ? 1U : 0U);
-  b.reject(50, 5) = algo::PixelReject::kRelative, b.reject(51, 5) = algo::PixelReject::kNoisy;
-  b.reject(52, 5) = algo::PixelReject::kEdge;
+  b.reject(50, 5) = pipeline::PixelReject::kRelative, b.reject(51, 5) = pipeline::PixelReject::kNoisy;
+  b.reject(52, 5) = pipeline::PixelReject::kEdge;
   const OrderCounts left = score_orders(b, s.burst, s.steps.light, s.steps.near_jump);
   EXPECT_EQ(left.undecided + left.masked + left.edge, 3U);
 }
 
 TEST(OrderScore, rejected_burst_decides_nothing) {
   const Scene s;
-  algo::DecodedBurst b = perfect(s.burst);
-  b.verdict = algo::BurstVerdict::kNoCode;
+  pipeline::DecodedBurst b = perfect(s.burst);
+  b.verdict = pipeline::BurstVerdict::kNoCode;
   const OrderCounts c = score_orders(b, s.burst, s.steps.light, s.steps.near_jump);
   EXPECT_EQ(c.accepted, 0U);
   EXPECT_EQ(c.undecided, c.lit);
@@ -131,10 +131,10 @@ TEST(Synthetic, blur_takes_the_modulation_of_a_gaussian) {
 }
 
 /// What becomes of some rows of teeth before a rig of 400 x 300 px.
-OrderCounts decode_teeth(const calib::Rig& rig, const algo::DecodeConfig& config,
+OrderCounts decode_teeth(const calib::Rig& rig, const pipeline::DecodeConfig& config,
                          const std::vector<std::uint64_t>& seeds) {
   const calib::Rig scenes = cropped_rig(400, 300);
-  const algo::BurstDecoder decoder = algo::BurstDecoder::make(rig, config).value();
+  const pipeline::BurstDecoder decoder = pipeline::BurstDecoder::make(rig, config).value();
   OrderCounts out;
   for (const std::uint64_t seed : seeds) {
     const ToothSteps steps = make_tooth_steps(scenes, seed);
@@ -148,18 +148,20 @@ OrderCounts decode_teeth(const calib::Rig& rig, const algo::DecodeConfig& config
 /// Gum too narrow for the code lies beside a tooth one fringe higher.
 TEST(ToothSteps, step_of_the_modulation_may_hide_a_jump) {
   const std::vector<std::uint64_t> seeds{70, 71, 72, 73, 74, 75, 76, 77, 78, 79, 80, 81};
-  const auto wrong = [&](const algo::DecodeConfig& c) { return decode_teeth(cropped_rig(400, 300), c, seeds).wrong; };
-  algo::DecodeConfig blind;  // the control: as unlikely a jump as anywhere else
+  const auto wrong = [&](const pipeline::DecodeConfig& c) {
+    return decode_teeth(cropped_rig(400, 300), c, seeds).wrong;
+  };
+  pipeline::DecodeConfig blind;  // the control: as unlikely a jump as anywhere else
   blind.order.shade_jump_cost = blind.order.unseen_jump_cost;
   EXPECT_LT(wrong({}), wrong(blind) * 9 / 10);
 }
 
 /// A strip of gum, narrow and long, is left beside a tooth one fringe higher.
 TEST(ToothSteps, narrow_strips_of_gum_are_told_from_the_tooth_by_their_code_along_the_edge) {
-  const auto largest = [&](const algo::DecodeConfig& c) {
+  const auto largest = [&](const pipeline::DecodeConfig& c) {
     return decode_teeth(micro_rig(400, 300), c, {50412, 60005, 60313}).largest_wrong_px;
   };
-  algo::DecodeConfig blind;  // the control: no strip is ever convincing
+  pipeline::DecodeConfig blind;  // the control: no strip is ever convincing
   blind.micro_refit.strip_evidence = std::numeric_limits<float>::infinity();
   EXPECT_GT(largest(blind), kLargeWrong_px);
   EXPECT_LE(largest({}), kLargeWrong_px);
@@ -167,10 +169,10 @@ TEST(ToothSteps, narrow_strips_of_gum_are_told_from_the_tooth_by_their_code_alon
 
 /// The same, where the strip has so much more modulation than the tooth that it turns its block's gain.
 TEST(ToothSteps, gain_that_no_blur_leaves_does_not_speak_for_an_order) {
-  const auto largest = [&](const algo::DecodeConfig& c) {
+  const auto largest = [&](const pipeline::DecodeConfig& c) {
     return decode_teeth(micro_rig(400, 300, kShippedRatio), c, {2526, 8839}).largest_wrong_px;
   };
-  algo::DecodeConfig credulous;  // the control
+  pipeline::DecodeConfig credulous;  // the control
   credulous.micro_refit.largest_gain = std::numeric_limits<float>::infinity();
   EXPECT_GT(largest(credulous), kLargeWrong_px);
   EXPECT_LE(largest({}), kLargeWrong_px);

@@ -1,6 +1,6 @@
 // Pixels that an edge passed by during a burst of mode T: left out, or solved from the three frames that saw one
 // surface.
-#include "pipeline/algo/phase/torn.hpp"
+#include "pipeline/decode/mode_t/torn.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <cstddef>
 #include <numbers>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 constexpr FourStepPixel kPixel{90, 31, -44};
@@ -168,4 +168,4 @@ TEST(PassedEdge, sigma_holds_for_what_is_given_back) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/algo/triangulate/normals.hpp"
-#include "pipeline/algo/triangulate/ray_depth.hpp"
+#include "pipeline/decode/triangulate/normals.hpp"
+#include "pipeline/decode/triangulate/ray_depth.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 /// Largest distance of the baked form from the iterative one over the field and the depth, um.
@@ -148,4 +148,4 @@ TEST(Normals, are_nan_where_there_is_no_depth) {
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -6,12 +6,12 @@
 #include <map>
 #include <numbers>
 
-#include "pipeline/algo/decode/burst_decoder.hpp"
-#include "pipeline/algo/unwrap/cells.hpp"
-#include "pipeline/algo/unwrap/flood.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/decode/unwrap/cells.hpp"
+#include "pipeline/decode/unwrap/flood.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
-namespace enamel::algo {
+namespace enamel::pipeline {
 namespace {
 
 struct Outcome {
@@ -301,4 +301,4 @@ TEST(Unwrap, a_flood_would_leak_through_that_cliff) {  // the control
 }
 
 }  // namespace
-}  // namespace enamel::algo
+}  // namespace enamel::pipeline

@@ -1,0 +1,166 @@
+#include "host/compare/compare.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace enamel::host {
+namespace {
+
+/// The references as one mesh, and which of its triangles the probe saw.
+struct Union {
+  Mesh mesh;
+  std::vector<bool> seen;  ///< one a triangle
+};
+
+Union united(std::span<const MeshFile> references, double seen_at_least) {
+  Union out;
+  for (const MeshFile& file : references) {
+    const auto first = static_cast<std::uint32_t>(out.mesh.vertices.size());
+    const auto values = file.vertex_values.find("seen");
+    out.mesh.vertices.insert(out.mesh.vertices.end(), file.mesh.vertices.begin(), file.mesh.vertices.end());
+    for (const auto& t : file.mesh.triangles) {
+      bool seen = true;
+      for (const std::uint32_t corner : t) {
+        seen = seen &&
+               (values == file.vertex_values.end() || static_cast<double>(values->second[corner]) >= seen_at_least);
+      }
+      out.mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+      out.seen.push_back(seen);
+    }
+  }
+  return out;
+}
+
+/// Share of the seen area of the reference with the mesh near: each triangle sampled at the centres of equal parts.
+double coverage_pct(const Mesh& reference, const std::vector<bool>& seen, const Mesh& moved,
+                    const CompareConfig& config) {
+  const TriangleTree tree(moved);
+  double area = 0;
+  double covered = 0;
+  for (std::size_t t = 0; t < reference.triangles.size(); ++t) {
+    if (!seen[t]) {
+      continue;
+    }
+    const auto corner = [&](std::size_t k) -> Vec3d {
+      return reference.vertices[reference.triangles[t][k]].cast<double>();
+    };
+    const Vec3d a = corner(0);
+    const Vec3d ab = corner(1) - a;
+    const Vec3d ac = corner(2) - a;
+    const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
+    const int n = std::clamp(static_cast<int>(std::ceil(longest / config.coverage_sample_mm)), 1, 256);
+    const double part = 0.5 * ab.cross(ac).norm() / (static_cast<double>(n) * n);
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; i + j < n; ++j) {
+        for (int down = 0; down < (i + j < n - 1 ? 2 : 1); ++down) {  // the upright and the inverted sub-triangle
+          const double offset = down == 0 ? 1.0 / 3.0 : 2.0 / 3.0;
+          const Vec3d p = a + ab * ((i + offset) / n) + ac * ((j + offset) / n);
+          area += part;
+          covered += tree.nearest(p, config.coverage_within_mm) ? part : 0.0;
+        }
+      }
+    }
+  }
+  return area > 0 ? 100.0 * covered / area : 0.0;
+}
+
+double percentile(const std::vector<double>& sorted, double share) {
+  const auto last = static_cast<double>(sorted.size() - 1);
+  const auto at = static_cast<std::size_t>(share * last);
+  const double part = share * last - static_cast<double>(at);
+  const double next = sorted[std::min(at + 1, sorted.size() - 1)];
+  return sorted[at] + part * (next - sorted[at]);
+}
+
+void summarise(CompareResult& result) {
+  std::vector<double> values(result.deviation_um.begin(), result.deviation_um.end());
+  double sum = 0;
+  double squares = 0;
+  for (const double d : values) {
+    sum += std::abs(d);
+    squares += d * d;
+  }
+  const auto count = static_cast<double>(values.size());
+  std::sort(values.begin(), values.end());
+  result.median_um = percentile(values, 0.5);
+  for (double& d : values) {
+    d = std::abs(d);
+  }
+  std::sort(values.begin(), values.end());
+  result.mean_abs_um = sum / count;
+  result.rms_um = std::sqrt(squares / count);
+  result.p95_um = percentile(values, 0.95);
+  result.p99_um = percentile(values, 0.99);
+  result.max_um = values.back();
+}
+
+Result<void> place(const Mesh& mesh, const SignedSurface& reference, const CompareInput& input, CompareResult& result) {
+  result.alignment = input.alignment;
+  if (input.alignment == Alignment::kBest) {
+    result.T_reference_mesh = align_best(mesh, reference);
+  } else if (input.alignment == Alignment::kStart) {
+    if (input.estimate_poses == nullptr || input.truth_poses == nullptr) {
+      return fail(ErrorCode::kUsage, "--align start needs --poses and --truth-poses");
+    }
+    ENAMEL_TRY_ASSIGN(const StartAlignment start, align_start(*input.estimate_poses, *input.truth_poses));
+    result.T_reference_mesh = start.T_truth_estimate;
+    result.end = start.end;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<CompareResult> compare(const Mesh& mesh, std::span<const MeshFile> references, const CompareInput& input,
+                              const CompareConfig& config) {
+  Union all = united(references, config.seen_at_least);
+  if (mesh.vertices.empty() || mesh.triangles.empty() || all.mesh.triangles.empty()) {
+    return fail(ErrorCode::kMeshInvalid, "nothing to compare: a mesh without triangles");
+  }
+  const SignedSurface reference(std::move(all.mesh));
+  CompareResult result;
+  ENAMEL_TRY(place(mesh, reference, input, result));
+  Mesh moved;
+  moved.triangles = mesh.triangles;
+  std::size_t beyond = 0;
+  for (const Vec3f& v : mesh.vertices) {
+    const Vec3d p = result.T_reference_mesh * v.cast<double>();
+    const SignedDistance d = reference.distance(p);
+    moved.vertices.emplace_back(p.cast<float>());
+    result.deviation_um.push_back(static_cast<float>(1e3 * d.distance_mm));
+    beyond += d.on_border ? 1U : 0U;
+  }
+  summarise(result);
+  result.beyond_border_pct = 100.0 * static_cast<double>(beyond) / static_cast<double>(mesh.vertices.size());
+  result.coverage_pct = coverage_pct(reference.mesh(), all.seen, moved, config);
+  return result;
+}
+
+std::string compare_json(const CompareResult& result) {
+  constexpr std::array<const char*, 3> kNames{"none", "best", "start"};
+  nlohmann::ordered_json j;
+  j["mean_abs_um"] = result.mean_abs_um;
+  j["median_um"] = result.median_um;
+  j["rms_um"] = result.rms_um;
+  j["p95_um"] = result.p95_um;
+  j["p99_um"] = result.p99_um;
+  j["max_um"] = result.max_um;
+  j["coverage_pct"] = result.coverage_pct;
+  j["beyond_border_pct"] = result.beyond_border_pct;
+  j["end_error_um"] = nullptr;
+  j["end_rotation_deg"] = nullptr;
+  j["scale_ppm"] = nullptr;
+  if (result.end) {
+    j["end_error_um"] = result.end->end_error_um;
+    j["end_rotation_deg"] = result.end->end_rotation_deg;
+    if (result.end->scale_ppm) {
+      j["scale_ppm"] = *result.end->scale_ppm;
+    }
+  }
+  j["align"] = kNames[static_cast<std::size_t>(result.alignment)];
+  return j.dump(2);
+}
+
+}  // namespace enamel::host

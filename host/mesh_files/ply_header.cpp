@@ -1,0 +1,118 @@
+#include "host/mesh_files/ply_header.hpp"
+
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "host/mesh_files/text_scan.hpp"
+
+namespace enamel::host {
+namespace {
+
+tl::unexpected<Error> bad(std::string reason) {
+  return fail(ErrorCode::kMeshInvalid, "PLY header: " + std::move(reason));
+}
+
+std::optional<PlyType> type_named(std::string_view word) {
+  constexpr std::array<std::pair<std::string_view, PlyType>, 16> kNames{{{"char", PlyType::kInt8},
+                                                                         {"int8", PlyType::kInt8},
+                                                                         {"uchar", PlyType::kUint8},
+                                                                         {"uint8", PlyType::kUint8},
+                                                                         {"short", PlyType::kInt16},
+                                                                         {"int16", PlyType::kInt16},
+                                                                         {"ushort", PlyType::kUint16},
+                                                                         {"uint16", PlyType::kUint16},
+                                                                         {"int", PlyType::kInt32},
+                                                                         {"int32", PlyType::kInt32},
+                                                                         {"uint", PlyType::kUint32},
+                                                                         {"uint32", PlyType::kUint32},
+                                                                         {"float", PlyType::kFloat32},
+                                                                         {"float32", PlyType::kFloat32},
+                                                                         {"double", PlyType::kFloat64},
+                                                                         {"float64", PlyType::kFloat64}}};
+  for (const auto& [name, type] : kNames) {
+    if (name == word) {
+      return type;
+    }
+  }
+  return std::nullopt;
+}
+
+Result<PlyProperty> property_of(std::string_view line) {
+  PlyProperty property;
+  std::string_view word = next_word(line);
+  if (word == "list") {
+    property.is_list = true;
+    const auto count = type_named(next_word(line));
+    if (!count || *count == PlyType::kFloat32 || *count == PlyType::kFloat64) {
+      return bad("a list needs a whole number as its count");
+    }
+    property.count_type = *count;
+    word = next_word(line);
+  }
+  const auto type = type_named(word);
+  if (!type) {
+    return bad("unknown type '" + std::string(word.substr(0, 40)) + "'");
+  }
+  property.type = *type;
+  property.name = next_word(line);
+  return property;
+}
+
+}  // namespace
+
+std::size_t size_of(PlyType type) noexcept {
+  switch (type) {
+    case PlyType::kInt8:
+    case PlyType::kUint8:
+      return 1;
+    case PlyType::kInt16:
+    case PlyType::kUint16:
+      return 2;
+    case PlyType::kFloat64:
+      return 8;
+    default:
+      return 4;
+  }
+}
+
+Result<PlyHeader> take_ply_header(std::string_view& bytes) {
+  PlyHeader header;
+  std::string_view line;
+  if (!next_line(bytes, line) || line != "ply") {
+    return bad("the file does not begin with 'ply'");
+  }
+  bool has_format = false;
+  while (next_line(bytes, line)) {
+    const std::string_view word = next_word(line);
+    if (word == "end_header") {
+      return has_format ? Result<PlyHeader>(std::move(header)) : bad("no format line");
+    }
+    if (word == "format") {
+      const std::string_view format = next_word(line);
+      header.ascii = format == "ascii";
+      has_format = header.ascii || format == "binary_little_endian";
+      if (!has_format) {
+        return bad("format '" + std::string(format.substr(0, 40)) + "' is not ascii or binary_little_endian");
+      }
+    } else if (word == "element") {
+      const std::string_view name = next_word(line);
+      const auto count = to_number<std::uint64_t>(next_word(line));
+      if (!count) {
+        return bad("element without a count");
+      }
+      header.elements.push_back({std::string(name), *count, {}});
+    } else if (word == "property") {
+      if (header.elements.empty()) {
+        return bad("property before any element");
+      }
+      ENAMEL_TRY_ASSIGN(PlyProperty property, property_of(line));
+      header.elements.back().properties.push_back(std::move(property));
+    } else if (!word.empty() && word != "comment" && word != "obj_info") {
+      return bad("unknown line '" + std::string(word.substr(0, 40)) + "'");
+    }
+  }
+  return bad("no end_header: truncated");
+}
+
+}  // namespace enamel::host

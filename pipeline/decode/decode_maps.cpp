@@ -1,0 +1,138 @@
+#include "pipeline/decode/decode_maps.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <opencv2/imgcodecs.hpp>
+#include <string_view>
+
+#include "calib/model/pattern.hpp"
+#include "protocol/base/file.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the writers copy floats as they lie in memory");
+
+void append(std::string& out, const void* data, std::size_t bytes) {
+  out.append(static_cast<const char*>(data), bytes);
+}
+
+double median_sigma_um(const SurfacePatch& patch) {
+  std::vector<float> sigma;
+  for (const float s : patch.sigma_mm.pixels())
+    if (s == s) sigma.push_back(s);
+  if (sigma.empty()) return 0;
+  const auto middle = sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2);
+  std::nth_element(sigma.begin(), middle, sigma.end());
+  return 1e3 * static_cast<double>(*middle);
+}
+
+Result<std::string> png_bytes(const Map<std::uint8_t>& map, const char* name) {
+  std::vector<std::uint8_t> pixels(map.pixels().begin(), map.pixels().end());
+  std::vector<std::uint8_t> png;
+  try {
+    const cv::Mat image(map.height(), map.width(), CV_8UC1, pixels.data());
+    if (!cv::imencode(".png", image, png)) return fail(ErrorCode::kFileWrite, std::string(name) + " cannot be encoded");
+  } catch (const cv::Exception& e) {
+    return fail(ErrorCode::kFileWrite, std::string(name) + ": " + e.what());
+  }
+  return std::string(png.begin(), png.end());
+}
+
+/// Grey levels far enough apart to be told by eye: 0 = measured, then 32 a reason in the order of pixel_reject.hpp.
+Map<std::uint8_t> reject_picture(const Map<PixelReject>& reject) {
+  constexpr int kLevels = 32;
+  Map<std::uint8_t> out(reject.width(), reject.height());
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = static_cast<std::uint8_t>(static_cast<int>(reject[i]) * kLevels);
+  return out;
+}
+
+/// Figures that the verdict rests on, those of the other modes' steps left out.
+std::string diagnostics_json(const DecodeDiagnostics& d, calib::PatternMode mode) {
+  const char* noise_from = d.noise.source == NoiseSource::kRig ? "rig" : "closure";
+  if (mode == calib::PatternMode::kMicro) {
+    return fmt::format(
+        "\"repeated_share\": {:.5f}, \"linked_share\": {:.5f}, \"direction_share\": {:.5f}, "
+        "\"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, "
+        "\"code_turn_rad\": {:.6f}, \"motion_rad\": {:.6f}, \"third_rad\": {:.6f}, \"noise_from\": \"{}\",\n"
+        "  \"shift_mm_per_frame\": [{:.6f}], \"turn_rad_per_frame\": [{:.7f}]",
+        d.repeated_share, d.linked_share, d.direction_share, d.code_agreement, d.torn_share, d.code_turn_rad,
+        d.motion_rad, d.third_rad, noise_from, fmt::join(d.rigid.shift_mm, ", "), fmt::join(d.rigid.turn_rad, ", "));
+  }
+  return fmt::format(
+      "\"repeated_share\": {:.5f}, \"linked_share\": {:.5f}, \"closure_share\": {:.5f}, "
+      "\"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, \"odd_shift_rad\": {:.5f}, \"unrest\": {:.5f}, "
+      "\"motion_rad\": {:.6f}, \"harmonic\": {:.6f}, \"noise_from\": \"{}\",\n"
+      "  \"ripple_cosine_rad\": [{:.6f}], \"ripple_sine_rad\": [{:.6f}], "
+      "\"ripple_by_depth_rad\": {:.6f},\n"
+      "  \"shift_mm_per_frame\": [{:.6f}], \"turn_rad_per_frame\": [{:.7f}]",
+      d.repeated_share, d.linked_share, d.closure_share, d.code_agreement, d.torn_share, d.odd_shift_rad, d.unrest,
+      d.motion_rad, d.harmonic, noise_from, fmt::join(d.ripple.cosine, ", "), fmt::join(d.ripple.sine, ", "),
+      d.ripple_by_depth_rad, fmt::join(d.rigid.shift_mm, ", "), fmt::join(d.rigid.turn_rad, ", "));
+}
+
+}  // namespace
+
+std::string pfm_bytes(const Map<float>& map) {
+  std::string out = fmt::format("Pf\n{} {}\n-1.0\n", map.width(), map.height());
+  const auto width = static_cast<std::size_t>(map.width());
+  for (int v = map.height() - 1; v >= 0; --v)
+    append(out, &map[static_cast<std::size_t>(v) * width], width * sizeof(float));
+  return out;
+}
+
+std::string points_ply(const SurfacePatch& patch) {
+  std::string body;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < patch.depth_mm.size(); ++i) {
+    if (!(patch.depth_mm[i] == patch.depth_mm[i])) continue;
+    const Vec3f n = patch.normals[i].allFinite() ? patch.normals[i] : Vec3f(Vec3f::Zero());
+    append(body, patch.points[i].data(), 3 * sizeof(float));
+    append(body, n.data(), 3 * sizeof(float));
+    append(body, &patch.texture_dn[i], sizeof(float));
+    ++count;
+  }
+  return fmt::format(
+             "ply\nformat binary_little_endian 1.0\ncomment camera frame, mm\nelement vertex {}\n"
+             "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+             "property float nz\nproperty float intensity\nend_header\n",
+             count) +
+         body;
+}
+
+std::string decode_json(const DecodedBurst& burst, const DecodeReport& report) {
+  std::string rejected, stages;
+  for (std::size_t r = 1; r < kPixelRejects; ++r)
+    rejected += fmt::format("{}\"{}\": {}", rejected.empty() ? "" : ", ", kPixelRejectNames[r], burst.counts[r]);
+  for (const auto& [name, ms] : report.stage_ms)
+    stages += fmt::format("{}\"{}\": {:.3f}", stages.empty() ? "" : ", ", name, ms);
+  return fmt::format(
+      "{{\"burst\": {}, \"mode\": \"{}\", \"verdict\": \"{}\", \"valid_px\": {}, \"undecided_px\": {},\n"
+      " \"rejected_px\": {{{}}},\n \"sigma_um_median\": {:.3f},\n \"diagnostics\": {{{}}},\n"
+      " \"stage_ms\": {{{}}}}}\n",
+      report.burst, calib::name_of(report.mode), name_of(burst.verdict), burst.patch.valid_px,
+      burst.counts[static_cast<std::size_t>(PixelReject::kRelative)], rejected, median_sigma_um(burst.patch),
+      diagnostics_json(burst.diagnostics, report.mode), stages);
+}
+
+Result<void> write_decode_maps(const DecodedBurst& burst, const DecodeReport& report, const std::string& folder) {
+  ENAMEL_TRY(make_folder(folder));
+  ENAMEL_TRY_ASSIGN(const std::string order, png_bytes(burst.order, "order.png"));
+  ENAMEL_TRY_ASSIGN(const std::string reject, png_bytes(reject_picture(burst.reject), "reject.png"));
+  ENAMEL_TRY(write_file(folder + "/phase.pfm", pfm_bytes(burst.phase_rad)));
+  ENAMEL_TRY(write_file(folder + "/modulation.pfm", pfm_bytes(burst.patch.modulation_dn)));
+  ENAMEL_TRY(write_file(folder + "/order.png", order));
+  ENAMEL_TRY(write_file(folder + "/reject.png", reject));
+  ENAMEL_TRY(write_file(folder + "/depth.pfm", pfm_bytes(burst.patch.depth_mm)));
+  ENAMEL_TRY(write_file(folder + "/sigma.pfm", pfm_bytes(burst.patch.sigma_mm)));
+  ENAMEL_TRY(write_file(folder + "/points.ply", points_ply(burst.patch)));
+  return write_file(folder + "/decode.json", decode_json(burst, report));
+}
+
+}  // namespace enamel::pipeline

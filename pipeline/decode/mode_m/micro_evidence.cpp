@@ -1,0 +1,89 @@
+#include "pipeline/decode/mode_m/micro_evidence.hpp"
+
+#include <cmath>
+
+#include "pipeline/decode/phase/cell_span.hpp"
+#include "pipeline/decode/phase/poly_trig.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+constexpr float kShortest = 0.4F, kLongest = 1.6F;
+constexpr float kStepShare = 1.0F / 3;
+constexpr std::int32_t kEndTrim_px = 2;  ///< a few pixels already tell: one that blur mixes, one to spare
+
+/// Of pixels [begin, end). Every second one by itself: a sum waits for the one before.
+CodeSums sum_over(const CodeSumRow& row, std::int32_t begin, std::int32_t end) {
+  CodeSums even, odd;
+  std::int32_t u = begin;
+  for (; u + 1 < end; u += 2) {
+    even = even + row.at(static_cast<std::size_t>(u));
+    odd = odd + row.at(static_cast<std::size_t>(u) + 1);
+  }
+  if (u < end) even = even + row.at(static_cast<std::size_t>(u));
+  return even + odd;
+}
+
+}  // namespace
+
+void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces,
+                            const MicroCode& code, float outlier_cost) {
+  code_ = &code;
+  mean_ = {1, 0};
+  pieces_.resize(pieces.size());
+  std::int32_t row = -1;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    if (pieces[k].row != row) {
+      row = pieces[k].row;
+      code_sums_of_row(phase, noise, code, static_cast<std::size_t>(row), row_);
+    }
+    const PieceCore core = core_of(pieces, k, kEndTrim_px, phase.phase_rad.width());
+    pieces_.put(k, sum_over(row_, core.begin, core.end));
+  }
+  find_phasors(pieces_, outlier_cost, said_);
+}
+
+void MicroEvidence::costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const {
+  const CodePhasor z = said_.at(piece);
+  const auto first = static_cast<std::size_t>(turn_of_cell(first_cell));
+  const float* __restrict cosine = code_->cosine.data() + first, * __restrict sine = code_->sine.data() + first;
+  float* __restrict cost = out.data();
+  const std::size_t count = out.size();
+  ENAMEL_INDEPENDENT
+  for (std::size_t k = 0; k < count; ++k) cost[k] = cost_of_turn(z, cosine[k], sine[k]);
+}
+
+MicroEvidence::Turned MicroEvidence::turned(std::size_t piece, std::int32_t cell) const {
+  const auto order = static_cast<std::size_t>(turn_of_cell(cell));
+  const float p = said_.p[piece], q = said_.q[piece], c = code_->cosine[order], s = code_->sine[order];
+  return {p * c + q * s, q * c - p * s};
+}
+
+float MicroEvidence::settle(const std::vector<Piece>& pieces, const OrderResult& orders) {
+  double along = 0, across = 0;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    if (!orders.pieces[k].decided || !(said_.sharp[k] > 0)) continue;
+    const Turned z = turned(k, pieces[k].cell + 2 * orders.pieces[k].shift);
+    const auto pixels = static_cast<float>(pieces[k].end - pieces[k].begin);
+    along += static_cast<double>(z.along * pixels);
+    across += static_cast<double>(z.across * pixels);
+  }
+  const float turn_rad = atan2_poly(static_cast<float>(across), static_cast<float>(along));
+  const double length = std::sqrt(along * along + across * across);
+  if (length > 0) mean_ = {static_cast<float>(along / length), static_cast<float>(across / length)};
+  return turn_rad;
+}
+
+Stance MicroEvidence::stance(std::size_t piece, std::int32_t cell) const {
+  if (!(said_.sharp[piece] > 0)) return Stance::kSilent;
+  const Turned z = turned(piece, cell);
+  const float length2 = z.along * z.along + z.across * z.across;
+  const float along = z.along * mean_.along + z.across * mean_.across;
+  const float across = z.across * mean_.along - z.along * mean_.across;
+  const float most_rad = kStepShare * kTwoPiF * code_->inverse_ratio;  // well below pi/2
+  const bool near = std::abs(across) * cos_poly(most_rad) < along * sin_poly(most_rad);
+  const bool long_enough = length2 > kShortest * kShortest && length2 < kLongest * kLongest;
+  return near && long_enough ? Stance::kAgrees : Stance::kContradicts;
+}
+
+}  // namespace enamel::pipeline

@@ -1,0 +1,178 @@
+#include "pipeline/decode/mode_m/micro_refit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pipeline/decode/mode_m/micro_spans.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+struct Step {
+  double gain = 0, motion = 0;
+};
+
+/// Least squares of sums {gg, gm, mm, gr, mr}, held to 0 by the precisions given.
+Step solve(const double* s, double gain_precision, double motion_precision) {
+  const double gg = s[0] + gain_precision, mm = s[2] + motion_precision, det = gg * mm - s[1] * s[1];
+  if (!(det > 1e-12 * gg * mm)) return {};
+  return {(-s[3] * mm + s[4] * s[1]) / det, (-s[4] * gg + s[3] * s[1]) / det};
+}
+
+class Fitter {
+ public:
+  Fitter(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+         const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out)
+      : turn_(turn), code_(code), third_rad_(third_rad), noise_(noise), config_(config), maps_(maps), out_(out) {
+    columns_ = (maps.phase_rad.width() + config.block_px - 1) / config.block_px;
+    rows_ = (maps.phase_rad.height() + config.block_px - 1) / config.block_px;
+  }
+
+  /// All passes but the last move every block with the burst: its estimate must rest on residuals about itself.
+  void run() {
+    reset();
+    for (int pass = 0; pass < config_.passes; ++pass) {
+      sum(config_.row_step << (config_.passes - 1 - pass));
+      advance_burst();
+      if (pass + 1 < config_.passes) {
+        std::fill(out_.block_gain.begin(), out_.block_gain.end(), out_.gain);
+        std::fill(out_.block_motion_rad.begin(), out_.block_motion_rad.end(), out_.motion_rad);
+      } else {
+        advance_blocks();
+      }
+    }
+  }
+
+  void refit_gain() {
+    sum(config_.row_step);
+    const double to_burst = static_cast<double>(out_.gain), pg = 1 / square(config_.gain_prior);
+    for (std::size_t k = 0; k < out_.block_gain.size(); ++k) {
+      float& gain = out_.block_gain[k];
+      const double* s = &out_.work.sums[k * kRefitSums];
+      gain += static_cast<float>((pg * (to_burst - static_cast<double>(gain)) - s[3]) / (s[0] + pg));
+    }
+  }
+
+ private:
+  static double square(float x) { return static_cast<double>(x) * static_cast<double>(x); }
+
+  void reset() {
+    const auto blocks = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+    out_.motion_rad = 0, out_.gain = 1, out_.black_dn = noise_.black_dn;
+    out_.columns = columns_, out_.rows = rows_, out_.block_px = config_.block_px;
+    out_.block_motion_rad.assign(blocks, 0.0F);
+    out_.block_sigma_rad.assign(blocks, config_.motion_prior_rad);
+    out_.block_gain.assign(blocks, 1.0F);
+    out_.surface = {};
+  }
+
+  /// Each pass asks twice as many rows as the one before: the first finds the burst's motion, the last the blocks'.
+  void sum(int row_step) {
+    BlockSums<kRefitSums> blocks(maps_.phase_rad.width(), maps_.phase_rad.height(), config_.block_px,
+                                 out_.work.column_sums, out_.work.sums);
+    CodeRows rows(out_, maps_, &turn_);
+    rows.expect(code_, third_rad_);
+    for (int v = 0; v < maps_.phase_rad.height(); v += row_step)
+      add_refit_row(rows.at(v), noise_, config_.max_residual, blocks.width(), blocks.columns_of(v));
+    blocks.finish();
+  }
+
+  void advance_burst() {
+    std::array<double, kRefitSums> all{};
+    for (std::size_t k = 0; k < out_.work.sums.size(); ++k) all[k % kRefitSums] += out_.work.sums[k];
+    const Step step = solve(all.data(), 1, 1);
+    out_.gain += static_cast<float>(step.gain);
+    out_.motion_rad = held(out_.motion_rad + static_cast<float>(step.motion));
+  }
+
+  /// Each block's step, held to the burst's new values by the priors.
+  void advance_blocks() {
+    const double pg = 1 / square(config_.gain_prior), pm = 1 / square(config_.motion_prior_rad);
+    for (std::size_t k = 0; k < out_.block_gain.size(); ++k) {
+      float &gain = out_.block_gain[k], &motion = out_.block_motion_rad[k];
+      const double to_gain = static_cast<double>(out_.gain - gain),
+                   to_motion = static_cast<double>(out_.motion_rad - motion);
+      double* s = &out_.work.sums[k * kRefitSums];
+      s[3] -= pg * to_gain, s[4] -= pm * to_motion;  // the prior pulls to the burst's values, not to the block's last
+      const Step step = solve(s, pg, pm);
+      out_.block_sigma_rad[k] = static_cast<float>(1 / std::sqrt(s[2] + pm));
+      gain += static_cast<float>(step.gain);
+      motion = held(motion + static_cast<float>(step.motion));
+    }
+  }
+
+  [[nodiscard]] float held(float motion_rad) const {
+    return std::clamp(motion_rad, -config_.largest_motion_rad, config_.largest_motion_rad);
+  }
+
+  const Map<std::int16_t>& turn_;
+  const MicroCode& code_;
+  float third_rad_;
+  const NoiseModel& noise_;
+  const MicroRefitConfig& config_;
+  const PhaseMaps& maps_;
+  MicroMotion& out_;
+  int columns_ = 0, rows_ = 0;
+};
+
+MovedRow moved_row(PhaseMaps& m, int v) {
+  const std::size_t at = m.phase_rad.index(0, v);
+  return {&m.mean_dn[at], &m.cosine_dn[at], &m.sine_dn[at], &m.code_dn[at], &m.modulation_dn[at], &m.phase_rad[at]};
+}
+
+}  // namespace
+
+void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out) {
+  Fitter(turn, code, third_rad, noise, config, maps, out).run();
+}
+
+void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
+                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& motion) {
+  Fitter(turn, code, third_rad, noise, config, maps, motion).refit_gain();
+}
+
+void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion, PhaseMaps& maps) {
+  CodeRows rows(motion, maps, &turn);
+  for (int v = 0; v < turn.height(); ++v)
+    undo_motion_row(rows.at(v), static_cast<std::size_t>(turn.width()), moved_row(maps, v));
+}
+
+void move_to_code_frame(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out) {
+  const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
+  for (auto* map : {&out.mean_dn, &out.cosine_dn, &out.sine_dn, &out.code_dn, &out.modulation_dn, &out.phase_rad})
+    if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
+  CodeRows rows(motion, maps, nullptr);
+  for (int v = 0; v < h; ++v) move_to_code_row(rows.at(v), static_cast<std::size_t>(w), moved_row(out, v));
+}
+
+void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
+                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
+                     const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips, Misfit* misfit) {
+  const auto width = static_cast<std::size_t>(turn.width());
+  const float torn = config.torn_sigmas * config.torn_sigmas;
+  std::vector<float> missed(width), noise_share(width), one_more(width), one_less(width);
+  const OrderDoubt doubt{one_more.data(), one_less.data()};
+  const JoinLimits limits{{code.cosine[1], code.sine[1]}, config.outlier_sigmas, config.largest_gain};
+  CodeRows rows(motion, maps, &turn);
+  rows.expect(code, third_rad);
+  strips.find_ends(spans, turn.height());
+  if (misfit != nullptr) misfit->start(turn.width(), turn.height());
+  for (int v = 0; v < turn.height(); ++v) {
+    PixelReject* reject = &maps.reject(0, v);
+    join_code_row(rows.at(v), noise, limits, width,
+                  {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data(), noise_share.data(), doubt});
+    strips.take_row(v, doubt);
+    for (std::size_t u = 0; u < width; ++u) {
+      const bool edge = (missed[u] > torn) & (reject[u] == PixelReject::kNone);
+      reject[u] = edge ? PixelReject::kEdge : reject[u];
+      noise_share[u] = reject[u] == PixelReject::kNone ? noise_share[u] : 0;
+    }
+    if (misfit != nullptr) misfit->take_row(v, {missed.data(), noise_share.data()});
+  }
+  if (misfit != nullptr) misfit->add_to(maps.sigma_rad, kPhaseOfCode);
+  strips.withdraw(config.strip_evidence, maps.reject);
+}
+
+}  // namespace enamel::pipeline

@@ -1,0 +1,115 @@
+// Rows of a mode M burst with their orders and motion, and sums over blocks of them. Private to pipeline/decode.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/decode/mode_m/micro_phase.hpp"
+#include "pipeline/decode/mode_m/micro_refit.hpp"
+#include "pipeline/decode/mode_m/micro_refit_rows.hpp"
+
+namespace enamel::pipeline {
+
+/// Of a row of place_spans, as CodeRow has them.
+inline void take_turns(const std::int16_t* turns, std::vector<float>& out) {
+  for (std::size_t u = 0; u < out.size(); ++u) out[u] = static_cast<float>(turns[u]);
+}
+
+/// Rows of a burst's pixels with the motion, light and gain that they are seen under. One caller's; cheapest in order.
+class CodeRows {
+ public:
+  /// turn: place_spans; null: all pixels are of a surface whose order does not matter.
+  CodeRows(const SurfaceMotion& motion, const Grid& gain, float black_dn, const PhaseMaps& maps,
+           const Map<std::int16_t>* turn)
+      : maps_(maps),
+        turn_(turn),
+        row_turn_(static_cast<std::size_t>(maps.phase_rad.width()), kUnplaced),
+        rate_(motion.rate_rad, maps.phase_rad.width()),
+        gain_(gain, maps.phase_rad.width()),
+        light_(motion.light, maps.phase_rad.width()),
+        rate_change_(motion.rate_change_rad, maps.phase_rad.width()),
+        light_change_(motion.light_change, maps.phase_rad.width()),
+        black_dn_(black_dn),
+        steady_(motion.light.nodes == nullptr && motion.rate_change_rad.nodes == nullptr &&
+                motion.light_change.nodes == nullptr) {}
+  CodeRows(const MicroMotion& motion, const PhaseMaps& maps, const Map<std::int16_t>* turn)
+      : CodeRows(motion.everywhere(), motion.gain_grid(), motion.black_dn, maps, turn) {}
+
+  /// The code frame's wave, for what compares with it; third_rad: a1 of micro_phase.hpp.
+  void expect(const MicroCode& code, float third_rad) noexcept {
+    inverse_ratio_ = code.inverse_ratio, harmonic_ = -third_rad;
+  }
+
+  /// Valid until the next call.
+  [[nodiscard]] CodeRow at(int v) {
+    if (turn_ != nullptr) take_turns(&(*turn_)(0, v), row_turn_);
+    return {code_pixels(maps_, maps_.phase_rad.index(0, v)),
+            row_turn_.data(),
+            rate_.row(v),
+            gain_.row(v),
+            light_.row(v),
+            rate_change_.row(v),
+            light_change_.row(v),
+            inverse_ratio_,
+            harmonic_,
+            black_dn_,
+            steady_};
+  }
+
+ private:
+  const PhaseMaps& maps_;
+  const Map<std::int16_t>* turn_;
+  std::vector<float> row_turn_;
+  GridRows rate_, gain_, light_, rate_change_, light_change_;
+  float inverse_ratio_ = 0, harmonic_ = 0, black_dn_;
+  bool steady_;
+};
+
+/// Sums over square blocks of an image of what rows add to every column, first in float over a block's rows.
+template <std::size_t kSums>
+class BlockSums {
+ public:
+  /// sums: of block k, row major, [k * kSums + s].
+  BlockSums(int width, int height, int block_px, std::vector<float>& column_sums, std::vector<double>& sums)
+      : width_(static_cast<std::size_t>(width)),
+        block_px_(static_cast<std::size_t>(block_px)),
+        across_((width_ + block_px_ - 1) / block_px_),
+        columns_(column_sums),
+        sums_(sums) {
+    columns_.assign(kSums * width_, 0.0F);
+    sums_.assign(across_ * ((static_cast<std::size_t>(height) + block_px_ - 1) / block_px_) * kSums, 0.0);
+  }
+
+  [[nodiscard]] std::size_t width() const noexcept { return width_; }
+
+  /// Where row v adds its sum s of column u: at [s * width + u]. Rows come in order.
+  [[nodiscard]] float* columns_of(int v) {
+    const std::size_t row = static_cast<std::size_t>(v) / block_px_;
+    if (row != block_row_) finish();
+    block_row_ = row;
+    return columns_.data();
+  }
+
+  /// After the last row.
+  void finish() {
+    double* out = &sums_[block_row_ * across_ * kSums];
+    for (std::size_t s = 0; s < kSums; ++s) {
+      const float* column = &columns_[s * width_];
+      for (std::size_t k = 0; k < across_; ++k) {
+        double sum = 0;
+        for (std::size_t u = k * block_px_; u < std::min(width_, (k + 1) * block_px_); ++u)
+          sum += static_cast<double>(column[u]);
+        out[k * kSums + s] += sum;
+      }
+    }
+    std::fill(columns_.begin(), columns_.end(), 0.0F);
+  }
+
+ private:
+  std::size_t width_, block_px_, across_, block_row_ = 0;
+  std::vector<float>& columns_;
+  std::vector<double>& sums_;
+};
+
+}  // namespace enamel::pipeline

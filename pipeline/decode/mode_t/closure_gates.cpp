@@ -1,0 +1,56 @@
+#include "pipeline/decode/mode_t/closure_gates.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "pipeline/decode/mode_t/closure_gate_rows.hpp"
+#include "pipeline/decode/phase/median.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+constexpr float kTolerance = 0.25F;  ///< of B: motion of 0.1 rad a frame with a flip's blur stays below
+constexpr float kNoiseSigmas = 6;    ///< 3 sigma of the residual, whose std is 2 sigma
+constexpr std::size_t kRowStep = 4;  ///< gates on the whole burst need not ask every pixel
+
+}  // namespace
+
+double closure_share(const PhaseMaps& maps, const NoiseModel& noise) {
+  std::size_t seen = 0, fits = 0;
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  for (std::size_t at = 0; at < maps.phase_rad.size(); at += kRowStep * width) {
+    const ClosureCount row = count_closure_row(maps, noise, kTolerance, kNoiseSigmas, at, width);
+    seen += row.seen;
+    fits += row.fits;
+  }
+  return seen > 0 ? static_cast<double>(fits) / static_cast<double>(seen) : 0;
+}
+
+OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors, float black_dn,
+                        int block_px) {
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width()), block = static_cast<std::size_t>(block_px);
+  ErrorRows rows(errors, black_dn, maps.phase_rad.width());
+  std::vector<float> shifts, levels, columns(kOddSums * width);
+  for (int top = 0; top < maps.phase_rad.height(); top += block_px) {
+    std::fill(columns.begin(), columns.end(), 0.0F);
+    const int end = std::min(top + block_px, maps.phase_rad.height());
+    for (int v = top; v < end; v += static_cast<int>(kRowStep)) {
+      add_odd_row(maps, rows.at(polarity, v), maps.phase_rad.index(0, v), width, columns.data());
+    }
+    for (std::size_t u = 0; u < width; u += block) {
+      std::array<float, kOddSums> sums{};  // both, its energy, level, its energy
+      for (std::size_t k = 0; k < kOddSums; ++k) {
+        const auto first = columns.begin() + static_cast<std::ptrdiff_t>(k * width + u);
+        sums[k] = std::accumulate(first, first + static_cast<std::ptrdiff_t>(std::min(block, width - u)), 0.0F);
+      }
+      if (sums[1] > 0) shifts.push_back(2 * std::abs(sums[0] / sums[1]));
+      if (sums[3] > 0) levels.push_back(2 * std::abs(sums[2] / sums[3]));
+    }
+  }
+  return {median(shifts), median(levels)};
+}
+
+}  // namespace enamel::pipeline

@@ -1,0 +1,89 @@
+#include "pipeline/decode/mode_t/flip_blur.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/decode/mode_t/closure_rows.hpp"
+#include "pipeline/decode/mode_t/flip_rows.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+constexpr int kRowStep = 4;  ///< a quarter of the pixels gives a block's sigma to 5 %
+
+struct Sums {
+  double rounding = 0, modulation = 0, noise = 0, pixels = 0;
+};
+
+}  // namespace
+
+void fit_flip_blur(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors, float black_dn,
+                   const PolarityConfig& polarity_config, const FlipBlurConfig& config, FlipBlur& out) {
+  const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
+  const auto width = static_cast<std::size_t>(w);
+  out.block_px = config.block_px;
+  out.columns = (w + config.block_px - 1) / config.block_px;
+  out.rows = (h + config.block_px - 1) / config.block_px;
+  const auto columns = static_cast<std::size_t>(out.columns);
+  std::vector<Sums> blocks(columns * static_cast<std::size_t>(out.rows));
+  Sums all;
+  ErrorRows rows(errors, black_dn, w);
+  for (int row = 0; row < out.rows; ++row) {
+    out.work.column_sums.assign(kFlipSums * width, 0.0F);
+    float* sums = out.work.column_sums.data();
+    for (int v = row * config.block_px; v < std::min(h, (row + 1) * config.block_px); v += kRowStep)
+      add_flip_row(maps, rows.at(polarity, v), maps.phase_rad.index(0, v), width, sums);
+    for (std::size_t u = 0; u < width; ++u) {
+      Sums& block = blocks[static_cast<std::size_t>(row) * columns + u / static_cast<std::size_t>(config.block_px)];
+      for (Sums* s : {&block, &all}) {
+        s->rounding += static_cast<double>(sums[u]);
+        s->modulation += static_cast<double>(sums[width + u]);
+        s->noise += static_cast<double>(sums[2 * width + u]);
+        s->pixels += static_cast<double>(sums[3 * width + u]);
+      }
+    }
+  }
+  // Noise of the other three frames turns the sign of a few pixels beside the flip, which takes sigma_phi^2 away.
+  const double reach = static_cast<double>(polarity_config.flip_full_rad);
+  const auto square = [&](const Sums& s) { return (2 * reach * s.rounding + s.noise) / std::max(s.modulation, 1e-6); };
+  const double least = static_cast<double>(config.least_sigma_rad);
+  const double most = static_cast<double>(config.largest_sigma_rad);
+  const double burst = all.pixels > static_cast<double>(config.prior_pixels) ? square(all) : most * most;
+  out.burst_rad = static_cast<float>(std::clamp(std::sqrt(std::max(burst, 0.0)), least, most));
+  out.sigma_rad.resize(blocks.size());
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    const double n = blocks[k].pixels, prior = static_cast<double>(config.prior_pixels);
+    const double own = n > 0 ? square(blocks[k]) : burst;
+    const double sigma = std::sqrt(std::max((n * own + prior * burst) / (n + prior), 0.0));
+    out.sigma_rad[k] = static_cast<float>(std::clamp(sigma, least, most));
+  }
+}
+
+void finish_phase(const FlipBlur& blur, const BurstErrors& errors, float black_dn, const NoiseModel& noise,
+                  const FlipBlurConfig& config, PhaseMaps& maps, PolarityMaps& polarity, const MovedBurst* moved) {
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  GridRows sigma(blur.grid(), maps.phase_rad.width());
+  ErrorRows rows(errors, black_dn, maps.phase_rad.width());
+  std::vector<float> squares(moved != nullptr ? width : 0), share(squares);
+  if (moved != nullptr) moved->misfit.start(maps.phase_rad.width(), maps.phase_rad.height());
+  for (int v = 0; v < maps.phase_rad.height(); ++v) {
+    const std::size_t at = maps.phase_rad.index(0, v);
+    const RowErrors e = rows.at(polarity, v);
+    rejoin_flip_row({sigma.row(v), e.rate, config.drop_sigmas, config.full_sigmas}, noise, at, width, maps,
+                    polarity.weight);
+    const PixelRow row = pixel_row(maps, e, at);
+    if (moved == nullptr) {
+      mid_burst_row(row, width, &maps.phase_rad[at], nullptr);
+    } else {
+      const ClosedRow closed{&maps.phase_rad[at], squares.data(), share.data()};
+      closed_row(row, &maps.modulation_dn[at], &maps.reject[at], noise, width, closed);
+      moved->torn.take_row(v, at, row, closed, &maps.reject[at]);
+      moved->misfit.take_row(v, {squares.data(), share.data()});
+    }
+  }
+  if (moved == nullptr) return;
+  moved->torn.regain(moved->signs, noise, maps, polarity.turn);
+  moved->misfit.add_to(maps.sigma_rad, kPhaseOfClosure);
+}
+
+}  // namespace enamel::pipeline

@@ -1,0 +1,59 @@
+#include "pipeline/decode/mode_t/polarity_evidence.hpp"
+
+#include "pipeline/decode/mode_t/polarity_columns.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+/// Projector blur rounds the kink of frame 3 at a flip by up to this share of B (blur of 1.9 px in a period of 24).
+constexpr float kBlurError = 0.2F;
+constexpr float kNoiseOfCode = 3;  ///< var(D -+ S3) is 4 sigma^2 for b = +1, 2 sigma^2 for b = -1
+constexpr float kFaintVariance = 0.25F;
+constexpr std::int32_t kEndTrim_px = 3;
+
+PolaritySaid say(const PolarityColumn* columns, PieceCore core) {
+  PolarityColumn s;
+  for (std::int32_t u = core.begin; u < core.end; ++u) {
+    const PolarityColumn& c = columns[u];
+    s.dot += c.dot, s.energy += c.energy, s.noise += c.noise, s.blur += c.blur;
+  }
+  PolaritySaid said;
+  if (!(s.energy > 1e-3F)) return said;
+  const float inverse = 1 / s.energy, blur = kBlurError * s.blur * inverse;
+  said.code = s.dot * inverse;
+  said.variance = kNoiseOfCode * s.noise * inverse * inverse + blur * blur;
+  return said;
+}
+
+}  // namespace
+
+void PolarityEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces,
+                               const CellSigns& signs, float outlier_cost) {
+  signs_ = &signs;
+  const auto width = static_cast<std::size_t>(phase.phase_rad.width());
+  columns_.resize(width);
+  said_.resize(pieces.size());
+  std::int32_t row = -1;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    if (pieces[k].row != row) {
+      row = pieces[k].row;
+      polarity_columns(phase, noise, static_cast<std::size_t>(row) * width, width, columns_.data());
+    }
+    said_[k] = say(columns_.data(), core_of(pieces, k, kEndTrim_px, phase.phase_rad.width()));
+  }
+  if (signs.informative) price_polarity(outlier_cost, said_.size(), said_.data());
+}
+
+void PolarityEvidence::costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const {
+  const PolaritySaid& said = said_[piece];
+  const float* sign = &signs_->sign[static_cast<std::size_t>(first_cell)];
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = sign[2 * k] > 0 ? said.plus : said.minus;
+}
+
+Stance PolarityEvidence::stance(std::size_t piece, std::int32_t cell) const {
+  const PolaritySaid& said = said_[piece];
+  if (said.variance > kFaintVariance) return Stance::kSilent;
+  return said.code * signs_->at(cell) > 0 ? Stance::kAgrees : Stance::kContradicts;
+}
+
+}  // namespace enamel::pipeline

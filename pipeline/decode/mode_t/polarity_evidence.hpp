@@ -1,0 +1,41 @@
+// Evidence of mode T (and of plain4, single): the polarity of frame 3 in a piece, T = sum(D S3)/sum(S3^2), about +1 or
+// -1 (algorithms.md §2.2), against the signs of the pattern's cells.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/decode/mode_t/cell_signs.hpp"
+#include "pipeline/decode/unwrap/cells.hpp"
+#include "pipeline/decode/unwrap/code_evidence.hpp"
+
+namespace enamel::pipeline {
+
+/// A pixel's share in a piece's sums: D S3, S3^2, S3^2 var(frame), B |S3|.
+struct PolarityColumn {
+  float dot = 0, energy = 0, noise = 0, blur = 0;
+};
+
+struct PolaritySaid {
+  float code = 0;             ///< T
+  float variance = 1e9F;      ///< of T, noise and projector blur together
+  float plus = 0, minus = 0;  ///< cost under each sign
+};
+
+class PolarityEvidence final : public CodeEvidence {
+ public:
+  /// `signs` must outlive the questions. outlier_cost: of a piece whose T may be anything.
+  void measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces,
+               const CellSigns& signs, float outlier_cost);
+
+  [[nodiscard]] int cells() const override { return signs_->cells(); }
+  [[nodiscard]] int repeats_after() const override { return signs_->repeats_after; }
+  void costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const override;
+  [[nodiscard]] Stance stance(std::size_t piece, std::int32_t cell) const override;
+
+ private:
+  const CellSigns* signs_ = nullptr;
+  std::vector<PolaritySaid> said_;
+  std::vector<PolarityColumn> columns_;  ///< of one row
+};
+
+}  // namespace enamel::pipeline

@@ -1,0 +1,36 @@
+// Four frames to phase. With frames I0…I3 = A + B cos(phi), A - B sin(phi), A - B cos(phi), A + b B sin(phi), b = +-1:
+//   A = (I0+I2)/2,  C = (I0-I2)/2 = B cos(phi),  S3 = A - I1 = B sin(phi),  D = I3 - A = b B sin(phi)
+// The first three frames alone give phi whatever the polarity b is; D then says b (algorithms.md §2.2).
+#pragma once
+
+#include "pipeline/decode/phase/burst_view.hpp"
+#include "pipeline/decode/phase/noise_model.hpp"
+#include "pipeline/decode/phase/pixel_reject.hpp"
+#include "pipeline/types/map.hpp"
+
+namespace enamel::pipeline {
+
+struct PhaseConfig {
+  float dark_sigmas = 5;        ///< brightest frame must exceed black by this many sigma
+  float saturation = 0.97F;     ///< of full scale
+  float max_sigma_rad = 0.15F;  ///< predicted phase noise of the three-frame solution
+};
+
+/// Per-pixel maps of one burst, all of the camera's size. Values where reject != kNone are finite but mean nothing.
+struct PhaseMaps {
+  Map<float> mean_dn;        ///< A, raw DN (black included)
+  Map<float> cosine_dn;      ///< C
+  Map<float> sine_dn;        ///< S3; later the best estimate of B sin(phi)
+  Map<float> code_dn;        ///< D; NaN where frame 3 is saturated
+  Map<float> modulation_dn;  ///< B
+  Map<float> phase_rad;      ///< [-pi, pi)
+  Map<float> sigma_rad;      ///< one standard deviation of phase_rad
+  Map<PixelReject> reject;
+
+  void resize(int width, int height);
+};
+
+/// Three-frame solution and physical mask of every pixel. view must be consistent and of the maps' size.
+void compute_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps);
+
+}  // namespace enamel::pipeline

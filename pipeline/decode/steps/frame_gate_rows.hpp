@@ -1,0 +1,22 @@
+// The loops of frame_gates.hpp over one row. Private to pipeline/decode.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "pipeline/decode/phase/phase.hpp"
+
+namespace enamel::pipeline {
+
+inline constexpr std::size_t kFramePairs = 6;  ///< 01 02 03 12 13 23
+
+struct RepeatCount {
+  std::uint32_t seen = 0;
+  std::array<std::uint32_t, kFramePairs> same{};
+};
+/// frames: the row in each; two are the same at a pixel when they differ by at most `sigmas` of one frame.
+[[nodiscard]] RepeatCount count_repeats_row(const std::array<const float*, 4>& frames, const PhaseMaps& maps,
+                                            const NoiseModel& noise, float sigmas, std::size_t at, std::size_t width);
+
+}  // namespace enamel::pipeline

@@ -1,0 +1,26 @@
+// 1/z of some pixels before the phase is final, for whoever needs slopes; and what depths count.
+#pragma once
+
+#include <cstdint>
+
+#include "pipeline/decode/phase/phase.hpp"
+#include "pipeline/decode/triangulate/ray_depth.hpp"
+#include "pipeline/types/map.hpp"
+
+namespace enamel::pipeline {
+
+struct InverseDepthRange {
+  float q_near, q_far;  ///< 1/z, 1/mm
+  float phase_low_rad, phase_high_rad;
+};
+
+/// beyond: share by which the range is wider.
+[[nodiscard]] InverseDepthRange depth_range_of(const RayDepth& rays, float beyond = 0) noexcept;
+
+/// 1/z of every second pixel of image row v, an even one, for whoever needs slopes before the phase is final; NaN where
+/// a pixel is rejected or out of range by more than the share `beyond` of its ends. phase: theirs, in place of that of
+/// `maps`.
+void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, float beyond,
+                              int v, const float* phase_rad, float* inverse_depth);
+
+}  // namespace enamel::pipeline

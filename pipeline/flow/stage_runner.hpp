@@ -1,0 +1,79 @@
+// Internal to graph: the life of one stage in a run. Holds the rules; the executors only decide who calls it when.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "pipeline/flow/graph.hpp"
+
+namespace enamel::flow {
+
+/// Shared by all stages of a run.
+struct RunState {
+  RunState(Graph& g, const std::stop_token& s) : graph(g), stop(s) {}
+
+  Graph& graph;
+  std::stop_token stop;
+  std::atomic<bool> failed{false};
+  std::atomic<std::size_t> unfinished{0};
+
+  void fail_with(Error e);
+  [[nodiscard]] bool sources_must_end() const noexcept {
+    return failed.load(std::memory_order_acquire) || stop.stop_requested();
+  }
+  [[nodiscard]] bool finished() const noexcept { return unfinished.load(std::memory_order_acquire) == 0; }
+  [[nodiscard]] std::optional<Error> error();
+
+ private:
+  std::mutex mutex_;  // failures only
+  std::optional<Error> error_;
+};
+
+/// One worker at a time, by claim().
+class StageRunner {
+ public:
+  StageRunner(Stage& stage, RunState& run) : stage_(stage), run_(run) {}
+
+  [[nodiscard]] bool claim() noexcept { return !claimed_.exchange(true, std::memory_order_acquire); }
+  void release() noexcept { claimed_.store(false, std::memory_order_release); }
+
+  /// Does the one thing that can be done now: a step, a pull, ending. False: nothing.
+  [[nodiscard]] bool advance();
+  [[nodiscard]] Stage& stage() const noexcept { return stage_; }
+  /// A source that waits for its Waker.
+  [[nodiscard]] bool parked() const noexcept { return parked_; }
+
+ private:
+  enum class Phase : std::uint8_t { kActive, kDiscarding, kDone };
+
+  bool advance_source();
+  bool advance_stage();
+  bool discard_inputs();
+  void do_pull(Source& source);
+  void do_step();
+  Result<void> guarded_step();
+  void forward_rejected(const ItemHead& head);
+  void handle_error(const Error& error, const ItemHead& head);
+  void end();
+  void finish();
+  void break_contract(const std::string& what);
+  [[nodiscard]] bool inputs_agree(ItemHead& head);
+  [[nodiscard]] bool took_and_emitted_one(const ItemHead& head);
+  void count_output(const ItemHead& in);
+  [[nodiscard]] bool outs_writable();
+  void begin_step(bool degraded);
+
+  Stage& stage_;
+  RunState& run_;
+  std::atomic<bool> claimed_{false};
+  Phase phase_ = Phase::kActive;
+  bool degraded_ = false;
+  bool parked_ = false;
+  std::uint32_t parked_at_ = 0;
+  std::optional<BurstId> last_id_;
+};
+
+}  // namespace enamel::flow

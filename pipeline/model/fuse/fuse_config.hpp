@@ -1,0 +1,32 @@
+// What fusion can be told. Lengths mm, angles degrees where the name says so.
+#pragma once
+
+#include <cstdint>
+
+namespace enamel::pipeline {
+
+struct FuseConfig {
+  double voxel_mm = 0.1;
+  double truncation_voxels = 3.0;    ///< half width of the band around the surface that is stored
+  double max_incidence_deg = 70.0;   ///< steeper measurements are not fused: a projective distance is biased there
+  double reference_sigma_mm = 0.01;  ///< a facing pixel of this sigma weighs 1
+  double burst_weight_max = 4.0;     ///< cap of what one burst adds to a voxel
+  double voxel_weight_max = 255.0;   ///< cap of the sum: later bursts keep a say
+  int min_observations = 3;          ///< pixel measurements that a voxel needs to count as surface in the mesh
+  int min_bursts = 2;  ///< different bursts that they must come from: one burst's outliers never reach the mesh
+  double carve_margin_mm = 0.6;  ///< an unconfirmed block seen through with this margin loses its voxels
+  int view_stride = 2;           ///< camera pixels a pixel of ModelView
+  double view_search_mm = 1.2;   ///< how far around a guessed depth a view pixel without own measurement is searched
+};
+
+/// What one burst did to the model.
+struct FuseStats {
+  std::uint64_t surfels_used = 0;   ///< sampled pixels (every second one at full size) that were fused
+  std::uint64_t surfels_steep = 0;  ///< rejected: incidence beyond max_incidence_deg
+  std::uint64_t voxels_updated = 0;
+  std::uint32_t blocks_touched = 0;
+  std::uint32_t blocks_new = 0;
+  std::uint32_t blocks_carved = 0;  ///< unconfirmed blocks emptied because this burst saw through them
+};
+
+}  // namespace enamel::pipeline

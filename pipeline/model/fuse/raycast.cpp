@@ -1,0 +1,156 @@
+// TsdfModel::view: zero of the interpolated distance along every ray, by Newton steps from a hinted depth, by marching
+// where that fails.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/model/fuse/depth_hint.hpp"
+#include "pipeline/model/fuse/sampler.hpp"
+#include "pipeline/model/fuse/tsdf_model.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr int kNewtonSteps = 6;
+constexpr float kConvergedMm = 1e-3F;  ///< one more step from here is exact to nanometres
+constexpr float kSameSurfaceMm = 0.3F;
+
+/// Points o + s d in voxels, s = camera depth in mm.
+struct Ray {
+  Vec3d origin, direction;
+  double mm_per_depth = 1.0;  ///< length of the ray per mm of camera depth
+};
+
+class Caster {
+ public:
+  Caster(const BlockGrid& grid, const FuseConfig& config)
+      : sampler_(grid), voxel_mm_(config.voxel_mm), band_mm_(config.voxel_mm * config.truncation_voxels) {}
+
+  /// Front-facing zero near depth s; moves s. False if there is none within the band around the start.
+  bool newton(const Ray& ray, double& s, Vec3f& gradient) {
+    const double start = s;
+    for (int k = 0; k < kNewtonSteps; ++k) {
+      float d = 0.0F;
+      if (!sampler_.sample(ray.origin + s * ray.direction, d, gradient)) {
+        return false;
+      }
+      const double slope = gradient.cast<double>().dot(ray.direction);  // change of distance per mm of depth
+      if (!(slope < -0.1)) {
+        return false;  // seen from behind, or too flat a field to trust
+      }
+      s -= static_cast<double>(d) / slope;
+      if (std::fabs(d) < kConvergedMm) {
+        // Trilinear interpolation shows a convex surface too deep, by voxel^2/6R on average: registration would sink.
+        s += static_cast<double>(sampler_.excess_mm(ray.origin + s * ray.direction)) / slope;
+        return true;
+      }
+      if (std::fabs(s - start) > 2.0 * band_mm_) {
+        return false;
+      }
+    }
+    return false;
+  }
+
+  /// First change from outside to inside between the depths.
+  bool march(const Ray& ray, double from, double to, double& s, Vec3f& gradient) {
+    const double fine = 0.5 * voxel_mm_ / ray.mm_per_depth;
+    bool outside = false;
+    for (double at = from; at <= to;) {
+      float d = 0.0F;
+      if (!sampler_.sample(ray.origin + at * ray.direction, d, gradient)) {
+        outside = false;
+        at += 2.0 * fine;
+        continue;
+      }
+      if (d <= 0.0F && outside) {
+        s = at;
+        return newton(ray, s, gradient);
+      }
+      outside = d > 0.0F;
+      at += std::max(fine, 0.8 * static_cast<double>(d) / ray.mm_per_depth);
+    }
+    return false;
+  }
+
+ private:
+  Sampler sampler_;
+  double voxel_mm_, band_mm_;
+};
+
+/// Unit normals from the gradients of the 3 x 3 neighbours on the same surface: the gradient of a trilinear interpolant
+/// jumps between voxels, the mean over about one voxel does not.
+Map<Vec3f> smooth_normals(const Map<Vec3f>& points, const Map<Vec3f>& gradients) {
+  const int w = points.width();
+  const int h = points.height();
+  Map<Vec3f> normals(w, h, Vec3f::Constant(kNan));
+  for (int j = 0; j < h; ++j) {
+    for (int i = 0; i < w; ++i) {
+      const Vec3f& p = points(i, j);
+      if (std::isnan(p.x())) {
+        continue;
+      }
+      Vec3f sum = Vec3f::Zero();
+      for (int y = std::max(0, j - 1); y <= std::min(h - 1, j + 1); ++y) {
+        for (int x = std::max(0, i - 1); x <= std::min(w - 1, i + 1); ++x) {
+          const Vec3f e = points(x, y) - p;
+          if ((e.x() * e.x() + e.y() * e.y()) + e.z() * e.z() < kSameSurfaceMm * kSameSurfaceMm) {  // false for NaN
+            sum += gradients(x, y);
+          }
+        }
+      }
+      normals(i, j) = sum / std::sqrt((sum.x() * sum.x() + sum.y() * sum.y()) + sum.z() * sum.z());
+    }
+  }
+  return normals;
+}
+
+}  // namespace
+
+ModelView TsdfModel::view(const Pose& T_model_cam, const SurfacePatch& hint) const {
+  ModelView view;
+  view.T_model_cam = T_model_cam;
+  view.after_burst = after_burst_;
+  view.stride = std::max(1, config_.view_stride);
+  const bool fits = hint.depth_mm.width() == camera_.width && hint.depth_mm.height() == camera_.height;
+  if (empty() || !fits || hint.depth_mm.empty() || !T_model_cam.matrix().allFinite()) {
+    return view;
+  }
+  view.empty = false;
+  const int width = (camera_.width + view.stride - 1) / view.stride;
+  const int height = (camera_.height + view.stride - 1) / view.stride;
+  view.points = Map<Vec3f>(width, height, Vec3f::Constant(kNan));
+  Map<Vec3f> gradients(width, height, Vec3f::Zero());
+  const CoarseDepth coarse(hint.depth_mm);
+  Caster caster(grid_, config_);
+  Ray ray;
+  ray.origin = T_model_cam.translation() / config_.voxel_mm;
+  for (int j = 0; j < height; ++j) {
+    for (int i = 0; i < width; ++i) {
+      const int u = i * view.stride;
+      const int v = j * view.stride;
+      const float own = hint.depth_mm(u, v);
+      const float guess = std::isnan(own) ? coarse.near_pixel(u, v) : own;
+      if (!(guess > 0.0F)) {
+        continue;
+      }
+      const Vec3d in_camera((u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1.0);
+      const Vec3d in_model = T_model_cam.linear() * in_camera;
+      ray.direction = in_model / config_.voxel_mm;
+      ray.mm_per_depth = in_camera.norm();
+      double s = static_cast<double>(guess);
+      Vec3f gradient = Vec3f::Zero();
+      const double range = std::isnan(own) ? config_.view_search_mm : config_.voxel_mm * config_.truncation_voxels;
+      if (!caster.newton(ray, s, gradient) &&
+          !caster.march(ray, static_cast<double>(guess) - range, static_cast<double>(guess) + range, s, gradient)) {
+        continue;
+      }
+      view.points(i, j) = (T_model_cam.translation() + s * in_model).cast<float>();
+      gradients(i, j) = gradient;
+    }
+  }
+  view.normals = smooth_normals(view.points, gradients);
+  return view;
+}
+
+}  // namespace enamel::pipeline

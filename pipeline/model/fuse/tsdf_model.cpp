@@ -1,0 +1,170 @@
+#include "pipeline/model/fuse/tsdf_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/model/fuse/integrate_block.hpp"
+#include "pipeline/model/fuse/projection.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+constexpr int kBandStride = 4;  ///< pixels between the samples that allocate: 0.11 mm on the object, blocks are 0.8 mm
+
+bool usable(const SurfacePatch& patch, const calib::LensValues& camera) {
+  const auto fits = [&](const auto& map) { return map.width() == camera.width && map.height() == camera.height; };
+  return camera.width > 1 && camera.height > 1 && fits(patch.depth_mm) && fits(patch.sigma_mm) && fits(patch.points) &&
+         fits(patch.normals);
+}
+
+BlockInCamera place(const Block& block, double voxel_mm, const Pose& T_cam_model, const calib::LensValues& camera,
+                    int stride) {
+  const Vec3d first = Vec3d(block.index[0], block.index[1], block.index[2]) * (kBlockEdge * voxel_mm);
+  const Vec3d middle = first + Vec3d::Constant(0.5 * (kBlockEdge - 1) * voxel_mm);
+  const Eigen::Matrix3d step = T_cam_model.linear() * voxel_mm;
+  BlockInCamera at;
+  at.origin = (T_cam_model * first).cast<float>();
+  at.step_x = step.col(0).cast<float>();
+  at.step_y = step.col(1).cast<float>();
+  at.step_z = step.col(2).cast<float>();
+  at.projection = local_projection(camera, T_cam_model * middle, stride);
+  return at;
+}
+
+}  // namespace
+
+TsdfModel::TsdfModel(const calib::Rig& rig, const FuseConfig& config)
+    : config_(config), camera_(rig.camera), surfels_(rig, config) {}
+
+void TsdfModel::touch(const Vec3f& p_model, FuseStats& stats) {
+  const auto per_block = static_cast<float>(1.0 / (config_.voxel_mm * kBlockEdge));
+  BlockIndex index{};
+  for (int k = 0; k < 3; ++k) {
+    const float at = p_model[k] * per_block;
+    if (!(std::fabs(at) < static_cast<float>(kBlockRange - 2))) {
+      return;  // beyond what the index can name: hundreds of metres from the origin
+    }
+    const auto whole = static_cast<std::int32_t>(at);
+    index[static_cast<std::size_t>(k)] = whole - static_cast<std::int32_t>(at < static_cast<float>(whole));  // floor
+  }
+  if (last_id_ != kNoBlock && index == last_index_) {
+    return;
+  }
+  const std::size_t before = grid_.size();
+  last_id_ = grid_.allocate(index);
+  last_index_ = index;
+  Block& block = grid_.block(last_id_);
+  if (grid_.size() != before) {
+    ++stats.blocks_new;
+    tentative_.push_back(last_id_);
+  }
+  if (block.touched_by != integrations_) {
+    block.touched_by = integrations_;
+    touched_.push_back(last_id_);
+  }
+}
+
+void TsdfModel::allocate_band(const SurfacePatch& patch, const Pose& T_model_cam, FuseStats& stats) {
+  const Eigen::Matrix3f R = T_model_cam.linear().cast<float>();
+  const Vec3f t = T_model_cam.translation().cast<float>();
+  const auto reach = static_cast<float>(config_.voxel_mm * config_.truncation_voxels);
+  touched_.clear();
+  last_id_ = kNoBlock;
+  const int step = kBandStride / surfels_.stride();
+  for (int j = 0; j < surfels_.height(); j += step) {
+    for (int i = 0; i < surfels_.width(); i += step) {
+      if (!(surfels_(i, j).weight > 0.0F)) {
+        continue;
+      }
+      const std::size_t pixel = patch.points.index(i * surfels_.stride(), j * surfels_.stride());
+      const Vec3f p = R * patch.points[pixel] + t;
+      const Vec3f along = R * patch.normals[pixel] * reach;
+      for (const float s : {-1.0F, 0.0F, 1.0F}) {
+        touch(p + along * s, stats);
+      }
+    }
+  }
+  stats.blocks_touched = static_cast<std::uint32_t>(touched_.size());
+}
+
+FuseStats TsdfModel::integrate(BurstId burst, const SurfacePatch& patch, const Pose& T_model_cam) {
+  FuseStats stats;
+  if (!usable(patch, camera_) || !T_model_cam.matrix().allFinite()) {
+    return stats;
+  }
+  surfels_.build(patch, config_, stats);
+  if (stats.surfels_used == 0) {
+    return stats;
+  }
+  ++integrations_;
+  after_burst_ = burst.value;
+  allocate_band(patch, T_model_cam, stats);
+  const Pose T_cam_model = T_model_cam.inverse();
+  for (const std::int32_t id : touched_) {
+    Block& block = grid_.block(id);
+    const BlockInCamera at = place(block, config_.voxel_mm, T_cam_model, camera_, surfels_.stride());
+    stats.voxels_updated += integrate_block(surfels_, at, config_, block);
+    if (!block.pending && (block.grown || block.moved_mm > 0.0F)) {
+      block.pending = true;
+      pending_.push_back(id);
+    }
+  }
+  carve(patch, T_cam_model, stats);
+  return stats;
+}
+
+// Free space: a block that no second burst has confirmed and that this burst looks through, with a margin, to a surface
+// behind it was an outlier. Looked at in its middle only: cheap, and enough for what is not in the mesh anyway.
+void TsdfModel::carve(const SurfacePatch& patch, const Pose& T_cam_model, FuseStats& stats) {
+  const double half = 0.5 * (kBlockEdge - 1) * config_.voxel_mm;
+  const double margin = config_.carve_margin_mm + 2.0 * half;
+  const auto confirmed = [&](std::int32_t id) { return grid_.block(id).confirmed; };
+  tentative_.erase(std::remove_if(tentative_.begin(), tentative_.end(), confirmed), tentative_.end());
+  for (const std::int32_t id : tentative_) {
+    Block& block = grid_.block(id);
+    if (block.touched_by == integrations_ || block.touched_by == 0) {
+      continue;
+    }
+    const Vec3d middle = Vec3d(block.index[0], block.index[1], block.index[2]) * (kBlockEdge * config_.voxel_mm);
+    const Vec3d p = T_cam_model * (middle + Vec3d::Constant(half));
+    if (p.z() < 1.0) {
+      continue;
+    }
+    const LocalProjection local = local_projection(camera_, p, surfels_.stride());
+    const double u = local.u0 + (local.uX * p.x() + local.uY * p.y()) / p.z();
+    const double v = local.v0 + (local.vX * p.x() + local.vY * p.y()) / p.z();
+    if (!(u >= 0.0 && v >= 0.0 && u < surfels_.width() - 1.0 && v < surfels_.height() - 1.0)) {
+      continue;
+    }
+    const int i = static_cast<int>(std::lround(u));
+    const int j = static_cast<int>(std::lround(v));
+    if (surfels_(i, j).weight > 0.0F && patch.depth_mm(i * surfels_.stride(), j * surfels_.stride()) > p.z() + margin) {
+      block.distance_mm.fill(0.0F);
+      block.weight.fill(0.0F);
+      block.observations.fill(0);
+      block.bursts.fill(0);
+      block.touched_by = 0;
+      ++stats.blocks_carved;
+    }
+  }
+}
+
+std::vector<BlockIndex> TsdfModel::take_changed(double min_move_mm) {
+  const auto limit = static_cast<float>(min_move_mm);
+  std::vector<BlockIndex> changed;
+  const auto take = [&](std::int32_t id) {
+    Block& block = grid_.block(id);
+    if (!block.grown && block.moved_mm < limit) {
+      return false;
+    }
+    changed.push_back(block.index);
+    block.grown = block.pending = false;
+    block.moved_mm = 0.0F;
+    return true;
+  };
+  pending_.erase(std::remove_if(pending_.begin(), pending_.end(), take), pending_.end());
+  std::sort(changed.begin(), changed.end());
+  return changed;
+}
+
+}  // namespace enamel::pipeline

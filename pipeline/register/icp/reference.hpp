@@ -1,0 +1,57 @@
+// A model view made ready for registration: which of its pixels may be matched.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "calib/model/rig.hpp"
+#include "pipeline/types/model_view.hpp"
+#include "pipeline/types/patch.hpp"
+
+namespace enamel::pipeline {
+
+struct ReferenceConfig {
+  double pitch_mm = 0.056;    ///< views are thinned to about this between pixels: finer costs time, adds 0.2 µm
+  double edge_pitches = 4.5;  ///< a kept pixel with a neighbour (of four) farther away than this many pitches lies on a
+                              ///< silhouette: not matched (77 degrees on a smooth surface)
+  double normal_radius_mm =
+      0.17;  ///< normals are averaged over a square of this half width, about a period of the ripple
+             ///< that a moving burst leaves: else it holds on to the next burst's (same place in the image)
+  double min_coherence = 0.85;  ///< length of the mean normal: below it the window straddles an edge, not matched
+};
+
+/// A thinned copy of the usable pixels of a view; immutable after construction.
+class Reference {
+ public:
+  Reference() = default;
+  Reference(const ModelView& view, const ReferenceConfig& config);
+
+  [[nodiscard]] bool empty() const noexcept { return usable_px_ == 0; }
+  [[nodiscard]] std::size_t usable_px() const noexcept { return usable_px_; }
+  [[nodiscard]] const Pose& T_model_cam() const noexcept { return T_model_cam_; }
+  [[nodiscard]] int width() const noexcept { return pixels_.width(); }
+  [[nodiscard]] int height() const noexcept { return pixels_.height(); }
+  [[nodiscard]] float pixels_per_camera_pixel() const noexcept { return scale_; }  ///< 1 / camera pixels a kept pixel
+
+  /// Model frame. x of the point is NaN where nothing may be matched. Padded: one cache line serves two.
+  struct alignas(32) Pixel {
+    Vec3f point;
+    float unused0;
+    Vec3f normal;
+    float unused1;
+  };
+  [[nodiscard]] const Pixel& pixel(std::size_t i) const noexcept { return pixels_[i]; }
+
+ private:
+  Pose T_model_cam_ = Pose::Identity();
+  Map<Pixel> pixels_;
+  float scale_ = 1;
+  std::size_t usable_px_ = 0;
+};
+
+/// The patch itself as a view of the model from its own pose: the reference while the model does not yet show this
+/// place. lens: of the camera that took the patch. stride >= 1: camera pixels a view pixel.
+[[nodiscard]] ModelView view_from_patch(const SurfacePatch& patch, const Pose& T_model_cam,
+                                        const calib::LensValues& lens, int stride = 1);
+
+}  // namespace enamel::pipeline

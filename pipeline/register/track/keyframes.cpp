@@ -1,0 +1,56 @@
+#include "pipeline/register/track/keyframes.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "pipeline/register/icp/reference.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+double work_point_distance(const Pose& a, const Pose& b, double work_distance_mm) {
+  const Vec3d work(0, 0, work_distance_mm);
+  return (a * work - b * work).norm();
+}
+
+}  // namespace
+
+bool KeyframeStore::wants(const Pose& T_model_cam) const {
+  const double turn_limit = config_.spacing_deg * std::numbers::pi / 180;
+  return std::none_of(frames_.begin(), frames_.end(), [&](const Keyframe& frame) {
+    const Eigen::AngleAxisd turn(frame.T_model_cam.linear().transpose() * T_model_cam.linear());
+    return work_point_distance(frame.T_model_cam, T_model_cam, config_.work_distance_mm) < config_.spacing_mm &&
+           turn.angle() < turn_limit;
+  });
+}
+
+void KeyframeStore::add(const SurfacePatch& patch, const Pose& T_model_cam, std::vector<Feature> features) {
+  frames_.push_back(
+      {T_model_cam, std::move(features), view_from_patch(patch, T_model_cam, lens_, config_.view_stride)});
+}
+
+std::vector<std::size_t> KeyframeStore::candidates(const Pose& T_model_cam, std::uint64_t turn) const {
+  std::vector<std::size_t> order(frames_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (order.size() <= config_.max_tried) return order;
+  std::vector<double> distance;
+  distance.reserve(frames_.size());
+  for (const Keyframe& frame : frames_) {
+    distance.push_back(work_point_distance(frame.T_model_cam, T_model_cam, config_.work_distance_mm));
+  }
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return distance[a] != distance[b] ? distance[a] < distance[b] : a < b;
+  });
+  const std::size_t near = config_.max_tried / 2;
+  const std::size_t far = config_.max_tried - near;
+  const std::size_t others = order.size() - near;
+  std::vector<std::size_t> out(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(near));
+  for (std::size_t k = 0; k < far; ++k) out.push_back(order[near + (turn * far + k) % others]);
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+}  // namespace enamel::pipeline

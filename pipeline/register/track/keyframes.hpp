@@ -1,0 +1,46 @@
+// Places seen before, kept so that the model can be found again.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "calib/model/rig.hpp"
+#include "pipeline/register/feature/features.hpp"
+#include "pipeline/types/geometry.hpp"
+#include "pipeline/types/model_view.hpp"
+#include "pipeline/types/patch.hpp"
+
+namespace enamel::pipeline {
+
+struct KeyframeConfig {
+  double spacing_mm = 2;         ///< a new one where every old one is farther than this …
+  double spacing_deg = 3;        ///< … or turned by more than this
+  double work_distance_mm = 48;  ///< spacing is measured at the point this far before the camera
+  int view_stride = 2;           ///< camera pixels a pixel of the kept surface
+  std::size_t max_tried = 32;    ///< most keyframes compared with one burst: the nearest, then the others by turns
+};
+
+struct Keyframe {
+  Pose T_model_cam = Pose::Identity();
+  std::vector<Feature> features;
+  ModelView view;  ///< the patch itself, thinned
+};
+
+class KeyframeStore {
+ public:
+  KeyframeStore(const calib::LensValues& lens, const KeyframeConfig& config) : lens_(lens), config_(config) {}
+
+  [[nodiscard]] bool wants(const Pose& T_model_cam) const;
+  void add(const SurfacePatch& patch, const Pose& T_model_cam, std::vector<Feature> features);
+  [[nodiscard]] const std::vector<Keyframe>& all() const noexcept { return frames_; }
+  /// Indices to try for a burst last known near T: at most max_tried, half of them the nearest, half by turns so that
+  /// every keyframe is reached within a few bursts. `turn` counts the attempts.
+  [[nodiscard]] std::vector<std::size_t> candidates(const Pose& T_model_cam, std::uint64_t turn) const;
+
+ private:
+  calib::LensValues lens_;
+  KeyframeConfig config_;
+  std::vector<Keyframe> frames_;
+};
+
+}  // namespace enamel::pipeline

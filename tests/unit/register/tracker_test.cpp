@@ -1,0 +1,306 @@
+// The tracker on the analytic surface: sweeps with delayed feedback, loss, gaps, refusal, determinism.
+#include "pipeline/register/track/tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "tests/unit/register/synthetic_surface.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+namespace ts = ::enamel::testing;
+
+constexpr std::int64_t kPeriodNs = 33'333'333;
+
+DeviceTime time_of(int n) { return device_time(1'000'000'000 + n * kPeriodNs); }
+double seconds_of(int n) { return n * 1e-9 * kPeriodNs; }
+
+/// A hand moving 10 mm/s along x with 60 µm of 9 Hz tremor and a slow turn.
+Pose hand(double t_s) {
+  const double wave = std::sin(2 * std::numbers::pi * 9 * t_s);
+  return ts::looking_down(10 * t_s, 0.06 * wave, {0.05 * t_s, 0.1 * t_s + 0.001 * wave, 0.03 * t_s}, 0.05 * wave);
+}
+
+/// One tracker fed from one surface. Poses are judged in the frame of the first burst's true pose.
+class Session {
+ public:
+  /// shrink: of the probe's pixels; 4 (160 x 120) is fast and coarse.
+  explicit Session(std::uint64_t surface_seed, int shrink = 4, const TrackerConfig& config = {})
+      : rig_(ts::test_rig(shrink)), surface_(surface_seed), tracker_(rig_, config) {}
+
+  TrackResult feed(int n, const Pose& truth, const ModelView& view = {}) { return feed(n, surface_, truth, view); }
+  TrackResult feed(int n, const ts::SyntheticSurface& surface, const Pose& truth, const ModelView& view = {}) {
+    const auto id = static_cast<std::uint64_t>(n);
+    return tracker_.track(BurstId{id}, time_of(n),
+                          ts::make_patch(surface, rig_.camera, truth, {sigma_mm, 0.03, id + 100}), view);
+  }
+  [[nodiscard]] ModelView model_from(const Pose& truth) const {
+    return ts::view_in_frame(surface_, rig_.camera, truth, hand(0));
+  }
+  [[nodiscard]] static double error_mm(const TrackResult& r, const Pose& truth) {
+    return ts::point_error_mm(hand(0) * r.T_model_cam, truth);
+  }
+  [[nodiscard]] const Tracker& tracker() const { return tracker_; }
+
+  double sigma_mm = 0.01;
+
+ private:
+  calib::Rig rig_;
+  ts::SyntheticSurface surface_;
+  Tracker tracker_;
+};
+
+TEST(Tracker, FollowsASweepWithTheModelTwoBurstsBehind) {
+  Session s(11, 2);
+  for (int n = 0; n < 8; ++n) {
+    const Pose truth = hand(seconds_of(n));
+    const ModelView view = n >= 2 ? s.model_from(hand(seconds_of(n - 2))) : ModelView{};
+    const TrackResult r = s.feed(n, truth, view);
+    EXPECT_EQ(r.state, n == 0 ? TrackState::kStarted : TrackState::kTracking) << n;
+    EXPECT_LT(Session::error_mm(r, truth), 0.003) << n;
+  }
+}
+
+TEST(Tracker, TracksFromPatchToPatchWhileThereIsNoModel) {
+  Session s(12);
+  for (int n = 0; n < 5; ++n) {
+    const Pose truth = hand(seconds_of(n));
+    const TrackResult r = s.feed(n, truth);
+    EXPECT_EQ(r.state, n == 0 ? TrackState::kStarted : TrackState::kTracking) << n;
+    EXPECT_LT(Session::error_mm(r, truth), 0.01) << n;
+  }
+}
+
+TEST(Tracker, KeepsUpWithThirtyMillimetresASecond) {
+  Session s(20);
+  for (int n = 0; n < 8; ++n) {
+    const Pose truth = hand(3 * seconds_of(n));  // the tremor too is three times as fast
+    const TrackResult r = s.feed(n, truth);
+    EXPECT_EQ(r.state, n == 0 ? TrackState::kStarted : TrackState::kTracking) << n;
+    EXPECT_LT(Session::error_mm(r, truth), 0.02) << n;
+  }
+}
+
+TEST(Tracker, StandsTheNoiseOfBareTeeth) {
+  Session s(21);
+  s.sigma_mm = 0.04;
+  for (int n = 0; n < 6; ++n) {
+    const Pose truth = hand(seconds_of(n));
+    const TrackResult r = s.feed(n, truth);
+    EXPECT_EQ(r.state, n == 0 ? TrackState::kStarted : TrackState::kTracking) << n;
+    EXPECT_LT(Session::error_mm(r, truth), 0.02) << n;
+  }
+}
+
+TEST(Tracker, BridgesBurstsThatNeverCame) {
+  Session s(13);
+  for (const int n : {0, 1, 2, 3, 6, 7, 11, 12}) {
+    const Pose truth = hand(seconds_of(n));
+    const TrackResult r = s.feed(n, truth);
+    EXPECT_NE(r.state, TrackState::kLost) << n;
+    EXPECT_LT(Session::error_mm(r, truth), 0.02) << n;
+  }
+}
+
+/// How many of eight surfaces are still followed when the wrist rolls 40 degrees in the 0.2 s between two bursts.
+int followed_over_a_wrist_turn(const TrackerConfig& config) {
+  int followed = 0;
+  for (std::uint64_t seed = 40; seed < 48; ++seed) {
+    Session s(seed, 4, config);
+    for (int n = 0; n < 4; ++n) (void)s.feed(n, hand(seconds_of(n)));
+    const Pose truth = ts::looking_down(1.5, 0.2, {(seed % 2 == 0 ? 1 : -1) * 0.7, 0.05, 0});
+    const TrackResult r = s.feed(9, truth);
+    if (r.state != TrackState::kLost && Session::error_mm(r, truth) < 0.05) ++followed;
+  }
+  return followed;
+}
+
+TEST(Tracker, FollowsAWristTurnThatSparseBurstsDoNotForetell) {
+  TrackerConfig blind;
+  blind.wrist_deg = {0, 0};
+  blind.features.ratio = 0;  // no match: features cannot help out
+  TrackerConfig turning = blind;
+  turning.wrist_deg = TrackerConfig{}.wrist_deg;
+  EXPECT_GE(followed_over_a_wrist_turn(turning), 7);
+  EXPECT_LT(followed_over_a_wrist_turn(blind), 4) << "negative control: without turned starts";
+}
+
+TEST(Tracker, AnEmptyFirstPatchDoesNotDefineTheModel) {
+  Session s(14);
+  const Pose away = ts::looking_down(0, 0, Vec3d::Zero(), 30);  // everything nearer than 40 mm is not measured
+  EXPECT_EQ(s.feed(0, ts::SyntheticSurface(14), away).state, TrackState::kLost);
+  EXPECT_EQ(s.feed(1, hand(0)).state, TrackState::kStarted);
+}
+
+TEST(Tracker, IsLostOnAnotherSurfaceAndKeepsItsModel) {
+  Session s(15);
+  for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
+  const std::size_t keyframes = s.tracker().keyframes().size();
+  for (int n = 3; n < 6; ++n) {
+    const ts::SyntheticSurface other(300 + static_cast<std::uint64_t>(n));
+    EXPECT_EQ(s.feed(n, other, hand(seconds_of(n))).state, TrackState::kLost) << n;
+  }
+  EXPECT_EQ(s.tracker().keyframes().size(), keyframes);
+  const Pose truth = hand(seconds_of(6));
+  const TrackResult r = s.feed(6, truth);
+  EXPECT_NE(r.state, TrackState::kLost);
+  EXPECT_LT(Session::error_mm(r, truth), 0.02);
+}
+
+TEST(Tracker, AfterATimeGapFindsTheSameModelFrame) {
+  Session s(16);
+  for (int n = 0; n < 4; ++n) (void)s.feed(n, hand(seconds_of(n)));
+  const Pose truth = ts::looking_down(-2, 1.5, {0.05, -0.08, 0.4});
+  const TrackResult r = s.feed(60, truth);
+  EXPECT_EQ(r.state, TrackState::kRelocalised);
+  EXPECT_LT(Session::error_mm(r, truth), 0.02);
+}
+
+TEST(Tracker, AfterATimeGapOverUnknownGroundStartsNoSecondModel) {
+  Session s(17);
+  for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
+  for (int n = 60; n < 63; ++n) EXPECT_EQ(s.feed(n, ts::looking_down(60, 60)).state, TrackState::kLost) << n;
+}
+
+TEST(Tracker, FindsItsPlaceAfterJumpsOnManySurfaces) {
+  int found = 0;
+  int wrong = 0;
+  constexpr int kTrials = 20;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const auto key = static_cast<std::uint64_t>(trial);
+    Session s(500 + key);
+    (void)s.feed(0, hand(0));
+    const Vec3d turn(0.08 * ts::normal(10 * key), 0.08 * ts::normal(10 * key + 1), 0.6 * ts::normal(10 * key + 2));
+    const Pose truth = ts::looking_down(2 * ts::normal(10 * key + 3), 2 * ts::normal(10 * key + 4), turn);
+    const TrackResult r = s.feed(40, truth);
+    if (r.state == TrackState::kLost) continue;
+    ++(Session::error_mm(r, truth) < 0.05 ? found : wrong);
+  }
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GE(found, 19);
+}
+
+/// Two keyframes of a surface that repeats after 24 mm; the patch was taken at the second.
+std::optional<Relocalised> search_where_teeth_repeat(std::int64_t repeat) {
+  const calib::Rig rig = ts::test_rig(4);
+  const ts::SyntheticSurface surface(33, 1, repeat);
+  const TrackerConfig config;
+  const double px_per_mm = rig.camera.fx / 48;
+  KeyframeStore store(rig.camera, config.keyframes);
+  for (const double x : {0.0, 24.0}) {
+    const SurfacePatch patch = ts::make_patch(surface, rig.camera, ts::looking_down(x, 0), {0.01, 0.03, 1});
+    store.add(patch, ts::looking_down(x, 0), extract_features(patch, px_per_mm, config.features));
+  }
+  const SurfacePatch patch =
+      ts::make_patch(surface, rig.camera, ts::looking_down(24.5, 0.3, {0, 0, 0.2}), {0.01, 0.03, 2});
+  return relocalise(extract_features(patch, px_per_mm, config.features), make_pyramid(patch, config.icp), store.all(),
+                    {0, 1}, ViewCamera(rig.camera), 7, config.features.ratio, config.icp, config.relocalise);
+}
+
+TEST(Relocalise, RefusesToChooseBetweenTwoPlacesThatLookAlike) {
+  EXPECT_FALSE(search_where_teeth_repeat(3));
+  const auto unique = search_where_teeth_repeat(0);
+  ASSERT_TRUE(unique);
+  EXPECT_EQ(unique->keyframe, 1U);
+}
+
+TEST(Tracker, RefusesForeignSurfacesAfterJumps) {
+  Session s(18);
+  for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
+  for (int trial = 0; trial < 12; ++trial) {
+    const ts::SyntheticSurface other(900 + static_cast<std::uint64_t>(trial));
+    EXPECT_EQ(s.feed(100 + 30 * trial, other, hand(0)).state, TrackState::kLost) << trial;
+  }
+}
+
+TEST(Tracker, TheSameSequenceGivesTheSameBitsWhateverTheThreads) {
+  const int before = cv::getNumThreads();
+  std::vector<std::vector<TrackResult>> runs;
+  for (const int threads : {1, 4}) {
+    cv::setNumThreads(threads);
+    Session s(19);
+    std::vector<TrackResult> results;
+    for (const int n : {0, 1, 40, 41})
+      results.push_back(s.feed(n, n < 40 ? hand(seconds_of(n)) : ts::looking_down(1, 1, {0, 0, 0.5})));
+    runs.push_back(results);
+  }
+  cv::setNumThreads(before);
+  for (std::size_t i = 0; i < runs[0].size(); ++i) {
+    EXPECT_EQ(runs[0][i].state, runs[1][i].state);
+    EXPECT_EQ(runs[0][i].T_model_cam.matrix(), runs[1][i].T_model_cam.matrix());
+  }
+  EXPECT_EQ(runs[0][2].state, TrackState::kRelocalised);
+}
+
+TEST(MotionModel, CarriesMeanVelocityOnAndStopsInTime) {
+  MotionModel motion({});
+  for (int n = 0; n < 4; ++n) motion.add(time_of(n), ts::looking_down(10 * seconds_of(n), 0));
+  const auto x_at = [&](int n) { return (motion.predict(time_of(n)) * Vec3d(0, 0, 48)).x(); };
+  EXPECT_NEAR(x_at(4), 10 * seconds_of(4), 1e-9);
+  EXPECT_NEAR(x_at(5), 10 * seconds_of(5), 1e-9);
+  EXPECT_NEAR(x_at(20), 10 * (seconds_of(3) + 0.1), 1e-9);
+}
+
+TEST(MotionModel, TheBurstsOwnVelocityIsThePriorOfTheNext) {
+  const ProbeTwist twist{{4, 0, 0}, {0, 0, 0.5}, 40};  // turns about the optical axis: the work point only shifts
+  MotionModel fresh({});
+  fresh.add(time_of(0), ts::looking_down(0, 0));
+  EXPECT_FALSE(fresh.predict_by_twist(time_of(1)).has_value());
+  fresh.clear();
+  fresh.add(time_of(0), ts::looking_down(0, 0), twist);
+  const Pose one = ts::looking_down(0, 0).inverse() * fresh.predict(time_of(1));
+  EXPECT_NEAR((one * Vec3d(0, 0, 48)).x(), 4 * seconds_of(1), 1e-9);
+  EXPECT_NEAR(Eigen::AngleAxisd(one.linear()).angle(), 0.5 * seconds_of(1), 1e-9);
+  // With a history, half of each; alone where it is asked for.
+  MotionModel moving({});
+  for (int n = 0; n < 4; ++n) moving.add(time_of(n), ts::looking_down(0, 0), twist);
+  const auto ahead = [&](const Pose& T) { return (ts::looking_down(0, 0).inverse() * T * Vec3d(0, 0, 48)).x(); };
+  EXPECT_NEAR(ahead(moving.predict(time_of(4))), 2 * seconds_of(1), 1e-9);
+  EXPECT_NEAR(ahead(*moving.predict_by_twist(time_of(4))), 4 * seconds_of(1), 1e-9);
+}
+
+TEST(MotionModel, ATwistAboutAnotherPointMovesTheWorkPointByItsLever) {
+  MotionModel motion({});
+  motion.add(time_of(0), Pose::Identity(), ProbeTwist{{0, 0, 0}, {0, 0.1, 0}, 40});
+  const Vec3d moved = *motion.predict_by_twist(time_of(1)) * Vec3d(0, 0, 48);
+  EXPECT_NEAR(moved.x(), 8 * 0.1 * seconds_of(1), 1e-4);
+  EXPECT_NEAR((*motion.predict_by_twist(time_of(1)) * Vec3d(0, 0, 40) - Vec3d(0, 0, 40)).norm(), 0, 1e-4);
+}
+
+TEST(MotionModel, TimeThatStandsStillOrRunsBackwardsPredictsTheLastPose) {
+  MotionModel motion({});
+  for (int n = 0; n < 4; ++n) motion.add(time_of(n), ts::looking_down(10 * seconds_of(n), 0));
+  EXPECT_EQ(motion.predict(time_of(3)).matrix(), motion.last_pose().matrix());
+  EXPECT_EQ(motion.predict(time_of(1)).matrix(), motion.last_pose().matrix());
+}
+
+TEST(Keyframes, AreSpacedInPlaceAndAngle) {
+  KeyframeStore store(ts::test_rig().camera, {});
+  const SurfacePatch nothing =
+      ts::make_patch(ts::SyntheticSurface(1), ts::test_rig(8).camera, ts::looking_down(0, 0), {});
+  EXPECT_TRUE(store.wants(ts::looking_down(0, 0)));
+  store.add(nothing, ts::looking_down(0, 0), {});
+  EXPECT_FALSE(store.wants(ts::looking_down(1.9, 0)));
+  EXPECT_TRUE(store.wants(ts::looking_down(2.1, 0)));
+  EXPECT_TRUE(store.wants(ts::looking_down(0, 0, {0, 0.06, 0})));
+}
+
+TEST(Keyframes, EveryOneIsTriedWithinAFewBursts) {
+  KeyframeStore store(ts::test_rig(8).camera, {});
+  const SurfacePatch nothing =
+      ts::make_patch(ts::SyntheticSurface(1), ts::test_rig(8).camera, ts::looking_down(0, 0), {});
+  for (int i = 0; i < 70; ++i) store.add(nothing, ts::looking_down(3.0 * i, 0), {});
+  std::vector<int> tried(70, 0);
+  for (std::uint64_t turn = 0; turn < 4; ++turn) {
+    const auto chosen = store.candidates(ts::looking_down(0, 0), turn);
+    EXPECT_LE(chosen.size(), 32U);
+    for (const std::size_t i : chosen) ++tried[i];
+  }
+  for (int i = 0; i < 70; ++i) EXPECT_GT(tried[static_cast<std::size_t>(i)], 0) << i;
+}
+
+}  // namespace
+}  // namespace enamel::pipeline
