@@ -1,15 +1,12 @@
 #include "pipeline/decode/burst_decoder.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
-#include "pipeline/decode/decode_buffers.hpp"
-#include "pipeline/decode/mode_m/micro_gates.hpp"
-#include "pipeline/decode/mode_t/closure_gates.hpp"
+#include "pipeline/decode/pattern_modes.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 #include "pipeline/decode/steps/burst_output.hpp"
-#include "pipeline/decode/steps/frame_gates.hpp"
 #include "pipeline/decode/steps/relative_regions.hpp"
 #include "pipeline/decode/steps/surface.hpp"
 
@@ -26,23 +23,29 @@ double span_fringes(const RayDepth& rays) {
   return static_cast<double>(most / kTwoPiF);
 }
 
+Carrier carrier_of(const calib::Rig& rig, const RayDepth& rays, double near_mm, float max_slope_deg) {
+  const auto width = static_cast<std::size_t>(rays.width);
+  const std::size_t centre = static_cast<std::size_t>(rays.height / 2) * width + width / 2;
+  const RaySlopes slopes{static_cast<double>(rays.c0[centre]), static_cast<double>(rays.c1[centre]), 1 / rig.camera.fx,
+                         1 / rig.camera.fy};
+  return make_carrier(rays.phase_mid_rad.data(), slopes, near_mm, max_slope_deg);
+}
+
 }  // namespace
 
-DecodeWorkspace::DecodeWorkspace() : buffers_(std::make_unique<Buffers>()) {}
-DecodeWorkspace::~DecodeWorkspace() = default;
-DecodeWorkspace::DecodeWorkspace(DecodeWorkspace&&) noexcept = default;
-DecodeWorkspace& DecodeWorkspace::operator=(DecodeWorkspace&&) noexcept = default;
+/// One burst on its way: what it is, the memory it is worked in, and what becomes of it.
+struct BurstDecoder::Burst {
+  const BurstView& view;
+  std::span<const BurstView> before;
+  DecodeWorkspace::Steps& steps;
+  PatternStrategy::Work& work;
+  const StepHook& hook;
+  DecodedBurst& out;
+};
 
 Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfig& config) {
   BurstDecoder d;
-  const bool micro = rig.patterns.mode == calib::PatternMode::kMicro;
-  if (micro) {
-    ENAMEL_TRY_ASSIGN(d.micro_, make_micro_code(rig.patterns, rig.projector));
-    if (!rig.noise)
-      return fail(ErrorCode::kRigInvalid, "key 'noise' is missing, and mode M cannot tell it from a burst");
-  } else {
-    ENAMEL_TRY_ASSIGN(d.signs_, make_cell_signs(rig.patterns, rig.projector));
-  }
+  ENAMEL_TRY_ASSIGN(PatternCode code, read_pattern_code(rig));
   const auto range = rig.depth_range ? rig.depth_range : config.depth_range_mm;
   if (!range) return fail(ErrorCode::kRigInvalid, "key 'depth_range_mm' is missing and none was given");
   ENAMEL_TRY_ASSIGN(RayDepth rays, RayDepth::bake(rig, *range));
@@ -51,81 +54,30 @@ Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfi
     return fail(ErrorCode::kRigInvalid, "key 'depth_range_mm' spans " + std::to_string(static_cast<long long>(span)) +
                                             " fringes at a pixel: the range or 'period_px' is absurd");
   }
-  if (micro) ENAMEL_TRY(check_orders_differ(rig.patterns.code_ratio, span));
-  if (rig.patterns.mode == calib::PatternMode::kPolarity) ENAMEL_TRY(check_windows_differ(d.signs_, span));
+  ENAMEL_TRY(check_code_decides(code, rig.patterns, span));
   d.rays_ = std::make_shared<const RayDepth>(std::move(rays));
-  const RayDepth& r = *d.rays_;
-  const auto width = static_cast<std::size_t>(r.width);
-  const std::size_t centre = static_cast<std::size_t>(r.height / 2) * width + width / 2;
-  const RaySlopes slopes{static_cast<double>(r.c0[centre]), static_cast<double>(r.c1[centre]), 1 / rig.camera.fx,
-                         1 / rig.camera.fy};
-  d.carrier_ = make_carrier(r.phase_mid_rad.data(), slopes, range->near_mm, config.links.max_slope_deg);
+  d.carrier_ = carrier_of(rig, *d.rays_, range->near_mm, config.links.max_slope_deg);
+  d.strategy_ = make_strategy(std::move(code), {d.rays_, d.carrier_}, config);
   d.noise_ = rig.noise;
   d.config_ = config;
   return d;
 }
 
-/// Why so few pixels are left that nothing can be decoded.
-BurstVerdict BurstDecoder::too_few_valid(const PhaseMaps& maps) const {
-  const std::size_t saturated = count_of(maps, PixelReject::kSaturated), dark = count_of(maps, PixelReject::kDark),
-                    noisy = count_of(maps, PixelReject::kNoisy);
-  if (count_of(maps, PixelReject::kNone) > saturated + dark + noisy) return BurstVerdict::kTooFewPoints;
-  if (saturated >= config_.min_points || saturated > dark + noisy) return BurstVerdict::kSaturated;
-  return noisy > dark ? BurstVerdict::kNoFringes : BurstVerdict::kTooDark;
-}
-
-BurstVerdict BurstDecoder::run(const BurstView& view, std::span<const BurstView> before, DecodeWorkspace& workspace,
-                               DecodedBurst& out) const {
-  auto& b = *workspace.buffers_;
-  const auto step = [&](const char* name) {
-    if (workspace.on_step) workspace.on_step(name);
-  };
-  auto& diag = out.diagnostics;
-  diag = {};
-  solve_phase(view, workspace, out);
-  step("phase");
-  if (count_of(b.phase, PixelReject::kNone) < config_.min_points) return too_few_valid(b.phase);
-  const bool stale = std::ranges::any_of(before, [&](const BurstView& was) { return has_stale_frame(view, was); });
-  if (stale || has_blank_frame(view, b.phase, diag.noise)) return mismatch(b.phase);
-  diag.repeated_share = repeated_share(view, b.phase, diag.noise);
-  if (diag.repeated_share > config_.max_repeated_share) return mismatch(b.phase);
-  const bool fringes = looks_like_fringes(workspace, diag);
-  step("links");
-  if (!fringes) return mismatch_or_too_fast(b, diag);
-  unwrap(b);
-  step("unwrap");
-  const BurstVerdict placed = place(workspace, out);
-  step("order");
-  if (placed == BurstVerdict::kPatternMismatch) return mismatch_or_too_fast(b, diag);
-  if (placed != BurstVerdict::kAccepted) {
-    if (placed == BurstVerdict::kNoCode && !coded()) take_phase(b.phase, {}, out.relative);
-    return placed;
-  }
-  const Map<std::int16_t>& turn = refine(workspace, out);
-  const bool odd =
-      diag.odd_shift_rad > config_.max_odd_shift_rad && diag.odd_shift_rad > config_.max_odd_over_unrest * diag.unrest;
-  const bool unexplained = micro_ && config_.correct_closure && diag.closure_share < config_.min_closure_share;
-  if (odd || unexplained) return mismatch(b.phase);
-  if (std::abs(static_cast<double>(diag.motion_rad)) > config_.max_motion_rad) return BurstVerdict::kTooFast;
-  take_phase(b.phase, diag.ripple, out.relative);
-  make_surface(b.phase, turn, *rays_, diag.ripple, config_.normals, b.scratch, out);
-  step("surface");
-  count_rejects(out);
-  return out.patch.valid_px < config_.min_points ? BurstVerdict::kTooFewPoints : BurstVerdict::kAccepted;
-}
-
 void BurstDecoder::decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out,
                           std::span<const BurstView> before) const {
   const int w = rays_->width, h = rays_->height;
-  auto& b = *workspace.buffers_;
+  if (workspace.strategy_ != strategy_) {
+    workspace.strategy_ = strategy_;
+    workspace.work_ = strategy_->make_work();
+  }
   resize_output(w, h, out);
   const bool fits = view.is_consistent() && view.width == w && view.height == h;
-  out.verdict = fits ? run(view, before, workspace, out) : BurstVerdict::kFrameMismatch;
+  out.verdict = fits ? run({view, before, workspace.steps_, *workspace.work_, workspace.on_step, out})
+                     : BurstVerdict::kFrameMismatch;
   if (out.accepted()) return;
-  const bool hangs_together = out.verdict == BurstVerdict::kNoCode && !coded();  // all that such a pattern can tell
-  if (!hangs_together) out.relative.clear();
+  if (out.verdict != BurstVerdict::kNoCode || !strategy_->tells_unplaced()) out.relative.clear();
   if (!fits) show_nothing(out);
-  if (fits && out.verdict != BurstVerdict::kTooFewPoints) show_phase(b.phase, out);
+  if (fits && out.verdict != BurstVerdict::kTooFewPoints) show_phase(workspace.steps_.phase, out);
   withdraw_surface(out);
   count_rejects(out);
 }
@@ -135,6 +87,105 @@ DecodedBurst BurstDecoder::decode(const BurstView& view) const {
   DecodedBurst out;
   decode(view, workspace, out);
   return out;
+}
+
+/// The steps, each from what the one before found; the first that finds no sense in the burst ends it.
+BurstVerdict BurstDecoder::run(const Burst& burst) const {
+  burst.out.diagnostics = {};
+  using Step = BurstVerdict (BurstDecoder::*)(const Burst&) const;
+  constexpr Step kSteps[] = {&BurstDecoder::find_phase, &BurstDecoder::find_regions, &BurstDecoder::find_orders,
+                             &BurstDecoder::find_surface};
+  for (const Step step : kSteps) {
+    const BurstVerdict verdict = (this->*step)(burst);
+    if (verdict != BurstVerdict::kAccepted) return verdict;
+  }
+  return BurstVerdict::kAccepted;
+}
+
+/// Frames to wrapped phase.
+BurstVerdict BurstDecoder::find_phase(const Burst& burst) const {
+  PhaseMaps& phase = burst.steps.phase;
+  DecodeDiagnostics& diagnostics = burst.out.diagnostics;
+  diagnostics.noise = noise_ ? noise_from_rig(*noise_, burst.view.bit_depth) : noise_from_closure(burst.view);
+  strategy_->solve_phase(burst.view, diagnostics.noise, burst.work, phase);
+  copy_images(phase, diagnostics.noise, burst.out);
+  tell(burst.hook, "phase");
+  if (const auto why = too_few_valid(phase, config_.light)) return *why;
+  const bool fit = frames_go_together(burst.view, burst.before, phase, config_.frames, diagnostics);
+  return fit ? BurstVerdict::kAccepted : mismatch(phase, config_.light);
+}
+
+/// Wrapped phase to regions: neighbours that lie on one surface, unwrapped within themselves.
+BurstVerdict BurstDecoder::find_regions(const Burst& burst) const {
+  PhaseMaps& phase = burst.steps.phase;
+  LinkMaps& links = burst.steps.regions.links;
+  DecodeDiagnostics& diagnostics = burst.out.diagnostics;
+  strategy_->measure_pattern(phase, diagnostics);
+  reject_half_lit(phase.modulation_dn, phase.reject);
+  compute_links(phase, carrier_, config_.links, links);
+  diagnostics.linked_share = linked_share(links);
+  strategy_->reject_unsure(burst.work, links, phase.reject);
+  reject_edges(links, phase);
+  tell(burst.hook, "links");
+  if (diagnostics.linked_share < config_.linked.min_linked_share || !strategy_->shows_pattern(diagnostics))
+    return contradiction(burst);
+  strategy_->unwrap(phase, burst.work, burst.steps.regions);
+  tell(burst.hook, "unwrap");
+  return BurstVerdict::kAccepted;
+}
+
+/// Regions to absolute fringe orders.
+BurstVerdict BurstDecoder::find_orders(const Burst& burst) const {
+  PhaseMaps& phase = burst.steps.phase;
+  FringeOrders& orders = burst.steps.orders;
+  DecodeDiagnostics& diagnostics = burst.out.diagnostics;
+  strategy_->find_orders(phase, burst.steps.regions, burst.work, diagnostics, orders);
+  find_spans(orders);
+  reject_undecided(orders, phase.reject);
+  reject_beside_jumps(orders, phase.reject);
+  find_relative(orders.pieces.pieces, orders.orders.pieces, config_.order.min_region_px, orders.orders.work.parent,
+                burst.out.relative);
+  diagnostics.code_agreement = orders.code_agreement();
+  diagnostics.torn_share = orders.torn_share();
+  tell(burst.hook, "order");
+  if (orders.spans.empty()) {
+    const BurstVerdict why = strategy_->why_unplaced(phase, burst.work, diagnostics);
+    if (why == BurstVerdict::kPatternMismatch) return contradiction(burst);
+    if (why == BurstVerdict::kNoCode && strategy_->tells_unplaced()) take_phase(phase, {}, burst.out.relative);
+    return why;
+  }
+  return strategy_->trusts_orders(diagnostics) ? BurstVerdict::kAccepted : contradiction(burst);
+}
+
+/// Absolute phase, refined, to the surface.
+BurstVerdict BurstDecoder::find_surface(const Burst& burst) const {
+  DecodedBurst& out = burst.out;
+  PhaseMaps& phase = burst.steps.phase;
+  DecodeDiagnostics& diagnostics = out.diagnostics;
+  const RefinedPhase refined =
+      strategy_->refine(burst.steps.orders, out.relative, burst.work, burst.hook, diagnostics, phase);
+  show_anew(refined, diagnostics.noise, out);
+  if (has_odd_frame(diagnostics, config_.odd_frame) || !strategy_->explains_frames(diagnostics))
+    return mismatch(phase, config_.light);
+  if (std::abs(static_cast<double>(diagnostics.motion_rad)) > config_.motion.max_motion_rad)
+    return BurstVerdict::kTooFast;
+  take_phase(phase, diagnostics.ripple, out.relative);
+  make_surface(refined, *rays_, diagnostics.ripple, config_.normals, burst.steps.scratch, out);
+  tell(burst.hook, "surface");
+  count_rejects(out);
+  return out.patch.valid_px < config_.light.min_points ? BurstVerdict::kTooFewPoints : BurstVerdict::kAccepted;
+}
+
+/// Frames that are not those of a surface at rest: too fast a motion, or the wrong frames. Motion leaves neighbours
+/// linked.
+BurstVerdict BurstDecoder::contradiction(const Burst& burst) const {
+  DecodeDiagnostics& diagnostics = burst.out.diagnostics;
+  const PhaseMaps& phase = burst.steps.phase;
+  if (diagnostics.linked_share < config_.linked.min_linked_share) return mismatch(phase, config_.light);
+  const auto motion_rad = strategy_->fast_motion(phase);
+  if (!motion_rad) return mismatch(phase, config_.light);
+  diagnostics.motion_rad = *motion_rad;
+  return BurstVerdict::kTooFast;
 }
 
 }  // namespace enamel::pipeline

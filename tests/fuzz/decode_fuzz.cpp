@@ -84,7 +84,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto rig = calib::parse_rig(rig_text(in, width, height, bits));
   if (!rig || rig->camera.width > 96 || rig->camera.height > 40) return 0;
   pipeline::DecodeConfig config;
-  config.min_points = 1 + in.below(50);  // images of this size would otherwise hardly get past the first gate
+  config.light.min_points = 1 + in.below(50);  // images of this size would otherwise hardly get past the first gate
   const auto decoder = pipeline::BurstDecoder::make(*rig, config);
   if (!decoder) {
     demand(!decoder.error().detail.empty(), "a refusal has a reason");

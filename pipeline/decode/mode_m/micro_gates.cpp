@@ -70,15 +70,15 @@ class Blocks {
 
 }  // namespace
 
-MicroOdd find_micro_odd(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion,
-                        float third_rad, const NoiseModel& noise, float max_residual, const PhaseMaps& maps) {
+MicroOdd find_micro_odd(const MicroBurst& burst, const MicroMotion& motion, float max_residual) {
+  const Map<std::int16_t>& turn = burst.turn;
   std::vector<double> sums;
   std::vector<float> columns;
   BlockSums<kMicroOddSums> block_sums(turn.width(), turn.height(), kBlock_px, columns, sums);
-  CodeRows rows(motion, maps, &turn);
-  rows.expect(code, third_rad);
+  CodeRows rows(motion, burst.maps, &turn);
+  rows.expect(burst.code, burst.third_rad);
   for (int v = 0; v < turn.height(); v += kRowStep)
-    add_micro_odd_row(rows.at(v), noise, max_residual, block_sums.width(), block_sums.columns_of(v));
+    add_micro_odd_row(rows.at(v), burst.noise, max_residual, block_sums.width(), block_sums.columns_of(v));
   block_sums.finish();
   Blocks blocks;
   for (std::size_t at = 0; at < sums.size(); at += kMicroOddSums) blocks.add(&sums[at]);

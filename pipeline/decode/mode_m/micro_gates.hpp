@@ -18,11 +18,9 @@ struct MicroOdd {
   float unrest = 0;            ///< of B: light that changed during the burst otherwise than the motion explains
 };
 
-/// maps and motion: those of fit_micro_motion, before undo_micro_motion; the motion is about to be taken out, so only
+/// burst and motion: those of fit_micro_motion, before undo_micro_motion; the motion is about to be taken out, so only
 /// what it leaves counts.
-[[nodiscard]] MicroOdd find_micro_odd(const Map<std::int16_t>& turn, const MicroCode& code, const MicroMotion& motion,
-                                      float third_rad, const NoiseModel& noise, float max_residual,
-                                      const PhaseMaps& maps);
+[[nodiscard]] MicroOdd find_micro_odd(const MicroBurst& burst, const MicroMotion& motion, float max_residual);
 
 /// Share of valid horizontal neighbours whose phase changes in the direction of the rig's carrier. An odd permutation
 /// of mode M's three phase frames turns the sign of the phase, and its code is as good as before (cos is even): only

@@ -22,11 +22,10 @@ Step solve(const double* s, double gain_precision, double motion_precision) {
 
 class Fitter {
  public:
-  Fitter(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
-         const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out)
-      : turn_(turn), code_(code), third_rad_(third_rad), noise_(noise), config_(config), maps_(maps), out_(out) {
-    columns_ = (maps.phase_rad.width() + config.block_px - 1) / config.block_px;
-    rows_ = (maps.phase_rad.height() + config.block_px - 1) / config.block_px;
+  Fitter(const MicroBurst& burst, const MicroRefitConfig& config, MicroMotion& out)
+      : burst_(burst), config_(config), out_(out) {
+    columns_ = (burst.maps.phase_rad.width() + config.block_px - 1) / config.block_px;
+    rows_ = (burst.maps.phase_rad.height() + config.block_px - 1) / config.block_px;
   }
 
   /// All passes but the last move every block with the burst: its estimate must rest on residuals about itself.
@@ -59,7 +58,7 @@ class Fitter {
 
   void reset() {
     const auto blocks = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-    out_.motion_rad = 0, out_.gain = 1, out_.black_dn = noise_.black_dn;
+    out_.motion_rad = 0, out_.gain = 1, out_.black_dn = burst_.noise.black_dn;
     out_.columns = columns_, out_.rows = rows_, out_.block_px = config_.block_px;
     out_.block_motion_rad.assign(blocks, 0.0F);
     out_.block_sigma_rad.assign(blocks, config_.motion_prior_rad);
@@ -69,12 +68,13 @@ class Fitter {
 
   /// Each pass asks twice as many rows as the one before: the first finds the burst's motion, the last the blocks'.
   void sum(int row_step) {
-    BlockSums<kRefitSums> blocks(maps_.phase_rad.width(), maps_.phase_rad.height(), config_.block_px,
+    const PhaseMaps& maps = burst_.maps;
+    BlockSums<kRefitSums> blocks(maps.phase_rad.width(), maps.phase_rad.height(), config_.block_px,
                                  out_.work.column_sums, out_.work.sums);
-    CodeRows rows(out_, maps_, &turn_);
-    rows.expect(code_, third_rad_);
-    for (int v = 0; v < maps_.phase_rad.height(); v += row_step)
-      add_refit_row(rows.at(v), noise_, config_.max_residual, blocks.width(), blocks.columns_of(v));
+    CodeRows rows(out_, maps, &burst_.turn);
+    rows.expect(burst_.code, burst_.third_rad);
+    for (int v = 0; v < maps.phase_rad.height(); v += row_step)
+      add_refit_row(rows.at(v), burst_.noise, config_.max_residual, blocks.width(), blocks.columns_of(v));
     blocks.finish();
   }
 
@@ -106,12 +106,8 @@ class Fitter {
     return std::clamp(motion_rad, -config_.largest_motion_rad, config_.largest_motion_rad);
   }
 
-  const Map<std::int16_t>& turn_;
-  const MicroCode& code_;
-  float third_rad_;
-  const NoiseModel& noise_;
+  MicroBurst burst_;
   const MicroRefitConfig& config_;
-  const PhaseMaps& maps_;
   MicroMotion& out_;
   int columns_ = 0, rows_ = 0;
 };
@@ -123,14 +119,12 @@ MovedRow moved_row(PhaseMaps& m, int v) {
 
 }  // namespace
 
-void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
-                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out) {
-  Fitter(turn, code, third_rad, noise, config, maps, out).run();
+void fit_micro_motion(const MicroBurst& burst, const MicroRefitConfig& config, MicroMotion& out) {
+  Fitter(burst, config, out).run();
 }
 
-void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
-                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& motion) {
-  Fitter(turn, code, third_rad, noise, config, maps, motion).refit_gain();
+void refit_micro_gain(const MicroBurst& burst, const MicroRefitConfig& config, MicroMotion& motion) {
+  Fitter(burst, config, motion).refit_gain();
 }
 
 void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion, PhaseMaps& maps) {
@@ -141,38 +135,38 @@ void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion,
 
 void move_to_code_frame(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out) {
   const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
-  for (auto* map : {&out.mean_dn, &out.cosine_dn, &out.sine_dn, &out.code_dn, &out.modulation_dn, &out.phase_rad})
-    if (map->width() != w || map->height() != h) *map = Map<float>(w, h);
+  out.resize(w, h);
+  out.sigma_rad = maps.sigma_rad;
+  out.reject = maps.reject;
   CodeRows rows(motion, maps, nullptr);
   for (int v = 0; v < h; ++v) move_to_code_row(rows.at(v), static_cast<std::size_t>(w), moved_row(out, v));
 }
 
-void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
-                     const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips, Misfit* misfit) {
-  const auto width = static_cast<std::size_t>(turn.width());
+void join_code_frame(const CodeJoin& in, const MicroRefitConfig& config, PhaseMaps& maps,
+                     const CodeJoinChecks& checks) {
+  const auto width = static_cast<std::size_t>(in.turn.width());
   const float torn = config.torn_sigmas * config.torn_sigmas;
   std::vector<float> missed(width), noise_share(width), one_more(width), one_less(width);
   const OrderDoubt doubt{one_more.data(), one_less.data()};
-  const JoinLimits limits{{code.cosine[1], code.sine[1]}, config.outlier_sigmas, config.largest_gain};
-  CodeRows rows(motion, maps, &turn);
-  rows.expect(code, third_rad);
-  strips.find_ends(spans, turn.height());
-  if (misfit != nullptr) misfit->start(turn.width(), turn.height());
-  for (int v = 0; v < turn.height(); ++v) {
+  const JoinLimits limits{{in.code.cosine[1], in.code.sine[1]}, config.outlier_sigmas, config.largest_gain};
+  CodeRows rows(in.motion, maps, &in.turn);
+  rows.expect(in.code, in.third_rad);
+  checks.strips.find_ends(in.spans, in.turn.height());
+  if (checks.misfit != nullptr) checks.misfit->start(in.turn.width(), in.turn.height());
+  for (int v = 0; v < in.turn.height(); ++v) {
     PixelReject* reject = &maps.reject(0, v);
-    join_code_row(rows.at(v), noise, limits, width,
+    join_code_row(rows.at(v), in.noise, limits, width,
                   {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data(), noise_share.data(), doubt});
-    strips.take_row(v, doubt);
+    checks.strips.take_row(v, doubt);
     for (std::size_t u = 0; u < width; ++u) {
       const bool edge = (missed[u] > torn) & (reject[u] == PixelReject::kNone);
       reject[u] = edge ? PixelReject::kEdge : reject[u];
       noise_share[u] = reject[u] == PixelReject::kNone ? noise_share[u] : 0;
     }
-    if (misfit != nullptr) misfit->take_row(v, {missed.data(), noise_share.data()});
+    if (checks.misfit != nullptr) checks.misfit->take_row(v, {missed.data(), noise_share.data()});
   }
-  if (misfit != nullptr) misfit->add_to(maps.sigma_rad, kPhaseOfCode);
-  strips.withdraw(config.strip_evidence, maps.reject);
+  if (checks.misfit != nullptr) checks.misfit->add_to(maps.sigma_rad, kPhaseOfCode);
+  checks.strips.withdraw(config.strip_evidence, maps.reject);
 }
 
 }  // namespace enamel::pipeline

@@ -75,30 +75,49 @@ struct MicroMotion {
   }
 };
 
-/// maps: of compute_micro_phase and correct_third_harmonic, whose a1 is third_rad. turn: of place_spans. Without
-/// placed pixels: no motion, g = 1.
-void fit_micro_motion(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
-                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& out);
+/// A burst whose orders are known. Borrowed.
+struct MicroBurst {
+  const PhaseMaps& maps;          ///< of compute_micro_phase and correct_third_harmonic
+  const Map<std::int16_t>& turn;  ///< of place_spans
+  const MicroCode& code;
+  float third_rad;  ///< a1 of correct_third_harmonic
+  const NoiseModel& noise;
+};
+
+/// Without placed pixels: no motion, g = 1.
+void fit_micro_motion(const MicroBurst& burst, const MicroRefitConfig& config, MicroMotion& out);
 
 /// The gain of the blocks anew, under the motion and light of the surface: light changes what the code frame
-/// shows of the modulation as a gain would. maps: as for the fit.
-void refit_micro_gain(const Map<std::int16_t>& turn, const MicroCode& code, float third_rad, const NoiseModel& noise,
-                      const MicroRefitConfig& config, const PhaseMaps& maps, MicroMotion& motion);
+/// shows of the modulation as a gain would.
+void refit_micro_gain(const MicroBurst& burst, const MicroRefitConfig& config, MicroMotion& motion);
 
 /// Rewrites mean, cosine, sine, modulation, code and phase of all surfaces' pixels, placed or not, as they were at
 /// mid-burst. Phases may leave [-pi, pi) a little; their turns stay.
 void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion, PhaseMaps& maps);
 
 /// All pixels, whether or not their order is known, as the code frame would see them: under the light of mid-burst,
-/// with the phase of kCodeTime, into `out`, whose other maps stay as they are.
+/// with the phase of kCodeTime; sigma and mask are those of `maps`.
 void move_to_code_frame(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out);
+
+/// What the code frame is compared with. Borrowed.
+struct CodeJoin {
+  std::span<const CellSpan> spans;  ///< as for place_spans
+  const Map<std::int16_t>& turn;
+  const MicroCode& code;
+  const MicroMotion& motion;
+  float third_rad;
+  const NoiseModel& noise;
+};
+
+/// What looks on while the code frame joins.
+struct CodeJoinChecks {
+  CodeStrips& strips;
+  Misfit* misfit = nullptr;  ///< widens sigma_rad by what the code frames still differ from their predictions by
+};
 
 /// The code frame joins phase_rad and sigma_rad, after undo_micro_motion. Pixels without code, or whose code is an
 /// outlier, keep their three-frame solution; those whose code is torn_sigmas off are rejected as edges, and strips
-/// along the ends of runs whose code speaks for another order as kRelative. Unless null, `misfit` then widens sigma_rad
-/// by what the code frames still differ from their predictions by. spans: as for place_spans.
-void join_code_frame(std::span<const CellSpan> spans, const Map<std::int16_t>& turn, const MicroCode& code,
-                     const MicroMotion& motion, float third_rad, const NoiseModel& noise,
-                     const MicroRefitConfig& config, PhaseMaps& maps, CodeStrips& strips, Misfit* misfit);
+/// along the ends of runs whose code speaks for another order as kRelative.
+void join_code_frame(const CodeJoin& in, const MicroRefitConfig& config, PhaseMaps& maps, const CodeJoinChecks& checks);
 
 }  // namespace enamel::pipeline

@@ -94,7 +94,7 @@ void MicroView::make_images(const MotionField* known, MotionImages& out) {
   for (int v = 0; v < height; v += 2) {
     sparse_mid_burst_row(rows.at(v), columns, out.phase.data(), out.row.data());
     out.light.set_row(v / 2, out.row.data());
-    sparse_inverse_depth_row(in_.maps, in_.surface_turn, in_.rays, in_.beyond, v, out.phase.data(), out.row.data());
+    sparse_inverse_depth_row({in_.maps, in_.surface_turn, in_.rays, in_.beyond}, v, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }

@@ -40,6 +40,14 @@ struct BurstErrors {
   Grid motion_change, light_change;  ///< of eps; d2A/A
 };
 
+/// A burst under the errors known so far; black_dn: of the camera. Borrowed.
+struct KnownBurst {
+  const PhaseMaps& maps;
+  const PolarityMaps& polarity;
+  const BurstErrors& errors;
+  float black_dn;
+};
+
 /// Estimates for the burst and for each block of block_px (row major).
 struct ClosureFit {
   int columns = 0, rows = 0, block_px = 32;

@@ -29,16 +29,16 @@ double closure_share(const PhaseMaps& maps, const NoiseModel& noise) {
   return seen > 0 ? static_cast<double>(fits) / static_cast<double>(seen) : 0;
 }
 
-OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors, float black_dn,
-                        int block_px) {
+OddFrame find_odd_frame(const KnownBurst& burst, int block_px) {
+  const PhaseMaps& maps = burst.maps;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width()), block = static_cast<std::size_t>(block_px);
-  ErrorRows rows(errors, black_dn, maps.phase_rad.width());
+  ErrorRows rows(burst.errors, burst.black_dn, maps.phase_rad.width());
   std::vector<float> shifts, levels, columns(kOddSums * width);
   for (int top = 0; top < maps.phase_rad.height(); top += block_px) {
     std::fill(columns.begin(), columns.end(), 0.0F);
     const int end = std::min(top + block_px, maps.phase_rad.height());
     for (int v = top; v < end; v += static_cast<int>(kRowStep)) {
-      add_odd_row(maps, rows.at(polarity, v), maps.phase_rad.index(0, v), width, columns.data());
+      add_odd_row(maps, rows.at(burst.polarity, v), maps.phase_rad.index(0, v), width, columns.data());
     }
     for (std::size_t u = 0; u < width; u += block) {
       std::array<float, kOddSums> sums{};  // both, its energy, level, its energy

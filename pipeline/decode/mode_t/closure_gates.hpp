@@ -20,8 +20,7 @@ struct OddFrame {
   float shift_rad = 0;  ///< d
   float unrest = 0;     ///< of B, on the same scale as shift_rad
 };
-/// errors: motion, light and harmonic as far as they are known; block_px: of the blocks.
-[[nodiscard]] OddFrame find_odd_frame(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors,
-                                      float black_dn, int block_px);
+/// burst: errors of motion, light and harmonic; block_px: of the blocks.
+[[nodiscard]] OddFrame find_odd_frame(const KnownBurst& burst, int block_px);
 
 }  // namespace enamel::pipeline

@@ -45,15 +45,22 @@ struct MovedBurst {
 };
 
 /// After apply_polarity with `polarity_config`, under the errors known; T is its flip_full_rad.
-void fit_flip_blur(const PhaseMaps& maps, const PolarityMaps& polarity, const BurstErrors& errors, float black_dn,
-                   const PolarityConfig& polarity_config, const FlipBlurConfig& config, FlipBlur& out);
+void fit_flip_blur(const KnownBurst& burst, const PolarityConfig& polarity_config, const FlipBlurConfig& config,
+                   FlipBlur& out);
+
+/// What is known when frame 3 joins near the flips. Borrowed.
+struct FinishInput {
+  const FlipBlur& blur;
+  const BurstErrors& errors;
+  const NoiseModel& noise;
+  const FlipBlurConfig& config;
+};
 
 /// Joins frame 3 as near to the flips as `blur` allows, less its rounding, where apply_polarity did not: pixels that
 /// are not rejected. Rewrites sine_dn, phase_rad, sigma_rad and code_dn (the rounding taken off) of `maps` and the
 /// weights. Then brings phase_rad to mid-burst, as correct_phase does: both at once, row by row, while a row is in the
 /// processor's caches. Phases may leave [-pi, pi) a little. Unless `moved` is null, torn pixels are then
 /// sorted out (torn.hpp), and sigma_rad is widened by what the frames still contradict each other by.
-void finish_phase(const FlipBlur& blur, const BurstErrors& errors, float black_dn, const NoiseModel& noise,
-                  const FlipBlurConfig& config, PhaseMaps& maps, PolarityMaps& polarity, const MovedBurst* moved);
+void finish_phase(const FinishInput& in, PhaseMaps& maps, PolarityMaps& polarity, const MovedBurst* moved);
 
 }  // namespace enamel::pipeline

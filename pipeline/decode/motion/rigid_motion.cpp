@@ -21,9 +21,8 @@ using Theta = std::array<double, kUnknowns>;
 /// One pass over the burst, with the slopes that the errors known so far leave.
 class Pass {
  public:
-  Pass(MotionView& view, const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays,
-       const RigidMotionConfig& config, RigidMotionWork& work)
-      : view_(view), maps_(maps), turn_(turn), rays_(rays), config_(config), work_(work) {}
+  Pass(MotionView& view, const MovingSurface& surface, const RigidMotionConfig& config, RigidMotionWork& work)
+      : view_(view), maps_(surface.maps), turn_(surface.turn), rays_(surface.rays), config_(config), work_(work) {}
 
   std::optional<Theta> run(const MotionField* known) {
     view_.take_samples(known, work_.samples);
@@ -164,18 +163,17 @@ bool stands_still(std::span<const float> block_motion_rad, std::span<const float
   return seen > 0 && 4 * moving < seen;
 }
 
-RigidMotion fit_rigid_motion(MotionView& view, const PhaseMaps& maps, const Map<std::int16_t>& turn,
-                             const RayDepth& rays, int passes, const RigidMotionConfig& config, RigidMotionWork& work,
-                             MotionField& field) {
+RigidMotion fit_rigid_motion(MotionView& view, const MovingSurface& surface, const RigidMotionConfig& config,
+                             RigidMotionWork& work, MotionField& field) {
   RigidMotion out;
-  Pass pass(view, maps, turn, rays, config, work);
-  for (int k = 0; k < passes; ++k) {
+  Pass pass(view, surface, config, work);
+  for (int k = 0; k < config.passes; ++k) {
     const auto theta = pass.run(out.moved ? &field : nullptr);
     if (!theta) return {};
     pass.spread(*theta, field);
     std::copy_n(theta->begin(), 3, out.shift_mm.begin());
     std::copy_n(theta->begin() + 3, 3, out.turn_rad.begin());
-    out.about_mm = static_cast<double>(pivot_depth_mm(rays));
+    out.about_mm = static_cast<double>(pivot_depth_mm(surface.rays));
     out.moved = true;
   }
   return out;

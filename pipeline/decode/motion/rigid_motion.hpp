@@ -35,6 +35,7 @@ struct RigidMotionConfig {
   double shared_prior = 0.05;     ///< spread of the projector's B2/B, in mode M of the code frame's gain
   bool dense = true;              ///< mode T: the motion found is taken off by nodes twice as dense (motion_detail.hpp)
   std::size_t min_pixels = 600;   ///< of those asked, one in eight; fewer say nothing about six unknowns
+  int passes = 2;                 ///< the second sees slopes without the ripple that the first took off; 0: none
   float negligible_rad = 0.002F;  ///< a burst in which under a quarter of the blocks change faster counts as still
 };
 
@@ -58,12 +59,23 @@ struct RigidMotionWork {
 [[nodiscard]] bool stands_still(std::span<const float> block_motion_rad, std::span<const float> block_sigma_rad,
                                 float negligible_rad);
 
-/// maps, turn: what `view` sees, phases as they were measured. Slopes are those of the surface less the motion of the
-/// blocks, and in each pass after the first less that which the pass before found. On moved, `field` holds the motion
-/// of the last pass; where the surface's slope is unknown, the blocks' own rate, or that of a surface that faces the
-/// camera. passes >= 1.
-[[nodiscard]] RigidMotion fit_rigid_motion(MotionView& view, const PhaseMaps& maps, const Map<std::int16_t>& turn,
-                                           const RayDepth& rays, int passes, const RigidMotionConfig& config,
-                                           RigidMotionWork& work, MotionField& field);
+/// Whether a burst whose blocks show this is asked for a rigid motion.
+[[nodiscard]] inline bool shows_motion(std::span<const float> block_motion_rad, std::span<const float> block_sigma_rad,
+                                       const RigidMotionConfig& config) {
+  return config.passes > 0 && !stands_still(block_motion_rad, block_sigma_rad, config.negligible_rad);
+}
+
+/// What a MotionView sees, phases as they were measured. Borrowed.
+struct MovingSurface {
+  const PhaseMaps& maps;
+  const Map<std::int16_t>& turn;
+  const RayDepth& rays;
+};
+
+/// Slopes are those of the surface less the motion of the blocks, and in each pass after the first less that which the
+/// pass before found. On moved, `field` holds the motion of the last pass; where the surface's slope is unknown, the
+/// blocks' own rate, or that of a surface that faces the camera. config.passes >= 1.
+[[nodiscard]] RigidMotion fit_rigid_motion(MotionView& view, const MovingSurface& surface,
+                                           const RigidMotionConfig& config, RigidMotionWork& work, MotionField& field);
 
 }  // namespace enamel::pipeline

@@ -40,6 +40,13 @@ void copy_images(const PhaseMaps& maps, const NoiseModel& noise, DecodedBurst& o
   }
 }
 
+void show_anew(const RefinedPhase& phase, const NoiseModel& noise, DecodedBurst& out) {
+  for (const std::size_t i : phase.solved_anew) {
+    out.patch.texture_dn[i] = phase.maps.mean_dn[i] - noise.black_dn;
+    out.patch.modulation_dn[i] = phase.maps.modulation_dn[i];
+  }
+}
+
 void show_phase(const PhaseMaps& maps, DecodedBurst& out) {
   for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
     const PixelReject r = maps.reject[i];

@@ -4,6 +4,7 @@
 
 #include "pipeline/decode/phase/phase.hpp"
 #include "pipeline/decode/steps/decoded_burst.hpp"
+#include "pipeline/decode/steps/refined_phase.hpp"
 
 namespace enamel::pipeline {
 
@@ -11,6 +12,9 @@ void resize_output(int width, int height, DecodedBurst& out);
 
 /// Grey image and modulation: what is worth showing whatever becomes of the burst.
 void copy_images(const PhaseMaps& maps, const NoiseModel& noise, DecodedBurst& out);
+
+/// The same of pixels that were solved from other frames since.
+void show_anew(const RefinedPhase& phase, const NoiseModel& noise, DecodedBurst& out);
 
 /// Of a burst that came to no surface: the phase of three frames, NaN where unlit or noisy, and the masks.
 void show_phase(const PhaseMaps& maps, DecodedBurst& out);

@@ -25,7 +25,7 @@ SurfaceRow row_of(const PhaseMaps& m, const Map<std::int16_t>& turn, const RayDe
 
 }  // namespace
 
-void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, const PhaseRipple& ripple,
+void make_surface(const RefinedPhase& phase, const RayDepth& rays, const PhaseRipple& ripple,
                   const NormalConfig& config, std::vector<float>& scratch, DecodedBurst& out) {
   const RippleTerms terms = terms_of(ripple);
   const InverseDepthRange range = depth_range_of(rays);
@@ -35,7 +35,7 @@ void make_surface(const PhaseMaps& maps, const Map<std::int16_t>& turn, const Ra
   NormalRows normals(rays, config, scratch);
   for (int v = 0; v < rays.height; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width;
-    solve_surface_row(row_of(maps, turn, rays, at), range, terms, width,
+    solve_surface_row(row_of(phase.maps, phase.turn, rays, at), range, terms, width,
                       {normals.row(v), &patch.depth_mm[at], &patch.sigma_mm[at], &out.phase_rad[at], &out.order[at],
                        &out.reject[at], x.data(), y.data()});
     interleave(x.data(), y.data(), &patch.depth_mm[at], width, patch.points[at].data());

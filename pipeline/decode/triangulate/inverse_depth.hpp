@@ -17,10 +17,16 @@ struct InverseDepthRange {
 /// beyond: share by which the range is wider.
 [[nodiscard]] InverseDepthRange depth_range_of(const RayDepth& rays, float beyond = 0) noexcept;
 
-/// 1/z of every second pixel of image row v, an even one, for whoever needs slopes before the phase is final; NaN where
-/// a pixel is rejected or out of range by more than the share `beyond` of its ends. phase: theirs, in place of that of
-/// `maps`.
-void sparse_inverse_depth_row(const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays, float beyond,
-                              int v, const float* phase_rad, float* inverse_depth);
+/// What 1/z is taken from. Borrowed.
+struct SparseDepth {
+  const PhaseMaps& maps;          ///< their mask
+  const Map<std::int16_t>& turn;  ///< Phi = phase + 2 pi turn
+  const RayDepth& rays;
+  float beyond = 0;  ///< share by which the depth range is wider
+};
+
+/// 1/z of every second pixel of image row v, an even one; NaN where rejected or out of range. phase_rad: of these
+/// pixels.
+void sparse_inverse_depth_row(const SparseDepth& of, int v, const float* phase_rad, float* inverse_depth);
 
 }  // namespace enamel::pipeline

@@ -56,7 +56,7 @@ TEST(DecodeBits, are_those_of_a_burst_with_clipped_frames_and_passing_edges) {
   EXPECT_GT(saturated_and_measured(t), 20U);
   EXPECT_GT(saturated_and_measured(m), 20U);
   DecodeConfig nothing_back;
-  nothing_back.torn.reach_px = 0;
+  nothing_back.four_step.torn.reach_px = 0;
   EXPECT_NE(test::bit_hashes(t, nothing_back).decoded, test::kModeT.decoded);
 }
 

@@ -57,7 +57,8 @@ FastMotion explained(const calib::Rig& rig, const test::FrameSet& frames) {
 /// Whether the decoder's limits would call it fast.
 bool is_fast(const FastMotion& m) {
   const DecodeConfig limits;
-  return m.share >= limits.min_moving_share && std::abs(m.motion_rad) >= limits.least_fast_motion_rad;
+  return m.share >= limits.four_step.fast.min_moving_share &&
+         std::abs(m.motion_rad) >= limits.four_step.fast.least_motion_rad;
 }
 
 TEST(FastMotion, no_order_of_frames_and_no_frame_of_another_time_is_taken_for_motion) {

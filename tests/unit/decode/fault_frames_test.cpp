@@ -117,7 +117,7 @@ TEST(SmallFrames, of_fewer_pixels_than_a_burst_needs_are_not_called_dark) {
 TEST(SmallFrames, one_pixel_wide_are_not_called_wrong_frames) {
   const calib::Rig rig = test::cropped_rig(1, 480);
   DecodeConfig config;
-  config.min_points = 100;
+  config.light.min_points = 100;
   const auto scene = test::render(rig, test::flat(48), test::noisy());
   const DecodedBurst b = BurstDecoder::make(rig, config).value().decode(scene.frames.view());
   EXPECT_EQ(b.verdict, BurstVerdict::kNoCode)

@@ -52,7 +52,7 @@ Decoded decode(test::SceneOptions scene, const FlipBlurConfig& flips = {}) {
   const calib::Rig rig = test::cropped_rig(kWidth, kHeight);
   scene.light = test::lens_light(rig, test::flat(47));
   DecodeConfig config;
-  config.flips = flips;
+  config.four_step.flips = flips;
   Decoded out{{}, test::render(rig, test::flat(47), scene)};
   out.burst = BurstDecoder::make(rig, config).value().decode(out.truth.frames.view());
   EXPECT_TRUE(out.burst.accepted()) << name_of(out.burst.verdict);

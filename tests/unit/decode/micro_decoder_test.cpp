@@ -201,7 +201,7 @@ TEST(MicroDecoder, orders_are_found_where_the_light_of_a_painted_surface_passes_
   ASSERT_TRUE(burst.accepted()) << name_of(burst.verdict) << " " << burst.diagnostics.code_agreement;
   EXPECT_GT(burst.diagnostics.code_agreement, 0.97);
   DecodeConfig once;
-  once.clear_code_agreement = 0;
+  once.micro.motion.clear_agreement = 0;
   const DecodedBurst blind = painted_plane_passing(14, BurstDecoder::make(wide_rig(), once).value());
   EXPECT_LT(blind.diagnostics.code_agreement, 0.95) << "negative control: light is taken for code";
 }
@@ -246,7 +246,7 @@ TEST(MicroDecoder, orders_are_found_where_a_turn_moves_the_phase_each_way) {
   EXPECT_GT(burst.diagnostics.code_agreement, 0.98);
   EXPECT_EQ(roof.wrong(burst), 0U);
   DecodeConfig once;
-  once.clear_code_agreement = 0;
+  once.micro.motion.clear_agreement = 0;
   const DecodedBurst blind = roof.decoded(once);
   EXPECT_LT(blind.diagnostics.code_agreement, 0.95) << "negative control: every block's motion by itself";
 }

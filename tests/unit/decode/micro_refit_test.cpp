@@ -51,9 +51,9 @@ struct Refit {
     place();
     const float third = estimate_third_harmonic(spans, maps).a1_rad;
     correct_third_harmonic(turn, third, maps);
-    fit_micro_motion(turn, code, third, noise, {}, maps, motion);
+    fit_micro_motion({maps, turn, code, third, noise}, {}, motion);
     undo_micro_motion(turn, motion, maps);
-    join_code_frame(spans, turn, code, motion, third, noise, {}, maps, strips, nullptr);
+    join_code_frame({spans, turn, code, motion, third, noise}, {}, maps, {strips});
   }
 
   [[nodiscard]] double rms_of(const PhaseMaps& m, bool over_sigma = false) const {

@@ -18,7 +18,7 @@ using test::MovingBall;
 
 DecodedBurst decode(const calib::Rig& rig, const test::FrameSet& frames, int passes, bool dense = true) {
   DecodeConfig config;
-  config.motion_passes = passes;
+  config.rigid.passes = passes;
   config.rigid.dense = dense;
   return BurstDecoder::make(rig, config).value().decode(frames.view());
 }
@@ -181,7 +181,7 @@ Torn count_torn(float torn_sigmas) {
     }
   }
   DecodeConfig config;
-  config.micro_refit.torn_sigmas = torn_sigmas;
+  config.micro.refit.torn_sigmas = torn_sigmas;
   const DecodedBurst found = BurstDecoder::make(rig, config).value().decode(burst.frames.view());
   EXPECT_TRUE(found.accepted());
   Torn out;

@@ -18,7 +18,7 @@ class Sizes : public testing::TestWithParam<Size> {};
 TEST_P(Sizes, every_pixel_is_accounted_for) {
   const calib::Rig rig = test::cropped_rig(GetParam().width, GetParam().height);
   DecodeConfig config;
-  config.min_points = 1;
+  config.light.min_points = 1;
   const auto scene = test::render(rig, test::flat(48), test::noisy());
   const DecodedBurst b = BurstDecoder::make(rig, config).value().decode(scene.frames.view());
   std::size_t counted = 0;

@@ -162,7 +162,7 @@ TEST(ToothSteps, narrow_strips_of_gum_are_told_from_the_tooth_by_their_code_alon
     return decode_teeth(micro_rig(400, 300), c, {50412, 60005, 60313}).largest_wrong_px;
   };
   pipeline::DecodeConfig blind;  // the control: no strip is ever convincing
-  blind.micro_refit.strip_evidence = std::numeric_limits<float>::infinity();
+  blind.micro.refit.strip_evidence = std::numeric_limits<float>::infinity();
   EXPECT_GT(largest(blind), kLargeWrong_px);
   EXPECT_LE(largest({}), kLargeWrong_px);
 }
@@ -173,7 +173,7 @@ TEST(ToothSteps, gain_that_no_blur_leaves_does_not_speak_for_an_order) {
     return decode_teeth(micro_rig(400, 300, kShippedRatio), c, {2526, 8839}).largest_wrong_px;
   };
   pipeline::DecodeConfig credulous;  // the control
-  credulous.micro_refit.largest_gain = std::numeric_limits<float>::infinity();
+  credulous.micro.refit.largest_gain = std::numeric_limits<float>::infinity();
   EXPECT_GT(largest(credulous), kLargeWrong_px);
   EXPECT_LE(largest({}), kLargeWrong_px);
 }

@@ -81,7 +81,7 @@ struct Count {
 
 Count beside_edges(const TornConfig& torn, float max_sigma_rad = PhaseConfig{}.max_sigma_rad) {
   DecodeConfig config;
-  config.torn = torn;
+  config.four_step.torn = torn;
   config.phase.max_sigma_rad = max_sigma_rad;
   Count out;
   for (const double behind_mm : {2.3, 3.0}) {
@@ -145,7 +145,7 @@ TEST(PassedEdge, sigma_holds_for_what_is_given_back) {
   const PassingPlate plate{2.0, 2.3};
   const auto decode = [&](const TornConfig& torn) {
     DecodeConfig config;
-    config.torn = torn;
+    config.four_step.torn = torn;
     return BurstDecoder::make(plate.rig, config).value().decode(plate.render().view());
   };
   const DecodedBurst without = decode(rejecting()), with = decode({});

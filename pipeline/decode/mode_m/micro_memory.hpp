@@ -1,0 +1,30 @@
+// What mode M remembers between the steps of one burst. Private to pipeline/decode/mode_m.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/decode/mode_m/code_steps.hpp"
+#include "pipeline/decode/mode_m/code_strips.hpp"
+#include "pipeline/decode/mode_m/likely_turns.hpp"
+#include "pipeline/decode/mode_m/micro_evidence.hpp"
+#include "pipeline/decode/mode_m/micro_mode.hpp"
+#include "pipeline/decode/phase/misfit.hpp"
+
+namespace enamel::pipeline {
+
+struct MicroMode::Memory : PatternStrategy::Work {
+  CodeSteps steps;
+  MicroEvidence evidence;
+  LikelyTurns likely;
+  PhaseMaps at_code;  ///< the phase as the code frame sees it
+  Map<std::int16_t> turn;
+  MicroMotion motion;
+  RigidMotionWork rigid;
+  MotionField field;
+  std::vector<CellSpan> relative_cells;  ///< of regions without an order
+  CodeStrips strips;
+  Misfit misfit;                    ///< of bursts that moved
+  std::vector<std::size_t> filled;  ///< solved without their saturated frame
+};
+
+}  // namespace enamel::pipeline

@@ -1,0 +1,115 @@
+#include "pipeline/decode/mode_m/micro_mode.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "pipeline/decode/mode_m/micro_gates.hpp"
+#include "pipeline/decode/mode_m/micro_memory.hpp"
+#include "pipeline/decode/mode_m/micro_phase.hpp"
+#include "pipeline/decode/mode_m/micro_view.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+constexpr float kBeyondRange = 0.15F;  ///< of the ends of the depth range: surfaces run on beyond it
+
+/// The motion that turns the code by an angle against the three phase frames, which were taken 2/3 of an interval
+/// later.
+float motion_of_turn(float turn_rad, const MicroCode& code) {
+  return -turn_rad / ((1 + code.inverse_ratio) * (2.0F / 3));
+}
+
+}  // namespace
+
+MicroMode::MicroMode(MicroCode code, BurstGeometry geometry, const CommonConfig& common, const MicroConfig& config)
+    : code_(std::move(code)), geometry_(std::move(geometry)), common_(common), config_(config) {}
+
+std::unique_ptr<PatternStrategy::Work> MicroMode::make_work() const { return std::make_unique<Memory>(); }
+
+MicroMode::Memory& MicroMode::memory_of(Work& work) { return static_cast<Memory&>(work); }
+
+void MicroMode::solve_phase(const BurstView& view, const NoiseModel& noise, Work&, PhaseMaps& phase) const {
+  compute_micro_phase(view, noise, common_.phase, phase);
+}
+
+void MicroMode::measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const {
+  diagnostics.direction_share = direction_share(phase, geometry_.carrier);
+}
+
+bool MicroMode::shows_pattern(const DecodeDiagnostics& diagnostics) const {
+  return diagnostics.direction_share >= config_.direction.min_share;
+}
+
+bool MicroMode::unclear(const FringeOrders& orders) const {
+  return orders.orders.agreeing_px < config_.motion.clear_agreement * orders.judged_px();
+}
+
+/// Returns the mean angle of the code against the orders found.
+float MicroMode::label(const PhaseMaps& phase, const Regions& regions, const NoiseModel& noise, Memory& m,
+                       FringeOrders& out) const {
+  const RayDepth& rays = *geometry_.rays;
+  const auto& pieces = out.pieces.pieces;
+  find_code_steps(phase, noise, code_, regions.flood, common_.order.unseen_jump_cost, m.steps);
+  find_pieces(phase, regions.links, regions.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, m.steps.cut,
+              out.pieces);
+  m.evidence.measure(phase, noise, pieces, code_, common_.order.outlier_cost);
+  pipeline::find_orders(pieces, regions.flood.components, m.evidence, common_.order, out.orders);
+  const float turn = m.evidence.settle(pieces, out.orders);
+  judge_orders(pieces, m.evidence, out.orders);
+  return turn;
+}
+
+/// The motion of a surface whose orders are not sure everywhere, from the shape that is likely.
+void MicroMode::find_likely_motion(const PhaseMaps& phase, const Regions& regions, Memory& m,
+                                   const FringeOrders& orders) const {
+  const RayDepth& rays = *geometry_.rays;
+  find_likely_turns(orders.pieces.pieces, orders.orders.pieces, regions.flood.components, phase.phase_rad.width(),
+                    phase.phase_rad.height(), m.likely);
+  MicroView view(
+      {m.turn, m.likely.turn, kBeyondRange, code_, 0, phase, rays, m.motion, common_.rigid.max_residual, false});
+  if (fit_rigid_motion(view, {phase, m.likely.turn, rays}, common_.rigid, m.rigid, m.field).moved)
+    m.motion.surface = surface_motion(m.field);
+}
+
+/// Motion ripples the phase and turns the code, so that pieces of one surface seem to differ, and light that changes as
+/// the surface passes by is taken for code. The orders found in spite of it show the motion; without it they are found
+/// again. The phase stays as it was measured.
+void MicroMode::label_without_motion(const PhaseMaps& phase, const Regions& regions, const NoiseModel& noise, Memory& m,
+                                     FringeOrders& out) const {
+  find_spans(out);
+  place_spans(out.spans, {}, phase.phase_rad.width(), phase.phase_rad.height(), m.turn);
+  MicroRefitConfig coarse = config_.refit;
+  coarse.row_step *= 2;  // half the rows tell what turns the code by degrees; the phase has a fit of its own
+  fit_micro_motion({phase, m.turn, code_, 0, noise}, coarse, m.motion);
+  if (unclear(out) && common_.rigid.passes > 0) find_likely_motion(phase, regions, m, out);
+  move_to_code_frame(m.motion, phase, m.at_code);
+  label(m.at_code, regions, noise, m, out);
+}
+
+void MicroMode::find_orders(const PhaseMaps& phase, const Regions& regions, Work& work, DecodeDiagnostics& diagnostics,
+                            FringeOrders& out) const {
+  Memory& m = memory_of(work);
+  const NoiseModel& noise = diagnostics.noise;
+  diagnostics.code_turn_rad = label(phase, regions, noise, m, out);
+  const bool moved = std::abs(motion_of_turn(diagnostics.code_turn_rad, code_)) > config_.motion.harmless_motion_rad;
+  if (!common_.correct_closure || !(moved || unclear(out))) return;
+  label_without_motion(phase, regions, noise, m, out);
+  // More orders show the motion better, which once more brings more of them.
+  if (unclear(out)) label_without_motion(phase, regions, noise, m, out);
+}
+
+BurstVerdict MicroMode::why_unplaced(const PhaseMaps&, const Work&, const DecodeDiagnostics& diagnostics) const {
+  const bool mixed = diagnostics.repeated_share > config_.direction.max_unplaced_repeated ||
+                     diagnostics.direction_share < config_.direction.min_unplaced_share;
+  return mixed ? BurstVerdict::kPatternMismatch : BurstVerdict::kNoCode;
+}
+
+bool MicroMode::trusts_orders(const DecodeDiagnostics& diagnostics) const {
+  return follows_code(diagnostics, common_.code);
+}
+
+bool MicroMode::explains_frames(const DecodeDiagnostics& diagnostics) const {
+  return !common_.correct_closure || diagnostics.closure_share >= config_.explained.min_share;
+}
+
+}  // namespace enamel::pipeline

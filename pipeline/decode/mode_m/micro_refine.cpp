@@ -1,0 +1,56 @@
+// Mode M's best phase: harmonic and motion undone, then the code frame joins as a fourth measurement.
+#include "pipeline/decode/mode_m/micro_gates.hpp"
+#include "pipeline/decode/mode_m/micro_memory.hpp"
+#include "pipeline/decode/mode_m/micro_phase.hpp"
+#include "pipeline/decode/mode_m/micro_saturated.hpp"
+#include "pipeline/decode/mode_m/micro_view.hpp"
+#include "pipeline/decode/steps/relative_regions.hpp"
+
+namespace enamel::pipeline {
+
+/// Per block of the image; where the probe moved, as one rigid motion of the whole surface.
+void MicroMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics& diagnostics) const {
+  const RayDepth& rays = *geometry_.rays;
+  const MicroBurst burst{phase, m.turn, code_, diagnostics.third_rad, diagnostics.noise};
+  fit_micro_motion(burst, config_.refit, m.motion);
+  diagnostics.motion_rad = m.motion.motion_rad;
+  if (shows_motion(m.motion.block_motion_rad, m.motion.block_sigma_rad, common_.rigid)) {
+    MicroView view(
+        {m.turn, m.turn, 0, code_, diagnostics.third_rad, phase, rays, m.motion, common_.rigid.max_residual, true});
+    diagnostics.rigid = fit_rigid_motion(view, {phase, m.turn, rays}, common_.rigid, m.rigid, m.field);
+    if (diagnostics.rigid.moved) {
+      m.motion.surface = surface_motion(m.field);
+      refit_micro_gain(burst, config_.refit, m.motion);
+    }
+  }
+  const MicroOdd odd = find_micro_odd(burst, m.motion, config_.refit.max_residual);
+  diagnostics.code_shift_rad = odd.code_shift_rad;
+  diagnostics.odd_shift_rad = odd.odd_shift_rad;
+  diagnostics.unrest = odd.unrest;
+  diagnostics.closure_share = odd.explained_share;
+}
+
+RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface& relative, Work& work,
+                               const StepHook& hook, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
+  Memory& m = memory_of(work);
+  cells_of(relative, m.relative_cells);
+  place_spans(orders.spans, m.relative_cells, phase.phase_rad.width(), phase.phase_rad.height(), m.turn);
+  if (common_.correct_ripple) {
+    diagnostics.third_rad = estimate_third_harmonic(orders.spans, phase).a1_rad;
+    correct_third_harmonic(m.turn, diagnostics.third_rad, phase);
+  }
+  tell(hook, "harmonic");
+  if (!common_.correct_closure) return {phase, m.turn, {}};
+  find_motion(phase, m, diagnostics);
+  tell(hook, "motion");
+  undo_micro_motion(m.turn, m.motion, phase);
+  join_code_frame({orders.spans, m.turn, code_, m.motion, diagnostics.third_rad, diagnostics.noise}, config_.refit,
+                  phase, {m.strips, diagnostics.rigid.moved ? &m.misfit : nullptr});
+  solve_micro_saturated(
+      {orders.spans, code_, m.motion, diagnostics.third_rad, diagnostics.noise, geometry_.rays->phase_mid_rad.data()},
+      common_.phase, phase, m.turn, m.filled);
+  tell(hook, "refit");
+  return {phase, m.turn, m.filled};
+}
+
+}  // namespace enamel::pipeline

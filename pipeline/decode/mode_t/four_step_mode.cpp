@@ -1,0 +1,68 @@
+#include "pipeline/decode/mode_t/four_step_mode.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "pipeline/decode/mode_t/closure_gates.hpp"
+#include "pipeline/decode/mode_t/fast_motion.hpp"
+#include "pipeline/decode/mode_t/four_step_memory.hpp"
+
+namespace enamel::pipeline {
+
+FourStepMode::FourStepMode(CellSigns signs, BurstGeometry geometry, const CommonConfig& common,
+                           const FourStepConfig& config)
+    : signs_(std::move(signs)), geometry_(std::move(geometry)), common_(common), config_(config) {}
+
+std::unique_ptr<PatternStrategy::Work> FourStepMode::make_work() const { return std::make_unique<Memory>(); }
+
+FourStepMode::Memory& FourStepMode::memory_of(Work& work) { return static_cast<Memory&>(work); }
+
+void FourStepMode::solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const {
+  compute_phase(view, noise, common_.phase, phase);
+  solve_saturated(view, noise, common_.phase, phase, memory_of(work).saturated);
+}
+
+void FourStepMode::measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const {
+  diagnostics.closure_share = closure_share(phase, diagnostics.noise);
+}
+
+void FourStepMode::reject_unsure(Work& work, LinkMaps& links, Map<PixelReject>& reject) const {
+  reject_parted(memory_of(work).saturated, links, reject);
+}
+
+bool FourStepMode::shows_pattern(const DecodeDiagnostics& diagnostics) const {
+  return diagnostics.closure_share >= config_.closes.min_share;
+}
+
+std::optional<float> FourStepMode::fast_motion(const PhaseMaps& phase) const {
+  const FastMotion motion = explain_by_motion(phase);
+  const bool fast =
+      motion.share >= config_.fast.min_moving_share && std::abs(motion.motion_rad) >= config_.fast.least_motion_rad;
+  return fast ? std::optional(static_cast<float>(motion.motion_rad)) : std::nullopt;
+}
+
+void FourStepMode::find_orders(const PhaseMaps& phase, const Regions& regions, Work& work,
+                               DecodeDiagnostics& diagnostics, FringeOrders& out) const {
+  static const Map<std::uint8_t> kNoCuts;
+  PolarityEvidence& evidence = memory_of(work).evidence;
+  const RayDepth& rays = *geometry_.rays;
+  find_pieces(phase, regions.links, regions.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, kNoCuts,
+              out.pieces);
+  evidence.measure(phase, diagnostics.noise, out.pieces.pieces, signs_, common_.order.outlier_cost);
+  pipeline::find_orders(out.pieces.pieces, regions.flood.components, evidence, common_.order, out.orders);
+  judge_orders(out.pieces.pieces, evidence, out.orders);
+}
+
+BurstVerdict FourStepMode::why_unplaced(const PhaseMaps& phase, const Work& work,
+                                        const DecodeDiagnostics& diagnostics) const {
+  const auto& saturated = static_cast<const Memory&>(work).saturated;
+  if (saturated.size() > count_of(phase, PixelReject::kRelative) / 2) return BurstVerdict::kSaturated;
+  const bool torn = diagnostics.closure_share < config_.closes.min_unplaced_share;
+  return torn ? BurstVerdict::kPatternMismatch : BurstVerdict::kNoCode;
+}
+
+bool FourStepMode::trusts_orders(const DecodeDiagnostics& diagnostics) const {
+  return follows_code(diagnostics, common_.code);
+}
+
+}  // namespace enamel::pipeline

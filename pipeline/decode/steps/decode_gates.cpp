@@ -1,0 +1,45 @@
+#include "pipeline/decode/steps/decode_gates.hpp"
+
+#include <algorithm>
+
+#include "pipeline/decode/steps/burst_output.hpp"
+#include "pipeline/decode/steps/frame_gates.hpp"
+
+namespace enamel::pipeline {
+
+std::size_t count_of(const PhaseMaps& maps, PixelReject reason) noexcept { return count_of(maps.reject, reason); }
+
+std::optional<BurstVerdict> too_few_valid(const PhaseMaps& maps, const LightGate& gate) {
+  const std::size_t valid = count_of(maps, PixelReject::kNone);
+  if (valid >= gate.min_points) return std::nullopt;
+  const std::size_t saturated = count_of(maps, PixelReject::kSaturated), dark = count_of(maps, PixelReject::kDark),
+                    noisy = count_of(maps, PixelReject::kNoisy);
+  if (valid > saturated + dark + noisy) return BurstVerdict::kTooFewPoints;
+  if (saturated >= gate.min_points || saturated > dark + noisy) return BurstVerdict::kSaturated;
+  return noisy > dark ? BurstVerdict::kNoFringes : BurstVerdict::kTooDark;
+}
+
+BurstVerdict mismatch(const PhaseMaps& maps, const LightGate& gate) {
+  const std::size_t saturated = count_of(maps, PixelReject::kSaturated);
+  const std::size_t lit = maps.reject.size() - count_of(maps, PixelReject::kDark) - count_of(maps, PixelReject::kNoisy);
+  const bool clipped = static_cast<double>(saturated) > gate.max_saturated_share * static_cast<double>(lit);
+  return clipped ? BurstVerdict::kSaturated : BurstVerdict::kPatternMismatch;
+}
+
+bool frames_go_together(const BurstView& view, std::span<const BurstView> before, const PhaseMaps& maps,
+                        const FramesGate& gate, DecodeDiagnostics& diagnostics) {
+  const auto left_over = [&](const BurstView& was) { return has_stale_frame(view, was); };
+  if (std::ranges::any_of(before, left_over) || has_blank_frame(view, maps, diagnostics.noise)) return false;
+  diagnostics.repeated_share = repeated_share(view, maps, diagnostics.noise);
+  return diagnostics.repeated_share <= gate.max_repeated_share;
+}
+
+bool follows_code(const DecodeDiagnostics& d, const CodeGate& gate) noexcept {
+  return d.code_agreement >= gate.min_agreement && d.torn_share <= gate.max_torn_share;
+}
+
+bool has_odd_frame(const DecodeDiagnostics& d, const OddFrameGate& gate) noexcept {
+  return d.odd_shift_rad > gate.max_shift_rad && d.odd_shift_rad > gate.max_over_unrest * d.unrest;
+}
+
+}  // namespace enamel::pipeline

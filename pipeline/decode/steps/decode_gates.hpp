@@ -1,0 +1,65 @@
+// Gates on a whole burst that hold in every pattern mode. Each owns its limits.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "pipeline/decode/phase/burst_view.hpp"
+#include "pipeline/decode/phase/phase.hpp"
+#include "pipeline/decode/steps/decoded_burst.hpp"
+#include "pipeline/decode/steps/fringe_orders.hpp"
+
+namespace enamel::pipeline {
+
+/// Whether enough pixels are lit, and what spoils a burst whose frames do not go together.
+struct LightGate {
+  std::size_t min_points = 1000;     ///< fewer cannot be registered
+  double max_saturated_share = 0.2;  ///< of lit pixels; beyond it, clipping is what spoils the burst
+};
+
+/// Whether the four pictures can be those of one burst.
+struct FramesGate {
+  double max_repeated_share = 0.9;  ///< of lit pixels at which two frames are the same picture
+};
+
+/// Whether neighbours follow the rig's fringe carrier.
+struct LinkGate {
+  double min_linked_share = 0.75;
+};
+
+/// Whether the code that the orders rest on is the rig's.
+struct CodeGate {
+  double min_agreement = 0.95;  ///< five times the share of lying cells that order.hpp expects
+  double max_torn_share = 0.1;  ///< a foreign code can only be followed by jumping every few cells; surfaces do not
+};
+
+/// Whether one frame is of another time than the others: bends the phase by a quarter of its shift.
+struct OddFrameGate {
+  float max_shift_rad = 0.1F;
+  float max_over_unrest = 2.0F;  ///< it stands out from what light and texture did during the burst
+};
+
+/// Whether the surface moved by less of a fringe than can be undone.
+struct MotionGate {
+  double max_motion_rad = 0.32;  ///< mean of a burst, a frame interval: 0.3 (docs/decode.md §5) and its own error
+};
+
+[[nodiscard]] std::size_t count_of(const PhaseMaps& maps, PixelReject reason) noexcept;
+
+/// Why so few pixels are left that nothing can be decoded; nullopt: enough are.
+[[nodiscard]] std::optional<BurstVerdict> too_few_valid(const PhaseMaps& maps, const LightGate& gate);
+
+/// Frames that do not go together: wrong ones, or clipped ones.
+[[nodiscard]] BurstVerdict mismatch(const PhaseMaps& maps, const LightGate& gate);
+
+/// Whether the pictures are those of one burst: no frame left over from a burst before, none blank, no two the same.
+/// Fills diagnostics.repeated_share, unless it is told before.
+[[nodiscard]] bool frames_go_together(const BurstView& view, std::span<const BurstView> before, const PhaseMaps& maps,
+                                      const FramesGate& gate, DecodeDiagnostics& diagnostics);
+
+[[nodiscard]] bool follows_code(const DecodeDiagnostics& diagnostics, const CodeGate& gate) noexcept;
+
+[[nodiscard]] bool has_odd_frame(const DecodeDiagnostics& diagnostics, const OddFrameGate& gate) noexcept;
+
+}  // namespace enamel::pipeline
