@@ -37,7 +37,7 @@ struct LocalMap {
                                                     const Eigen::Vector2d& at);
 
 /// Harmonics 4 and 8 of the finest fringe per axis: projector px added to the true coordinate as
-/// c0 sin 4phi + c1 cos 4phi + c2 sin 8phi + c3 cos 8phi (algorithms.md §3).
+/// c0 sin 4phi + c1 cos 4phi + c2 sin 8phi + c3 cos 8phi (docs/decode.md §6).
 struct Ripple {
   std::array<double, 2> period_px{};
   std::array<Eigen::Vector4d, 2> coefficients_px{Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero()};

@@ -1,5 +1,5 @@
 // Four-step fringes of several frequencies to absolute projector coordinates. Frame k shows mean + amplitude *
-// cos(phi + k pi/2), phi = 2 pi x / period, so that phi = atan2(I3 - I1, I0 - I2) (algorithms.md §1).
+// cos(phi + k pi/2), phi = 2 pi x / period, so that phi = atan2(I3 - I1, I0 - I2) (docs/calibration.md §2).
 #pragma once
 
 #include <array>

@@ -10,7 +10,7 @@
 
 namespace enamel::calib {
 
-/// Limits of algorithms.md §6 and of issue 5. A measured figure counts against its limit by what it exceeds it beyond
+/// Limits of docs/calibration.md §7. A measured figure counts against its limit by what it exceeds it beyond
 /// two standard errors.
 struct JudgementLimits {
   double rms_camera_px = 0.04, rms_projector_px = 0.05;

@@ -47,7 +47,7 @@ struct BarDesign {
 };
 
 /// Reasons against a calibration: a diameter or the distance off by more than 5 um beyond two standard errors, a form
-/// of more than 15 um (algorithms.md §6).
+/// of more than 15 um (docs/calibration.md §7).
 [[nodiscard]] std::vector<std::string> judge_bar(const BarCheck& check, const BarDesign& design);
 
 }  // namespace enamel::calib

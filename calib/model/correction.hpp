@@ -1,5 +1,5 @@
 // The smooth part of the measurement that no lens formula explains: a correction of 1/z over the measuring volume
-// (algorithms.md §6d). Pure functions, thread-safe.
+// (docs/calibration.md §6). Pure functions, thread-safe.
 #pragma once
 
 #include <array>

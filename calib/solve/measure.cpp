@@ -13,7 +13,7 @@
 namespace enamel::calib {
 namespace {
 
-constexpr double kMaxBlur_px = 1.5;       // sigma of an edge (algorithms.md §6a)
+constexpr double kMaxBlur_px = 1.5;       // sigma of an edge (docs/calibration.md §3)
 constexpr double kSaturatedLevel = 0.98;  // of full scale
 constexpr double kMaxSaturated = 0.02;    // of the discs' pixels
 constexpr double kMinUsable = 0.7;        // of the dots of the design

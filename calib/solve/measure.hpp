@@ -19,7 +19,7 @@ namespace enamel::calib {
                                                   const PixelNoise& image_noise);
 
 /// Pixel noise from the images themselves, for rigs whose rig.json states none: variance of white over neighbouring
-/// pixels, free of any plane, in bins of brightness, fitted by a line (algorithms.md §6a).
+/// pixels, free of any plane, in bins of brightness, fitted by a line (docs/calibration.md §3).
 [[nodiscard]] PixelNoise estimate_noise(const PoseFrames& frames);
 
 }  // namespace enamel::calib

@@ -1,4 +1,4 @@
-// Tsai's radial alignment constraint for coplanar points (Tsai 1987; algorithms.md §6b). Image coordinates here are
+// Tsai's radial alignment constraint for coplanar points (1987; docs/calibration.md §4). Image coordinates here are
 // pixels from the principal point: x = u - cx, y = v - cy.
 #include <Eigen/Dense>
 #include <algorithm>

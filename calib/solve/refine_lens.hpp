@@ -5,7 +5,7 @@
 
 namespace enamel::calib {
 
-/// Stepwise convergence: focal lengths, then k1, then k2, then p1 and p2, then the principal point (algorithms.md §6b).
+/// Stepwise convergence: focal lengths, k1, k2, p1 and p2, then the principal point (docs/calibration.md §4).
 /// Updates lens, poses and rms_px in place.
 void refine_stepwise(const std::vector<PlaneView>& views, LensStart& start);
 

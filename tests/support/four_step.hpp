@@ -7,7 +7,7 @@
 
 namespace enamel::test {
 
-/// phi = atan2(I3 - I1, I0 - I2) in [-pi, pi], error below 1e-6; B = half the length of that vector, DN (algorithms.md
+/// phi = atan2(I3 - I1, I0 - I2) in [-pi, pi], error below 1e-6; B = half the length of that vector, DN (docs/decode.md
 /// §1). Both are finite everywhere, 0 where the frames are alike. view must be consistent; maps of another size are
 /// made anew.
 void four_step(const pipeline::BurstView& view, Map<float>& phase_rad, Map<float>& modulation_dn);

@@ -1,7 +1,7 @@
 // The dissertation's own way to absolute orders, to compare with: the fourth frame is flipped over one fringe only, the
 // marker, which is found as the difference B4 - B3 of the four-frame and the three-frame modulation; fringes are
 // counted from there by unwrapping. B4 - B3 is about -(r/2) sin phi with closure residual r: on the marker it averages
-// (2/pi - 1) B, elsewhere 0 (algorithms.md §2.1).
+// (2/pi - 1) B, elsewhere 0 (docs/decode.md §2).
 #pragma once
 
 #include "calib/model/rig.hpp"

@@ -1,5 +1,5 @@
-// Mode M as data: three 120-degree frames and one code frame of slightly higher frequency (algorithms.md §2.3; the idea
-// of micro phase shifting is Gupta & Nayar's). With Phi = phi + 2 pi k, phi in [-pi, pi), and L = code_ratio:
+// Mode M as data: three 120-degree frames and one code frame of slightly higher frequency (docs/decode.md §2; the idea
+// of micro phase shifting: Gupta & Nayar 2012). With Phi = phi + 2 pi k, phi in [-pi, pi), and L = code_ratio:
 //   code frame = A + B cos(Phi (1 + 1/L)) = A + B cos(phi + phi/L + 2 pi k/L)
 // so that order k turns the code by k steps of 2 pi/L, the same for every pixel.
 #pragma once

@@ -2,7 +2,7 @@
 //   D = Re(w z),   z = g exp(i(2 pi k/L)),   g about 1,   k the absolute order (micro_code.hpp)
 // z, two unknowns, is fitted by least squares: the residual of that fit is the same for every order, so z and its
 // covariance hold all that the piece says about k. argmax over k of sum(D B c_k)/sqrt(sum((B c_k)^2)), the
-// amplitude-free matched score of algorithms.md §2.3, is the special case of an entirely unknown g >= 0 and equal
+// amplitude-free matched score, is the special case of an entirely unknown g >= 0 and equal
 // noise.
 #pragma once
 

@@ -1,7 +1,7 @@
 // Mode M's four frames to phase. With frames I0, I2, I3 = A + B cos(phi + 2 pi j/3), j = 0, 1, 2, and the code frame
 // I1:
 //   A = (I0+I2+I3)/3,  C = (2 I0-I2-I3)/3 = B cos(phi),  S = (I3-I2)/sqrt(3) = B sin(phi),  D = I1 - A
-// (algorithms.md §1 for N = 3, §2.3). sigma = sqrt(2/3) sigma_n/B where noise is the same in all frames; here it is
+// (docs/decode.md §2). sigma = sqrt(2/3) sigma_n/B where noise is the same in all frames; here it is
 // propagated frame by frame.
 #pragma once
 

@@ -9,7 +9,7 @@
 // three-frame solution, per eps):
 //   R = I_1 - A - g B cos r Phi    =  eps B (...)    dR/deps = -A_e - g B_e cos r Phi + g r B sin(r Phi) (phi_e + t_1)
 // Least squares over blocks of the image, g beside eps, give the motion; after that the code frame is a measurement of
-// phi with slope -g r B sin r Phi, which brings sigma from 0.816 to 0.726 sigma_n/B on average (algorithms.md §1).
+// phi with slope -g r B sin r Phi, which brings sigma from 0.816 to 0.726 sigma_n/B on average (docs/decode.md §5).
 #pragma once
 
 #include <cstdint>

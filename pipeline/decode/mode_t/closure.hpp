@@ -1,4 +1,4 @@
-// What the closure residual of a burst tells beside noise (algorithms.md §9): motion of the phase during the burst and
+// What the closure residual of a burst tells beside noise (docs/decode.md §5): motion of the phase during the burst and
 // the projector's second harmonic. With eps = phase change per frame interval and rho = B2/B, polarity undone:
 //   residual = 2 B eps (sin - cos) + 4 B rho cos 2phi    where b = +1,      -2 B eps cos phi    where b = -1.
 // Both also shift the phase, differently for the three ways in which a pixel was solved; left alone, the flips of the

@@ -1,6 +1,6 @@
 // Second solution, once the absolute cell of a pixel and so its polarity b is known: frame 3 joins the other three.
 //   S = S3 + w/2 (b D - S3);   w = 1: four frames (b = +1) or three frames with frame 1 and 3 averaged (b = -1);
-//   w = 0 beside a flip of b, where the projector's blur has rounded frame 3: three frames (algorithms.md §2.2).
+//   w = 0 beside a flip of b, where the projector's blur has rounded frame 3: three frames (docs/decode.md §5).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // Evidence of mode T (and of plain4, single): the polarity of frame 3 in a piece, T = sum(D S3)/sum(S3^2), about +1 or
-// -1 (algorithms.md §2.2), against the signs of the pattern's cells.
+// -1 (docs/decode.md §2), against the signs of the pattern's cells.
 #pragma once
 
 #include <vector>

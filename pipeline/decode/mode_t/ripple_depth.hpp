@@ -1,5 +1,5 @@
 // How the ripple changes with depth. A projector out of focus loses its harmonics before its fringe (factor OTF(k) of
-// harmonic k), so the amplitudes of phase_ripple.hpp belong to one depth: binned by it, says algorithms.md §3. Here the
+// harmonic k, X. Zhang et al. 2012), so the amplitudes of phase_ripple.hpp belong to one depth and its bin. Here the
 // bins are polynomials of the depth, which have no edges: each moment is taken with weights 1, P1 and P2, orthonormal
 // over the burst's own spans, so that each amplitude stands for itself and is shrunk by its own noise.
 #pragma once

@@ -1,5 +1,5 @@
 // One pixel of mode T from any three of its frames, because the fourth is saturated or saw another surface. At rest
-// fixed weights solve it (algorithms.md §1: one pseudo-inverse per mask pattern), frame 3 as if b were +1:
+// fixed weights solve it (docs/decode.md §1: one pseudo-inverse per mask pattern), frame 3 as if b were +1:
 //   without frame 0   A = (I1+I3)/2, S = (I3-I1)/2, C = A - I2
 //   without frame 1   A = (I0+I2)/2, C = (I0-I2)/2, S = I3 - A
 //   without frame 2   A = (I1+I3)/2, S = (I3-I1)/2, C = I0 - A

@@ -1,5 +1,5 @@
 // How the probe moved during the burst: the residual of all pixels (motion_view.hpp), explained by one rigid motion.
-// Six unknowns for a whole image see through noise and curvature that a patch of the image cannot (algorithms.md §9).
+// Six unknowns for a whole image see through noise and curvature that a patch of the image cannot (docs/decode.md §5).
 //
 // Frame of reference: camera, mm, rad; all motion is of the surface seen from the camera, per frame interval. With the
 // tangent plane m.P = 1 at a pixel (m = n/d, 1/z = q = m.r, r = (x, y, 1)) and the point's motion U = V + W x (P - P0),

@@ -1,6 +1,6 @@
 // Slopes of 1/z and of light from pairs of pixels opposite to each other about a node, for the loops that Highway
 // compiles per instruction set: included by each of them after <hwy/highway.h>, once per target, hence no pragma once.
-// Private to algo/decode.
+// Private to pipeline/decode.
 #if defined(ENAMEL_SLOPE_PAIRS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef ENAMEL_SLOPE_PAIRS_INL_H
 #undef ENAMEL_SLOPE_PAIRS_INL_H

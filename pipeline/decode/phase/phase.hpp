@@ -1,6 +1,6 @@
 // Four frames to phase. With frames I0…I3 = A + B cos(phi), A - B sin(phi), A - B cos(phi), A + b B sin(phi), b = +-1:
 //   A = (I0+I2)/2,  C = (I0-I2)/2 = B cos(phi),  S3 = A - I1 = B sin(phi),  D = I3 - A = b B sin(phi)
-// The first three frames alone give phi whatever the polarity b is; D then says b (algorithms.md §2.2).
+// The first three frames alone give phi whatever the polarity b is; D then says b (docs/decode.md §2).
 #pragma once
 
 #include "pipeline/decode/phase/burst_view.hpp"

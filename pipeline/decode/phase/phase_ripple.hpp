@@ -1,5 +1,5 @@
-// Self-calibration of the phase error that harmonics of the projected waveform make ("linear-sinusoidal", algorithms.md
-// §3). True phase is spread evenly over whole fringes, so measured phase folded by 2 pi/N must be too: the map that
+// Self-calibration of the phase error from harmonics of the projected waveform ("linear-sinusoidal", docs/decode.md
+// §6). True phase is spread evenly over whole fringes, so measured phase folded by 2 pi/N must be too: the map that
 // levels its distribution is the correction. With the distribution's moments C_m = <cos N m phi>, S_m = <sin N m phi>
 // over measured phase, its integral is, term by term,
 //   phi_true = phi - sum_m 2/(N m) (S_m cos N m phi - C_m sin N m phi).

@@ -42,7 +42,7 @@ struct OddFrameGate {
 
 /// Whether the surface moved by less of a fringe than can be undone.
 struct MotionGate {
-  double max_motion_rad = 0.32;  ///< mean of a burst, a frame interval: 0.3 (docs/decode.md §5) and its own error
+  double max_motion_rad = 0.32;  ///< mean of a burst, a frame interval: 0.3 (docs/decode.md §8) and its own error
 };
 
 [[nodiscard]] std::size_t count_of(const PhaseMaps& maps, PixelReject reason) noexcept;

@@ -1,5 +1,5 @@
 // Depth along each camera ray as a function of absolute phase: 1/z is a cubic in Phi, fitted per pixel in double from
-// the rig, its correction field included, and stored in float (algorithms.md §5: 1/z is nearly linear in Phi, z is
+// the rig, its correction field included, and stored in float (docs/decode.md §7: 1/z is nearly linear in Phi, z is
 // not). Phi = 2*pi*u_p / period_px, counted from projector pixel 0.
 #pragma once
 

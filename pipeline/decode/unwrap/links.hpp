@@ -34,7 +34,7 @@ struct LinkMaps {
   std::vector<float> scratch;
 };
 
-/// quality = (1/sigma) / (1 + (L / (3 sqrt20 sigma))^2), L = Laplacian of wrapped differences (algorithms.md §4).
+/// quality = (1/sigma) / (1 + (L / (3 sqrt20 sigma))^2), L = Laplacian of wrapped differences (docs/decode.md §3).
 void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkConfig& config, LinkMaps& out);
 
 /// Takes pixel i out of `links`; width: of the image.

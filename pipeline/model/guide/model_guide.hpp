@@ -1,4 +1,4 @@
-// Fringe orders by the model (algorithms.md §2.5): once a burst is placed, the model foretells the depth of what it has
+// Fringe orders by the model (docs/decode.md §4): once a burst is placed, the model foretells the depth of what it has
 // seen before, and neighbouring orders are millimetres apart. It decides regions that the code left open, and it is the
 // standing check of what the code decided: where both disagree, the code was misread or the burst stands in the wrong
 // place.

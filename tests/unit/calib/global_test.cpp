@@ -148,7 +148,7 @@ Pose rigid(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
 
 /// A flat strip 55 mm long, seen by a probe that moves along it in steps of 2 mm, each view laid on the one before
 /// where both see it. Height of the far end over the plane that the first view gives its middle, um: 4 s (chord / 16
-/// mm)² for a bow s (algorithms.md §6).
+/// mm)² for a bow s (docs/calibration.md §6).
 double bend_of_an_arch_um(const RigState& rig, const test::CalibScene& scene) {
   constexpr double kDepth_mm = 48, kHalf_mm = 8, kStep_mm = 2, kChord_mm = 55;
   std::vector<Vec3d> place, seen;

@@ -1,4 +1,4 @@
-// What the tests share that re-create the design's own simulations ([D-sim] in algorithms.md): signals without optics.
+// What the tests share that re-create the design's simulations (docs/notes/design-figures.md): signals without optics.
 #pragma once
 
 #include <cmath>

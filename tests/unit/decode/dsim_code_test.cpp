@@ -1,4 +1,4 @@
-// [D-sim] figures of algorithms.md §2 made anew: what the two codes can tell, without the decoder around them.
+// Figures of docs/notes/design-figures.md §2 made anew: what the two codes can tell, without the decoder around them.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -109,7 +109,7 @@ class CodedLine {
   std::array<std::vector<double>, 4> frames_;
 };
 
-/// The design has 0.94 for the clean pattern and 0.41, 0.57, 0.50; docs/decode.md §8.
+/// The design has 0.94 for the clean pattern and 0.41, 0.57, 0.50; docs/notes/design-figures.md §2.
 TEST(DsimCode, worst_cell_of_gamma_motion_and_blur) {
   EXPECT_NEAR(CodedLine(1, 0, 0).worst(), 1.00, 0.01);
   EXPECT_NEAR(CodedLine(1.5, 0, 0).worst(), 0.71, 0.02);
@@ -142,7 +142,7 @@ double wrong_patches(int width_px, double noise, int patches) {
   return 100.0 * wrong / patches;
 }
 
-/// The design has 0.05 to 0.9 % for patches one fringe wide; docs/decode.md §8.
+/// The design has 0.05 to 0.9 % for patches one fringe wide; docs/notes/design-figures.md §2.
 TEST(DsimCode, patches_of_one_fringe_and_of_less_than_half) {
   EXPECT_NEAR(wrong_patches(27, 0.03, 3000), 2.4, 0.9);
   EXPECT_NEAR(wrong_patches(27, 0.1, 3000), 3.4, 1.0);
@@ -186,7 +186,7 @@ double wrong_micro_patches(double ratio, double code_at, double motion_rad, doub
 }
 
 /// Contradicted: ratio 5 does not hold to 0.3 rad a frame, and the last slot has 1.5 and 3 % where 3.9 % are given;
-/// docs/decode.md §8.
+/// docs/notes/design-figures.md §2.
 TEST(DsimCode, the_second_slot_holds_where_the_last_collapses) {
   EXPECT_LT(wrong_micro_patches(6, -0.5, 0.1, 0.06), 0.1);
   EXPECT_LT(wrong_micro_patches(6, -0.5, 0.2, 0.06), 0.5);

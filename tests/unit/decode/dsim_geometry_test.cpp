@@ -1,4 +1,4 @@
-// Figures of algorithms.md §0, §4 and §5 made anew: sensitivity, noise of the Laplacian, polynomials of depth.
+// Figures of docs/notes/design-figures.md §0, §4 and §5 made anew: sensitivity, Laplacian noise, polynomials of depth.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>

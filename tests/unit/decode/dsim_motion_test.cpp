@@ -1,4 +1,4 @@
-// [D-sim] figures of algorithms.md §9 made anew: motion within the burst.
+// Figures of docs/notes/design-figures.md §9 made anew: motion within the burst.
 #include <gtest/gtest.h>
 
 #include "pipeline/decode/burst_decoder.hpp"
@@ -77,7 +77,7 @@ TEST(DsimMotion, ripple_in_depth_is_half_the_change_of_a_frame) {
 }
 
 /// The residual is 2 B eps (1 + eps) (S - C) in what was measured, so that blocks alone take eps (1 + eps) for the
-/// motion and leave about eps^2/3; the design has 0.00035 and 0.0005 rad. docs/decode.md §8.
+/// motion and leave about eps^2/3; the design has 0.00035 and 0.0005 rad. docs/notes/design-figures.md §9.
 TEST(DsimMotion, blocks_alone_take_off_the_first_order) {
   const Corrected slow = correct(0.067, 0, 320, 192), fast = correct(0.2, 0, 320, 192);
   EXPECT_NEAR(slow.before, 0.0237, 0.0001);

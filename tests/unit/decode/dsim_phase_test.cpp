@@ -1,4 +1,4 @@
-// [D-sim] figures of algorithms.md §1 and §3 made anew: noise of phase, ripple of a projector's gamma.
+// Figures of docs/notes/design-figures.md §1 and §3 made anew: noise of phase, ripple of a gamma (Liu et al. 2010).
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Table, DsimGamma,
                                          GammaRow{2.8, 0.271, 0.0496, 0.0364, 0.0010}));
 
 /// The design's column "+ one a1 sin 4phi term" (0.0003, 0.00002, 0.0010) takes the sine of the true phase, which
-/// nobody has. With the measured phase as argument the same term leaves what stands here; docs/decode.md §8.
+/// nobody has. With the measured phase as argument it leaves what stands here; docs/notes/design-figures.md §3.
 TEST(DsimRipple, one_term_of_the_true_and_of_the_measured_phase) {
   struct Row {
     double gamma, of_true, of_measured;

@@ -1,5 +1,5 @@
-// Mode M's code: which rigs are refused, and how often a patch of pixels gets a wrong order ([D-sim] figures of
-// algorithms.md §2.3 made anew).
+// Mode M's code: which rigs are refused, and how often a patch of pixels gets a wrong order (figures of
+// docs/notes/design-figures.md §2.3 made anew).
 #include "pipeline/decode/mode_m/micro_code.hpp"
 
 #include <gmock/gmock.h>
@@ -82,7 +82,7 @@ class Patches {
   }
 
   struct Errors {
-    double matched_pct = 0;   ///< wrong by the matched score of algorithms.md §2.3, written out here
+    double matched_pct = 0;   ///< wrong by the amplitude-free matched score, written out here
     double evidence_pct = 0;  ///< by the decoder's cost
   };
 
@@ -193,7 +193,7 @@ TEST(MicroCode, small_patches_rarely_get_a_wrong_order) {
 TEST(MicroCode, single_pixels_and_a_code_frame_in_the_last_slot_are_no_good) {
   for (const double noise : {0.05, 0.1, 0.15}) {
     const Patches::Errors one = Patches(1, noise).count(20'000);
-    EXPECT_NEAR(one.matched_pct, 63, 2) << noise;  // of one pixel, scaled freely, a sign is left; docs/decode.md §8
+    EXPECT_NEAR(one.matched_pct, 63, 2) << noise;  // scaled freely, a sign is left; docs/notes/design-figures.md §2
     EXPECT_LT(one.evidence_pct, 37) << noise;      // 35 by design, counted on 20 000
     EXPECT_GT(one.evidence_pct, 9) << noise;
   }

@@ -168,7 +168,7 @@ inline void blur_image(Map<double>& image, double sigma_px) {
   }
 }
 
-/// Of mode M's code frame: algorithms.md §2.3, and config/rigs/probe.json (ADR-0007).
+/// Of mode M's code frame: the design's, and that of config/rigs/probe.json (ADR-0007).
 inline constexpr double kDesignRatio = 6, kShippedRatio = 7;
 
 /// The same rig projecting mode M.

@@ -1,4 +1,4 @@
-// Whole renders against closed forms: algorithms.md section 12, (1), (3), (4), (6).
+// Whole renders against closed forms: hits, phase on a plane, ripple of motion, slanted edge.
 #include "tests/unit/twin/twin_fixture.hpp"
 
 namespace enamel::twin {
