@@ -4,6 +4,12 @@ import os
 import platform
 import re
 import subprocess
+import textwrap
+
+
+def wrapped(text, indent=""):
+    """One paragraph in lines that documents may have (tools/lint/check_docs.py)."""
+    return textwrap.fill(text, 130, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 class Page:
@@ -13,7 +19,7 @@ class Page:
         self.rows, self.text = [], []
 
     def section(self, title, note=""):
-        self.text += ["", f"## {title}", ""] + ([note, ""] if note else [])
+        self.text += ["", f"## {title}", ""] + ([wrapped(note), ""] if note else [])
         self.text += ["| What | Target | Measured | Met |", "|---|---|---|---|"]
 
     def row(self, what, target, measured, met):
@@ -33,7 +39,7 @@ class Page:
                 f"{len(judged) - len(missed)} of {len(judged)} targets met. {where['cpu']}, {where['cores']} cores, load "
                 f"{where['load_1min']:.1f}, commit {where['commit']}.", ""]
         if missed:
-            head += ["Missed:", ""] + [f"- {r['what']}: {r['measured']} (target {r['target']})" for r in missed]
+            head += ["Missed:", ""] + [wrapped(f"- {r['what']}: {r['measured']} (target {r['target']})", "  ") for r in missed]
         with open(f"{out}/{name}.md", "w", encoding="utf-8") as f:
             f.write("\n".join(head + self.text) + "\n")
         with open(f"{out}/{name}.json", "w", encoding="utf-8") as f:

@@ -6,7 +6,7 @@ import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import calib_pictures as pictures  # noqa: E402
-from bench_page import Page, machine  # noqa: E402
+from bench_page import Page, machine, wrapped  # noqa: E402
 
 
 def errors(e):
@@ -74,8 +74,7 @@ def centre_rows(page, centres):
 
 
 def captured_rows(page, c):
-    page.section("Captured chessboards", "Photos by others, [data of the issue](../calibration.md). Why the references differ: "
-                 "[calibration.md](../calibration.md), section 8.")
+    page.section("Captured chessboards", "Photos by others. Why the references differ: [calibration](../calibration.md), section 9.")
     if "camera" in c:
         k = c["camera"]
         page.row(f"opencv_stereo_chessboard, left camera, {k['pictures']} pictures: rms", "≤ 0.20 px", f"{k['rms_px']:.3f} px",
@@ -119,8 +118,8 @@ def main(work, out):
     if study["rendered"]:
         time_rows(page, study)
     if os.path.exists(f"{work}/report/calibration.json"):
-        page.note("Residuals of `calib-01` (poses 02, 05, 08 held out) and the held-out planes, blue nearer, red farther, full at "
-                  "2 µm: `enamel calibrate solve --hold-out 02,05,08`.")
+        page.note(wrapped("Residuals of `calib-01` (poses 02, 05, 08 held out) and the held-out planes, blue nearer, red farther, "
+                          "full at 2 µm: `enamel calibrate solve --hold-out 02,05,08`."))
         for name in pictures.draw(f"{work}/report", out):
             page.note(f"![{name}]({name})")
     page.write(out, "calibration", "tools/bench-calibration", where, {"study": study})
