@@ -1,5 +1,5 @@
 // One probe from "connected" to "new firmware confirmed": preflight, download, manifestation, restart, confirmation
-// (architecture.md §6.12). Success is said only by the new firmware.
+// (docs/flashing.md). Success is said only by the new firmware.
 #pragma once
 
 #include <atomic>

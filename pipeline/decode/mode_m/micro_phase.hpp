@@ -16,11 +16,11 @@ namespace enamel::pipeline {
 /// 1 is saturated. view must be consistent and of the maps' size. Three frames for three unknowns have no closure:
 /// motion in the burst is not seen here (micro_refit.hpp sees it by the code frame). A phase that moves by eps a frame
 /// interval comes out late by eps/6 (the three frames' mean time) with a ripple of 0.88 eps at twice the fringe
-/// frequency (§9's derivation for frame times -1.5, 0.5, 1.5).
+/// frequency (docs/decode.md §5; frame times -1.5, 0.5, 1.5).
 void compute_micro_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps);
 
 /// a1 of the phase error a1 sin 3phi that a second harmonic B2 makes in three steps (a1 = -B2/B), self-calibrated: true
-/// phase is spread evenly over whole fringes, so a1 = -(2/3)<cos 3phi> (§3). Only pairs of `whole` spans that make a
+/// phase is spread evenly over whole fringes, so a1 = -(2/3)<cos 3phi>. Only pairs of `whole` spans that make a
 /// whole fringe are counted, because over half of one a slanted surface would bias the mean. Standard error
 /// (2/3)/sqrt(2 N) at worst, for phases at random; 0 from fewer than 5000 pixels. Good for the residue that a
 /// projector's look-up table leaves (B2 of a few per cent; first order, what remains is about a1^2); a raw gamma needs

@@ -71,7 +71,7 @@ struct Taken {
 constexpr Taken kInSecondSlot{};
 constexpr Taken kLastOfEight{8, {-1.5, 1.5, -0.5, 0.5}};
 
-/// Patches of n x n pixels, 27 px a fringe, five candidate orders, disturbed as in the [D-sim] figures: motion of 0.1
+/// Patches of n x n pixels, 27 px a fringe, five candidate orders, disturbed as in the design's figures: motion of 0.1
 /// rad a frame, B2 of 1 %, a Gaussian blur of 0.1 fringe; noise in units of the modulation after blur.
 class Patches {
  public:

@@ -124,7 +124,7 @@ TEST(TwinProjector, PolarityTurnsOnlyTheFourthFrame) {
   }
 }
 
-/// Levels worked out by hand from exchange-format.md: period 24, ratio 6, so that the code's period is 144/7 px.
+/// Levels worked out by hand from docs/recording-format.md: period 24, ratio 6, so that the code's period is 144/7 px.
 TEST(TwinProjector, ModeMIsThreeStepsAroundACodeFrame) {
   calib::PatternValues p;
   p.mode = calib::PatternMode::kMicro;
