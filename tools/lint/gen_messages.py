@@ -19,9 +19,14 @@ def entries(path: str, macro: str, arguments: str) -> list[tuple[str, ...]]:
 
 
 def cell(text: str) -> str:
-    """A C string as a cell; what follows a line break is meant to be copied."""
-    head, *lines = text.replace('\\"', '"').split("\\n")
-    return "<br>".join([head, *(f"`{line.strip()}`" for line in lines)])
+    """A C string as a cell, without the lines that are meant to be copied."""
+    return text.replace('\\"', '"').split("\\n")[0]
+
+
+def to_copy(texts: list[str]) -> str:
+    """What follows a line break in messages, as a block below their table."""
+    lines = [line.strip() for text in texts for line in text.replace('\\"', '"').split("\\n")[1:]]
+    return "\n".join(["", "", "The line to write:", "", "```", *lines, "```"]) if lines else ""
 
 
 def rows(heads: str, found: list[list[str]]) -> str:
@@ -39,7 +44,8 @@ def blocks() -> dict[str, str]:
     return {
         "exit codes": rows("Exit code | Meaning", [[n, cell(meaning)] for _, n, meaning in exits]),
         "messages of the tool": rows("The tool says | Likely cause | What to do | Exit code",
-                                     [[*map(cell, texts), number[name]] for _, name, *texts in host]),
+                                     [[*map(cell, texts), number[name]] for _, name, *texts in host])
+        + to_copy([text for _, _, *texts in host for text in texts]),
         "refusals": rows("Number | The tool says | Likely cause | What to do | Exit code",
                          [[n, *map(cell, texts), code] for n, code, *texts in probe]),
     }
