@@ -73,16 +73,17 @@ def self_test(folder: str, rules: set[str], check: Callable[[str, str], list[Fin
     return 1 if failures else 0
 
 
-def main(description: str, folder: str, rules: set[str], suffixes: set[str],
+def main(description: str, folder: str, rules: set[str], files: set[str] | Callable[[], list[str]],
          check: Callable[[str, str], list[Finding]]) -> int:
+    """files: suffixes of the code files to look at, or what lists them."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--self-test", action="store_true", help="check that every rule finds its sample")
-    parser.add_argument("paths", nargs="*", help="repository paths; default: all code")
+    parser.add_argument("paths", nargs="*", help="repository paths; default: all")
     args = parser.parse_args()
     if args.self_test:
         return self_test(folder, rules, check)
     findings = []
-    for path in args.paths or code_files(suffixes):
+    for path in args.paths or (files() if callable(files) else code_files(files)):
         findings += check(path, (ROOT / path).read_text(encoding="utf-8"))
     for f in findings:
         print(f)
