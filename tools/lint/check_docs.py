@@ -71,7 +71,8 @@ def check(path: str, text: str) -> list[Finding]:
 
 def documents() -> list[str]:
     """Repository paths of the documents that git tracks, sorted."""
-    listed = subprocess.run(["git", "-C", str(ROOT), "ls-files", "*.md"], check=True, capture_output=True, text=True)
+    git = ["git", "-C", str(ROOT), "-c", f"safe.directory={ROOT}"]  # the clone may be another user's
+    listed = subprocess.run([*git, "ls-files", "*.md"], check=True, capture_output=True, text=True)
     return sorted(p for p in listed.stdout.splitlines() if (ROOT / p).is_file())
 
 
