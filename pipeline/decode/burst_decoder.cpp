@@ -143,8 +143,8 @@ BurstVerdict BurstDecoder::find_orders(const Burst& burst) const {
   find_spans(orders);
   reject_undecided(orders, phase.reject);
   reject_beside_jumps(orders, phase.reject);
-  find_relative(orders.pieces.pieces, orders.orders.pieces, config_.order.min_region_px, orders.orders.work.parent,
-                burst.out.relative);
+  find_relative(orders.segments.segments, orders.orders.segments, config_.order.min_region_px,
+                orders.orders.work.parent, burst.out.relative);
   diagnostics.code_agreement = orders.code_agreement();
   diagnostics.torn_share = orders.torn_share();
   tell(burst.hook, "order");

@@ -11,10 +11,10 @@ namespace enamel {
 inline constexpr std::int32_t kOpenOrder = std::numeric_limits<std::int32_t>::min();
 
 struct RelativeSurface {
-  /// Pixels begin … end-1 of one row, all of one region: Phi = phase + 2 pi (turn + k), one k for the whole region.
+  /// Pixels begin … end-1 of one row, all of one region: Phi = phase + 2 pi (wraps + k), one k for the whole region.
   struct Span {
     std::int32_t row = 0, begin = 0, end = 0;
-    std::int32_t region = 0, turn = 0;
+    std::int32_t region = 0, wraps = 0;
   };
   /// Orders k that the depth range leaves open to at least one of its pixels: low … high.
   struct Region {

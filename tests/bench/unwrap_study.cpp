@@ -108,7 +108,7 @@ Json ours(const Problem& p, int repeats = kRepeats) {
   Map<float> unwrapped(p.maps.phase_rad.width(), p.maps.phase_rad.height());
   Map<std::uint8_t> answered(p.maps.phase_rad.width(), p.maps.phase_rad.height());
   for (std::size_t i = 0; i < unwrapped.size(); ++i) {
-    unwrapped[i] = p.maps.phase_rad[i] + 2 * std::numbers::pi_v<float> * found.turn[i];
+    unwrapped[i] = p.maps.phase_rad[i] + 2 * std::numbers::pi_v<float> * found.wraps[i];
     answered[i] = p.maps.reject[i] == pipeline::PixelReject::kNone ? 1 : 0;
   }
   Json out = score(p, unwrapped, answered);
@@ -146,7 +146,7 @@ Json links_and_flood(const Problem& p, int repeats = kRepeats) {
   Map<float> unwrapped(maps.phase_rad.width(), maps.phase_rad.height());
   Map<std::uint8_t> answered(maps.phase_rad.width(), maps.phase_rad.height());
   for (std::size_t i = 0; i < unwrapped.size(); ++i) {
-    unwrapped[i] = maps.phase_rad[i] + 2 * std::numbers::pi_v<float> * flooded.turn[i];
+    unwrapped[i] = maps.phase_rad[i] + 2 * std::numbers::pi_v<float> * flooded.wraps[i];
     answered[i] = flooded.component[i] >= 0 && flooded.component[i] == largest[region[i]] ? 1 : 0;
   }
   Json out = score(p, unwrapped, answered);

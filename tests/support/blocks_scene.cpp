@@ -59,17 +59,17 @@ double rms_of(const pipeline::PhaseRipple& ripple) {
 /// Distance, rad, of Phi (relative) to the middle of the pixel's cell: cell n of the code covers [n, n+1) fringes.
 double to_middle(const pipeline::PhaseMaps& m, const pipeline::FloodMaps& f, const Map<std::int32_t>& cell,
                  std::size_t i) {
-  const double absolute = static_cast<double>(m.phase_rad[i]) + 2 * std::numbers::pi * f.turn[i];
+  const double absolute = static_cast<double>(m.phase_rad[i]) + 2 * std::numbers::pi * f.wraps[i];
   return 2 * std::numbers::pi * (cell[i] + 0.5) - absolute;
 }
 
 void judge(const pipeline::PhaseMaps& m, const pipeline::FloodMaps& f, const Map<std::int32_t>& cell,
            BlocksFigures& out) {
-  std::map<std::int32_t, std::vector<std::size_t>> pieces;
+  std::map<std::int32_t, std::vector<std::size_t>> segments;
   for (std::size_t i = 0; i < m.phase_rad.size(); ++i)
-    if (f.component[i] >= 0) pieces[f.component[i]].push_back(i);
+    if (f.component[i] >= 0) segments[f.component[i]].push_back(i);
   std::size_t largest = 0, near = 0, literal = 0;
-  for (const auto& [component, pixels] : pieces) {
+  for (const auto& [component, pixels] : segments) {
     if (pixels.size() < kMinPiece_px) continue;
     std::vector<double> offsets;
     for (const std::size_t i : pixels) offsets.push_back(to_middle(m, f, cell, i));

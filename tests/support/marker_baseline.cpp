@@ -21,7 +21,7 @@ struct Cue {
 };
 
 int fringe_of(const pipeline::PhaseMaps& phase, const pipeline::FloodMaps& flood, std::size_t i) {
-  return flood.turn[i] - (phase.phase_rad[i] < 0 ? 1 : 0);
+  return flood.wraps[i] - (phase.phase_rad[i] < 0 ? 1 : 0);
 }
 
 /// By component and relative fringe. four_dn: the four-frame modulation.

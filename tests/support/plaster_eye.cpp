@@ -68,7 +68,7 @@ std::map<std::int32_t, std::int32_t> vote(const PlasterSet& set, const Unwrapped
   for (std::size_t i = 0; i < b.phase.phase_rad.size(); ++i) {
     const std::int32_t component = b.flood.component[i];
     if (component < 0 || !(set.twelve.amplitude_dn[i] > kPlasterMinAmplitude_dn)) continue;
-    const double relative = static_cast<double>(b.phase.phase_rad[i]) + kTwoPi * b.flood.turn[i] - offset_rad;
+    const double relative = static_cast<double>(b.phase.phase_rad[i]) + kTwoPi * b.flood.wraps[i] - offset_rad;
     ++votes[component][static_cast<std::int32_t>(std::lround((cell_middle(set.half_fringe[i]) - relative) / kTwoPi))];
   }
   std::map<std::int32_t, std::int32_t> shifts;
@@ -97,14 +97,15 @@ Unwrapped unwrap(const PlasterSet& set, const FrameSet& frames, double offset_ra
       config, links);
   pipeline::reject_edges(links, b.phase);
   pipeline::flood(b.phase.phase_rad, links, b.flood);
-  pipeline::PieceList pieces;
-  pipeline::find_pieces(b.phase, links, b.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, {}, pieces);
+  pipeline::SegmentList segments;
+  pipeline::find_segments(b.phase, links, b.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, {},
+                          segments);
   const auto shifts = vote(set, b, offset_rad);
-  for (std::size_t k = 0; k < pieces.pieces.size(); ++k) {
-    const pipeline::Piece& p = pieces.pieces[k];
+  for (std::size_t k = 0; k < segments.segments.size(); ++k) {
+    const pipeline::Segment& p = segments.segments[k];
     const auto shift = shifts.find(p.component);
     if (shift == shifts.end()) continue;
-    const bool whole = p.joined && k + 1 < pieces.pieces.size() && pieces.pieces[k + 1].joined;
+    const bool whole = p.joined && k + 1 < segments.segments.size() && segments.segments[k + 1].joined;
     b.spans.push_back({p.row, p.begin, p.end, p.cell + 2 * shift->second, whole});
   }
   pipeline::apply_polarity(b.spans, all_plus(), b.noise, {}, b.phase, polarity);
@@ -147,7 +148,7 @@ void judge_surface(const PlasterSet& set, const Unwrapped& b, const pipeline::Po
   std::map<std::int32_t, std::size_t> sizes;
   std::size_t equal = 0, literal = 0;
   each_pixel(set, b, [&](std::size_t i) {
-    const double absolute = static_cast<double>(b.phase.phase_rad[i]) + kTwoPi * polarity.turn[i] - offset_rad;
+    const double absolute = static_cast<double>(b.phase.phase_rad[i]) + kTwoPi * polarity.wraps[i] - offset_rad;
     const auto reference = static_cast<double>(set.reference_rad[i]);
     // The order that brings the reference phase nearest to the middle of its Gray cell.
     const long expected = std::lround((cell_middle(set.half_fringe[i]) - reference) / kTwoPi);

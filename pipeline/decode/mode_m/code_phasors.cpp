@@ -15,7 +15,7 @@ namespace enamel::pipeline::HWY_NAMESPACE {
 /// Spread of z about kCodeGain exp(2 pi i k/L), each way: that of the gain, and motion of 0.2 rad a frame, which turns
 /// z by 0.16.
 constexpr double kSpread = 0.15;
-constexpr double kRidge = 1e-2;              ///< z is unknown to within 10 before the piece is seen
+constexpr double kRidge = 1e-2;              ///< z is unknown to within 10 before the segment is seen
 constexpr float kLogOutlierArea = 0.11778F;  ///< a lying z is anywhere within 1.5 of 0: ln(pi 1.5^2/(2 pi))
 
 void phasor_loop(const CodeSumRow& sums, float outlier_cost, CodePhasors& phasors) {

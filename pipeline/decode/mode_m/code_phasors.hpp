@@ -19,7 +19,7 @@ struct CodeSums {
   return {a.xx + b.xx, a.xy + b.xy, a.yy + b.yy, a.xd + b.xd, a.yd + b.yd, a.dd + b.dd};
 }
 
-/// Of the pixels of a row, or of all pieces: one array a sum.
+/// Of the pixels of a row, or of all segments: one array a sum.
 struct CodeSumRow {
   std::vector<float> xx, xy, yy, xd, yd, dd;
 
@@ -35,11 +35,11 @@ struct CodeSumRow {
 struct CodePhasor {
   float p = 0, q = 0;
   float wpp = 0, wpq = 0, wqq = 0;
-  float most = 0;   ///< cost of a piece whose code lies
+  float most = 0;   ///< cost of a segment whose code lies
   float sharp = 0;  ///< 1: noise alone leaves z to within the spread that blur and motion give it
 };
 
-/// Of all pieces, one array a number.
+/// Of all segments, one array a number.
 struct CodePhasors {
   std::vector<float> p, q, wpp, wpq, wqq, most, sharp;
 
@@ -47,7 +47,7 @@ struct CodePhasors {
   [[nodiscard]] CodePhasor at(std::size_t k) const { return {p[k], q[k], wpp[k], wpq[k], wqq[k], most[k], sharp[k]}; }
 };
 
-/// One of each of the sums; no code, no phasor: all zeros. outlier_cost: of a piece whose code may be anything.
+/// One of each of the sums; no code, no phasor: all zeros. outlier_cost: of a segment whose code may be anything.
 void find_phasors(const CodeSumRow& sums, float outlier_cost, CodePhasors& out);
 
 /// Of the code frame's modulation to B: from 1 without blur down to 0.72 where a Gaussian blur leaves 0.4 of B (its

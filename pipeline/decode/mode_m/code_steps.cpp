@@ -58,7 +58,7 @@ void find_code_steps(const PhaseMaps& phase, const NoiseModel& noise, const Micr
   for (std::size_t v = 0; v < static_cast<std::size_t>(h); ++v) {
     const std::size_t at = v * width;
     code_sums_of_row(phase, noise, code, v, work.sums);
-    unwrap_sums_row(&flood.turn[at], &flood.component[at], table, work.sums);
+    unwrap_sums_row(&flood.wraps[at], &flood.component[at], table, work.sums);
     step_windows_row(work.sums, &flood.component[at], cost, work.windows, work.asked.data());
     bool jumps = false;
     for (std::size_t u = end_of_run(work.asked.data(), 0, 0); u < width; u = end_of_run(work.asked.data(), u + 1, 0)) {

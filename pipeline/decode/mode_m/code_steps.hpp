@@ -1,6 +1,6 @@
 // Jumps of whole fringes that the phase does not show but mode M's code does, pixel by pixel. A phase step makes such a
-// jump likely and cuts a piece (cells.hpp); where the phase runs on smoothly, a piece would mix both sides, and
-// the labelling would have to be talked into a jump by a single piece.
+// jump likely and cuts a segment (cells.hpp); where the phase runs on smoothly, a segment would mix both sides, and
+// the labelling would have to be talked into a jump by a single segment.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // Mode M: narrow strips of another surface along the ends of a row's runs. Beside a tooth that is higher than the gum
 // by exactly one fringe the phase goes on as if there were no step, and a strip of gum of a few pixels before a shadow
-// or the picture's border says too little in one row to be found as a piece of its own. Its pixels' code frames, summed
-// along the edge over the rows, say enough: where one order more or less explains them better, they are of the other
-// surface. Private to pipeline/decode.
+// or the picture's border says too little in one row to be found as a segment of its own. Its pixels' code frames,
+// summed along the edge over the rows, say enough: where one order more or less explains them better, they are of the
+// other surface. Private to pipeline/decode.
 #pragma once
 
 #include <array>

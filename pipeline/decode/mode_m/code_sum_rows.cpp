@@ -55,8 +55,9 @@ void sums_loop(const PhaseMaps& phase, const NoiseModel& noise, float inverse_ra
   }
 }
 
-void unwrap_loop(const std::int16_t* turns, const std::int32_t* components, const TurnTable& table, CodeSumRow& sums) {
-  const std::int16_t* __restrict turn = turns;
+void unwrap_loop(const std::int16_t* wrap_counts, const std::int32_t* components, const TurnTable& table,
+                 CodeSumRow& sums) {
+  const std::int16_t* __restrict wraps = wrap_counts;
   const std::int32_t* __restrict component = components;
   const std::int32_t last = table.last;
   const float *cosine = table.cosine.data() + last, *sine = table.sine.data() + last;
@@ -64,7 +65,7 @@ void unwrap_loop(const std::int16_t* turns, const std::int32_t* components, cons
   const std::size_t width = sums.xx.size();
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const std::int32_t k = component[u] < 0 ? 0 : turn[u];
+    const std::int32_t k = component[u] < 0 ? 0 : wraps[u];
     const std::int32_t order = k < -last ? -last : (k > last ? last : k);
     o.put(u, turned(o.at(u), cosine[order], sine[order]));
   }
@@ -125,9 +126,9 @@ TurnTable::TurnTable(const MicroCode& code) : last(static_cast<std::int32_t>(cod
   sine.insert(sine.end(), code.sine.begin() + 1, code.sine.end());
 }
 
-void unwrap_sums_row(const std::int16_t* turn, const std::int32_t* component, const TurnTable& table,
+void unwrap_sums_row(const std::int16_t* wraps, const std::int32_t* component, const TurnTable& table,
                      CodeSumRow& sums) {
-  HWY_DYNAMIC_DISPATCH(unwrap_loop)(turn, component, table, sums);
+  HWY_DYNAMIC_DISPATCH(unwrap_loop)(wraps, component, table, sums);
 }
 
 void step_windows_row(const CodeSumRow& sums, const std::int32_t* component, float cost, CodeSumRow& windows,

@@ -36,9 +36,10 @@ struct TurnTable {
   explicit TurnTable(const MicroCode& code);
 };
 
-/// Turns each pixel's sums by its flood's turn, so that they belong to one surface's unwrapped phase; pixels of no
-/// component stay.
-void unwrap_sums_row(const std::int16_t* turn, const std::int32_t* component, const TurnTable& table, CodeSumRow& sums);
+/// Turns each pixel's sums by its flood's wrap count, so that they belong to one surface's unwrapped phase; pixels of
+/// no component stay.
+void unwrap_sums_row(const std::int16_t* wraps, const std::int32_t* component, const TurnTable& table,
+                     CodeSumRow& sums);
 
 /// Sums of kStepWindow_px pixels from each pixel on. asked: 1 at the pixels whose left border may hide a jump; 0 where
 /// the components at the windows' far ends differ, or where even two independent fits, than which no jump can do

@@ -26,26 +26,26 @@ CodeSums sum_over(const CodeSumRow& row, std::int32_t begin, std::int32_t end) {
 
 }  // namespace
 
-void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces,
+void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Segment>& segments,
                             const MicroCode& code, float outlier_cost) {
   code_ = &code;
   mean_ = {1, 0};
-  pieces_.resize(pieces.size());
+  segments_.resize(segments.size());
   std::int32_t row = -1;
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
-    if (pieces[k].row != row) {
-      row = pieces[k].row;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    if (segments[k].row != row) {
+      row = segments[k].row;
       code_sums_of_row(phase, noise, code, static_cast<std::size_t>(row), row_);
     }
-    const PieceCore core = core_of(pieces, k, kEndTrim_px, phase.phase_rad.width());
-    pieces_.put(k, sum_over(row_, core.begin, core.end));
+    const SegmentCore core = core_of(segments, k, kEndTrim_px, phase.phase_rad.width());
+    segments_.put(k, sum_over(row_, core.begin, core.end));
   }
-  find_phasors(pieces_, outlier_cost, said_);
+  find_phasors(segments_, outlier_cost, said_);
 }
 
-void MicroEvidence::costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const {
-  const CodePhasor z = said_.at(piece);
-  const auto first = static_cast<std::size_t>(turn_of_cell(first_cell));
+void MicroEvidence::costs(std::size_t segment, std::int32_t first_cell, std::span<float> out) const {
+  const CodePhasor z = said_.at(segment);
+  const auto first = static_cast<std::size_t>(wraps_of_cell(first_cell));
   const float* __restrict cosine = code_->cosine.data() + first, * __restrict sine = code_->sine.data() + first;
   float* __restrict cost = out.data();
   const std::size_t count = out.size();
@@ -53,18 +53,18 @@ void MicroEvidence::costs(std::size_t piece, std::int32_t first_cell, std::span<
   for (std::size_t k = 0; k < count; ++k) cost[k] = cost_of_turn(z, cosine[k], sine[k]);
 }
 
-MicroEvidence::Turned MicroEvidence::turned(std::size_t piece, std::int32_t cell) const {
-  const auto order = static_cast<std::size_t>(turn_of_cell(cell));
-  const float p = said_.p[piece], q = said_.q[piece], c = code_->cosine[order], s = code_->sine[order];
+MicroEvidence::Turned MicroEvidence::turned(std::size_t segment, std::int32_t cell) const {
+  const auto order = static_cast<std::size_t>(wraps_of_cell(cell));
+  const float p = said_.p[segment], q = said_.q[segment], c = code_->cosine[order], s = code_->sine[order];
   return {p * c + q * s, q * c - p * s};
 }
 
-float MicroEvidence::settle(const std::vector<Piece>& pieces, const OrderResult& orders) {
+float MicroEvidence::settle(const std::vector<Segment>& segments, const OrderResult& orders) {
   double along = 0, across = 0;
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
-    if (!orders.pieces[k].decided || !(said_.sharp[k] > 0)) continue;
-    const Turned z = turned(k, pieces[k].cell + 2 * orders.pieces[k].shift);
-    const auto pixels = static_cast<float>(pieces[k].end - pieces[k].begin);
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    if (!orders.segments[k].decided || !(said_.sharp[k] > 0)) continue;
+    const Turned z = turned(k, segments[k].cell + 2 * orders.segments[k].shift);
+    const auto pixels = static_cast<float>(segments[k].end - segments[k].begin);
     along += static_cast<double>(z.along * pixels);
     across += static_cast<double>(z.across * pixels);
   }
@@ -74,9 +74,9 @@ float MicroEvidence::settle(const std::vector<Piece>& pieces, const OrderResult&
   return turn_rad;
 }
 
-Stance MicroEvidence::stance(std::size_t piece, std::int32_t cell) const {
-  if (!(said_.sharp[piece] > 0)) return Stance::kSilent;
-  const Turned z = turned(piece, cell);
+Stance MicroEvidence::stance(std::size_t segment, std::int32_t cell) const {
+  if (!(said_.sharp[segment] > 0)) return Stance::kSilent;
+  const Turned z = turned(segment, cell);
   const float length2 = z.along * z.along + z.across * z.across;
   const float along = z.along * mean_.along + z.across * mean_.across;
   const float across = z.across * mean_.along - z.along * mean_.across;

@@ -1,7 +1,7 @@
-// Evidence of mode M. Over a piece, with w = B exp(i(phi + phi/L)) and phi wrapped, the code frame is
+// Evidence of mode M. Over a segment, with w = B exp(i(phi + phi/L)) and phi wrapped, the code frame is
 //   D = Re(w z),   z = g exp(i(2 pi k/L)),   g about 1,   k the absolute order (micro_code.hpp)
 // z, two unknowns, is fitted by least squares: the residual of that fit is the same for every order, so z and its
-// covariance hold all that the piece says about k. argmax over k of sum(D B c_k)/sqrt(sum((B c_k)^2)), the
+// covariance hold all that the segment says about k. argmax over k of sum(D B c_k)/sqrt(sum((B c_k)^2)), the
 // amplitude-free matched score, is the special case of an entirely unknown g >= 0 and equal
 // noise.
 #pragma once
@@ -22,32 +22,32 @@ void code_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const Mic
 
 class MicroEvidence final : public CodeEvidence {
  public:
-  /// `code` must outlive the questions. outlier_cost: of a piece whose code may be anything.
-  void measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces, const MicroCode& code,
-               float outlier_cost);
+  /// `code` must outlive the questions. outlier_cost: of a segment whose code may be anything.
+  void measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Segment>& segments,
+               const MicroCode& code, float outlier_cost);
 
   [[nodiscard]] int cells() const override { return code_->cells; }
   [[nodiscard]] int repeats_after() const override { return code_->repeats_after; }
-  void costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const override;
+  void costs(std::size_t segment, std::int32_t first_cell, std::span<float> out) const override;
 
   /// Mean angle of the code against the decided orders, rad; stances are taken about it from then on. It is what motion
-  /// between code frame and phase frames, or a cyclic permutation of the phase frames, does to all pieces alike.
-  float settle(const std::vector<Piece>& pieces, const OrderResult& orders);
+  /// between code frame and phase frames, or a cyclic permutation of the phase frames, does to all segments alike.
+  float settle(const std::vector<Segment>& segments, const OrderResult& orders);
 
   /// A sharp z agrees when it lies within a third of a step of the order's angle, and is neither near 0 nor far too
   /// long.
-  [[nodiscard]] Stance stance(std::size_t piece, std::int32_t cell) const override;
+  [[nodiscard]] Stance stance(std::size_t segment, std::int32_t cell) const override;
 
  private:
   /// z turned back by the order of the cell.
   struct Turned {
     float along = 0, across = 0;
   };
-  [[nodiscard]] Turned turned(std::size_t piece, std::int32_t cell) const;
+  [[nodiscard]] Turned turned(std::size_t segment, std::int32_t cell) const;
 
   const MicroCode* code_ = nullptr;
   Turned mean_{1, 0};  ///< direction of the code's mean angle
-  CodeSumRow row_, pieces_;
+  CodeSumRow row_, segments_;
   CodePhasors said_;
 };
 

@@ -71,13 +71,13 @@ class Blocks {
 }  // namespace
 
 MicroOdd find_micro_odd(const MicroBurst& burst, const MicroMotion& motion, float max_residual) {
-  const Map<std::int16_t>& turn = burst.turn;
+  const Map<std::int16_t>& wraps = burst.wraps;
   std::vector<double> sums;
   std::vector<float> columns;
-  BlockSums<kMicroOddSums> block_sums(turn.width(), turn.height(), kBlock_px, columns, sums);
-  CodeRows rows(motion, burst.maps, &turn);
+  BlockSums<kMicroOddSums> block_sums(wraps.width(), wraps.height(), kBlock_px, columns, sums);
+  CodeRows rows(motion, burst.maps, &wraps);
   rows.expect(burst.code, burst.third_rad);
-  for (int v = 0; v < turn.height(); v += kRowStep)
+  for (int v = 0; v < wraps.height(); v += kRowStep)
     add_micro_odd_row(rows.at(v), burst.noise, max_residual, block_sums.width(), block_sums.columns_of(v));
   block_sums.finish();
   Blocks blocks;

@@ -5,7 +5,7 @@
 
 #include "pipeline/decode/mode_m/code_steps.hpp"
 #include "pipeline/decode/mode_m/code_strips.hpp"
-#include "pipeline/decode/mode_m/likely_turns.hpp"
+#include "pipeline/decode/mode_m/likely_wraps.hpp"
 #include "pipeline/decode/mode_m/micro_evidence.hpp"
 #include "pipeline/decode/mode_m/micro_mode.hpp"
 #include "pipeline/decode/phase/misfit.hpp"
@@ -15,9 +15,9 @@ namespace enamel::pipeline {
 struct MicroMode::Memory : PatternStrategy::Work {
   CodeSteps steps;
   MicroEvidence evidence;
-  LikelyTurns likely;
+  LikelyWraps likely;
   PhaseMaps at_code;  ///< the phase as the code frame sees it
-  Map<std::int16_t> turn;
+  Map<std::int16_t> wraps;
   MicroMotion motion;
   RigidMotionWork rigid;
   MotionField field;

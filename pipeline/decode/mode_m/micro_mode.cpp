@@ -48,14 +48,14 @@ bool MicroMode::unclear(const FringeOrders& orders) const {
 float MicroMode::label(const PhaseMaps& phase, const Regions& regions, const NoiseModel& noise, Memory& m,
                        FringeOrders& out) const {
   const RayDepth& rays = *geometry_.rays;
-  const auto& pieces = out.pieces.pieces;
+  const auto& segments = out.segments.segments;
   find_code_steps(phase, noise, code_, regions.flood, common_.order.unseen_jump_cost, m.steps);
-  find_pieces(phase, regions.links, regions.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, m.steps.cut,
-              out.pieces);
-  m.evidence.measure(phase, noise, pieces, code_, common_.order.outlier_cost);
-  pipeline::find_orders(pieces, regions.flood.components, m.evidence, common_.order, out.orders);
-  const float turn = m.evidence.settle(pieces, out.orders);
-  judge_orders(pieces, m.evidence, out.orders);
+  find_segments(phase, regions.links, regions.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()},
+                m.steps.cut, out.segments);
+  m.evidence.measure(phase, noise, segments, code_, common_.order.outlier_cost);
+  pipeline::find_orders(segments, regions.flood.components, m.evidence, common_.order, out.orders);
+  const float turn = m.evidence.settle(segments, out.orders);
+  judge_orders(segments, m.evidence, out.orders);
   return turn;
 }
 
@@ -63,24 +63,24 @@ float MicroMode::label(const PhaseMaps& phase, const Regions& regions, const Noi
 void MicroMode::find_likely_motion(const PhaseMaps& phase, const Regions& regions, Memory& m,
                                    const FringeOrders& orders) const {
   const RayDepth& rays = *geometry_.rays;
-  find_likely_turns(orders.pieces.pieces, orders.orders.pieces, regions.flood.components, phase.phase_rad.width(),
+  find_likely_wraps(orders.segments.segments, orders.orders.segments, regions.flood.components, phase.phase_rad.width(),
                     phase.phase_rad.height(), m.likely);
   MicroView view(
-      {m.turn, m.likely.turn, kBeyondRange, code_, 0, phase, rays, m.motion, common_.rigid.max_residual, false});
-  if (fit_rigid_motion(view, {phase, m.likely.turn, rays}, common_.rigid, m.rigid, m.field).moved)
+      {m.wraps, m.likely.wraps, kBeyondRange, code_, 0, phase, rays, m.motion, common_.rigid.max_residual, false});
+  if (fit_rigid_motion(view, {phase, m.likely.wraps, rays}, common_.rigid, m.rigid, m.field).moved)
     m.motion.surface = surface_motion(m.field);
 }
 
-/// Motion ripples the phase and turns the code, so that pieces of one surface seem to differ, and light that changes as
-/// the surface passes by is taken for code. The orders found in spite of it show the motion; without it they are found
-/// again. The phase stays as it was measured.
+/// Motion ripples the phase and turns the code, so that segments of one surface seem to differ, and light that changes
+/// as the surface passes by is taken for code. The orders found in spite of it show the motion; without it they are
+/// found again. The phase stays as it was measured.
 void MicroMode::label_without_motion(const PhaseMaps& phase, const Regions& regions, const NoiseModel& noise, Memory& m,
                                      FringeOrders& out) const {
   find_spans(out);
-  place_spans(out.spans, {}, phase.phase_rad.width(), phase.phase_rad.height(), m.turn);
+  place_spans(out.spans, {}, phase.phase_rad.width(), phase.phase_rad.height(), m.wraps);
   MicroRefitConfig coarse = config_.refit;
   coarse.row_step *= 2;  // half the rows tell what turns the code by degrees; the phase has a fit of its own
-  fit_micro_motion({phase, m.turn, code_, 0, noise}, coarse, m.motion);
+  fit_micro_motion({phase, m.wraps, code_, 0, noise}, coarse, m.motion);
   if (unclear(out) && common_.rigid.passes > 0) find_likely_motion(phase, regions, m, out);
   move_to_code_frame(m.motion, phase, m.at_code);
   label(m.at_code, regions, noise, m, out);

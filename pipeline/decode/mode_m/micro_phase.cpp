@@ -39,23 +39,23 @@ ThirdHarmonic estimate_third_harmonic(std::span<const CellSpan> spans, const Pha
 }
 
 void place_spans(std::span<const CellSpan> spans, std::span<const CellSpan> unplaced, int width, int height,
-                 Map<std::int16_t>& turn) {
-  if (turn.width() != width || turn.height() != height) turn = Map<std::int16_t>(width, height);
-  std::fill(turn.pixels().begin(), turn.pixels().end(), kNoTurn);
-  const auto fill = [&turn](const CellSpan& s, std::int16_t value) {
-    const auto first = turn.pixels().begin() + static_cast<std::ptrdiff_t>(turn.index(s.begin, s.row));
+                 Map<std::int16_t>& wraps) {
+  if (wraps.width() != width || wraps.height() != height) wraps = Map<std::int16_t>(width, height);
+  std::fill(wraps.pixels().begin(), wraps.pixels().end(), kNoWraps);
+  const auto fill = [&wraps](const CellSpan& s, std::int16_t value) {
+    const auto first = wraps.pixels().begin() + static_cast<std::ptrdiff_t>(wraps.index(s.begin, s.row));
     std::fill(first, first + (s.end - s.begin), value);
   };
-  for (const CellSpan& s : unplaced) fill(s, kUnplacedTurn);
-  for (const CellSpan& s : spans) fill(s, static_cast<std::int16_t>(turn_of_cell(s.cell)));
+  for (const CellSpan& s : unplaced) fill(s, kUnplacedWraps);
+  for (const CellSpan& s : spans) fill(s, static_cast<std::int16_t>(wraps_of_cell(s.cell)));
 }
 
-void correct_third_harmonic(const Map<std::int16_t>& turn, float a1_rad, PhaseMaps& maps) {
+void correct_third_harmonic(const Map<std::int16_t>& wraps, float a1_rad, PhaseMaps& maps) {
   if (a1_rad == 0) return;
-  std::vector<float> turns(static_cast<std::size_t>(turn.width()));
-  for (int v = 0; v < turn.height(); ++v) {
-    take_turns(&turn(0, v), turns);
-    correct_third_row(turns.data(), a1_rad, turn.index(0, v), turns.size(), maps);
+  std::vector<float> wrap_counts(static_cast<std::size_t>(wraps.width()));
+  for (int v = 0; v < wraps.height(); ++v) {
+    take_wraps(&wraps(0, v), wrap_counts);
+    correct_third_row(wrap_counts.data(), a1_rad, wraps.index(0, v), wrap_counts.size(), maps);
   }
 }
 

@@ -31,14 +31,14 @@ struct ThirdHarmonic {
 };
 [[nodiscard]] ThirdHarmonic estimate_third_harmonic(std::span<const CellSpan> spans, const PhaseMaps& maps);
 
-/// In a map of turns: of a surface whose order is unknown; of none.
-inline constexpr std::int16_t kUnplacedTurn = -1000, kNoTurn = -2000;
+/// In a map of wrap counts: of a surface whose order is unknown; of none.
+inline constexpr std::int16_t kUnplacedWraps = -1000, kNoWraps = -2000;
 
-/// Phi = phase_rad + 2 pi turn in the spans, kUnplacedTurn in those of unknown order, kNoTurn elsewhere.
+/// Phi = phase_rad + 2 pi wraps in the spans, kUnplacedWraps in those of unknown order, kNoWraps elsewhere.
 void place_spans(std::span<const CellSpan> spans, std::span<const CellSpan> unplaced, int width, int height,
-                 Map<std::int16_t>& turn);
+                 Map<std::int16_t>& wraps);
 
 /// Subtracts a1 sin 3phi from phase_rad where there is a surface. Phases may leave [-pi, pi) a little.
-void correct_third_harmonic(const Map<std::int16_t>& turn, float a1_rad, PhaseMaps& maps);
+void correct_third_harmonic(const Map<std::int16_t>& wraps, float a1_rad, PhaseMaps& maps);
 
 }  // namespace enamel::pipeline

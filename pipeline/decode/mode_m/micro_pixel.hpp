@@ -63,8 +63,8 @@ struct CodeWave {
   float inverse_ratio, harmonic;
 };
 
-/// The code frame's model about a phase and its turn: cos and sin of r Phi + moved, with the second harmonic B2/B of
-/// the projector, which also beats with three steps.
+/// The code frame's model about a phase and its wrap count: cos and sin of r Phi + moved, with the second harmonic B2/B
+/// of the projector, which also beats with three steps.
 struct CodeModel {
   Turn angle;
   float light;       ///< over g B
@@ -77,11 +77,11 @@ struct CodeModel {
   return x - ((x + kWhole) - kWhole);
 }
 
-[[gnu::always_inline]] inline CodeModel code_model(float turn, float phase_rad, float moved_rad, CodeWave wave) {
+[[gnu::always_inline]] inline CodeModel code_model(float wraps, float phase_rad, float moved_rad, CodeWave wave) {
   const float harmonic = wave.harmonic;
   const Turn once = turn_of(phase_rad);
   const float beyond = phase_rad * wave.inverse_ratio + moved_rad;  // within half a turn and a little
-  const Turn a = once + turn_of(wrap_once(beyond + kTwoPiF * fraction(turn * wave.inverse_ratio)));
+  const Turn a = once + turn_of(wrap_once(beyond + kTwoPiF * fraction(wraps * wave.inverse_ratio)));
   const float cos3 = once.cos * (4 * once.cos * once.cos - 3);
   return {a, a.cos + harmonic * (2 * a.cos * a.cos - 1), 1 - harmonic * cos3};
 }
@@ -94,14 +94,14 @@ struct Residual {
 
 /// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order.
 template <bool kSteady>
-[[gnu::always_inline]] inline Residual code_residual(const Pixel& raw, float code, float phase_rad, float turn,
+[[gnu::always_inline]] inline Residual code_residual(const Pixel& raw, float code, float phase_rad, float wraps,
                                                      const PixelChange& d, float gain, CodeWave wave) {
   const Lights lights = lights_of<kSteady>(d);
   const Pixel p = at_mid_burst(raw, lights, turns_of<kSteady>(d));
   const float b3 = root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), in_b = 1 / b3;
   const float c = p.cosine * in_b, s = p.sine * in_b, r = 1 + wave.inverse_ratio;
   const float turned = kSteady ? kCodeTime * d.rate : d.turned(kCodeTime);
-  const CodeModel k = code_model(turn, phase_rad + ahead(raw, p), r * turned, wave);
+  const CodeModel k = code_model(wraps, phase_rad + ahead(raw, p), r * turned, wave);
   const float b = b3 * k.modulation, by_swelling = -gain * k.angle.cos, by_turning = gain * r * k.angle.sin;
   // What frames that differ by f0, f2, f3 take from A, B cos and B sin, and that from the prediction.
   const auto slope = [&](float f0, float f2, float f3) {

@@ -11,13 +11,13 @@ namespace enamel::pipeline {
 /// Per block of the image; where the probe moved, as one rigid motion of the whole surface.
 void MicroMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics& diagnostics) const {
   const RayDepth& rays = *geometry_.rays;
-  const MicroBurst burst{phase, m.turn, code_, diagnostics.third_rad, diagnostics.noise};
+  const MicroBurst burst{phase, m.wraps, code_, diagnostics.third_rad, diagnostics.noise};
   fit_micro_motion(burst, config_.refit, m.motion);
   diagnostics.motion_rad = m.motion.motion_rad;
   if (shows_motion(m.motion.block_motion_rad, m.motion.block_sigma_rad, common_.rigid)) {
     MicroView view(
-        {m.turn, m.turn, 0, code_, diagnostics.third_rad, phase, rays, m.motion, common_.rigid.max_residual, true});
-    diagnostics.rigid = fit_rigid_motion(view, {phase, m.turn, rays}, common_.rigid, m.rigid, m.field);
+        {m.wraps, m.wraps, 0, code_, diagnostics.third_rad, phase, rays, m.motion, common_.rigid.max_residual, true});
+    diagnostics.rigid = fit_rigid_motion(view, {phase, m.wraps, rays}, common_.rigid, m.rigid, m.field);
     if (diagnostics.rigid.moved) {
       m.motion.surface = surface_motion(m.field);
       refit_micro_gain(burst, config_.refit, m.motion);
@@ -34,23 +34,23 @@ RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface
                                const StepHook& hook, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   Memory& m = memory_of(work);
   cells_of(relative, m.relative_cells);
-  place_spans(orders.spans, m.relative_cells, phase.phase_rad.width(), phase.phase_rad.height(), m.turn);
+  place_spans(orders.spans, m.relative_cells, phase.phase_rad.width(), phase.phase_rad.height(), m.wraps);
   if (common_.correct_ripple) {
     diagnostics.third_rad = estimate_third_harmonic(orders.spans, phase).a1_rad;
-    correct_third_harmonic(m.turn, diagnostics.third_rad, phase);
+    correct_third_harmonic(m.wraps, diagnostics.third_rad, phase);
   }
   tell(hook, "harmonic");
-  if (!common_.correct_closure) return {phase, m.turn, {}};
+  if (!common_.correct_closure) return {phase, m.wraps, {}};
   find_motion(phase, m, diagnostics);
   tell(hook, "motion");
-  undo_micro_motion(m.turn, m.motion, phase);
-  join_code_frame({orders.spans, m.turn, code_, m.motion, diagnostics.third_rad, diagnostics.noise}, config_.refit,
+  undo_micro_motion(m.wraps, m.motion, phase);
+  join_code_frame({orders.spans, m.wraps, code_, m.motion, diagnostics.third_rad, diagnostics.noise}, config_.refit,
                   phase, {m.strips, diagnostics.rigid.moved ? &m.misfit : nullptr});
   solve_micro_saturated(
       {orders.spans, code_, m.motion, diagnostics.third_rad, diagnostics.noise, geometry_.rays->phase_mid_rad.data()},
-      common_.phase, phase, m.turn, m.filled);
+      common_.phase, phase, m.wraps, m.filled);
   tell(hook, "refit");
-  return {phase, m.turn, m.filled};
+  return {phase, m.wraps, m.filled};
 }
 
 }  // namespace enamel::pipeline

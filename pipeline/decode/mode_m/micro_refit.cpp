@@ -71,7 +71,7 @@ class Fitter {
     const PhaseMaps& maps = burst_.maps;
     BlockSums<kRefitSums> blocks(maps.phase_rad.width(), maps.phase_rad.height(), config_.block_px,
                                  out_.work.column_sums, out_.work.sums);
-    CodeRows rows(out_, maps, &burst_.turn);
+    CodeRows rows(out_, maps, &burst_.wraps);
     rows.expect(burst_.code, burst_.third_rad);
     for (int v = 0; v < maps.phase_rad.height(); v += row_step)
       add_refit_row(rows.at(v), burst_.noise, config_.max_residual, blocks.width(), blocks.columns_of(v));
@@ -127,10 +127,10 @@ void refit_micro_gain(const MicroBurst& burst, const MicroRefitConfig& config, M
   Fitter(burst, config, motion).refit_gain();
 }
 
-void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion, PhaseMaps& maps) {
-  CodeRows rows(motion, maps, &turn);
-  for (int v = 0; v < turn.height(); ++v)
-    undo_motion_row(rows.at(v), static_cast<std::size_t>(turn.width()), moved_row(maps, v));
+void undo_micro_motion(const Map<std::int16_t>& wraps, const MicroMotion& motion, PhaseMaps& maps) {
+  CodeRows rows(motion, maps, &wraps);
+  for (int v = 0; v < wraps.height(); ++v)
+    undo_motion_row(rows.at(v), static_cast<std::size_t>(wraps.width()), moved_row(maps, v));
 }
 
 void move_to_code_frame(const MicroMotion& motion, const PhaseMaps& maps, PhaseMaps& out) {
@@ -144,16 +144,16 @@ void move_to_code_frame(const MicroMotion& motion, const PhaseMaps& maps, PhaseM
 
 void join_code_frame(const CodeJoin& in, const MicroRefitConfig& config, PhaseMaps& maps,
                      const CodeJoinChecks& checks) {
-  const auto width = static_cast<std::size_t>(in.turn.width());
+  const auto width = static_cast<std::size_t>(in.wraps.width());
   const float torn = config.torn_sigmas * config.torn_sigmas;
   std::vector<float> missed(width), noise_share(width), one_more(width), one_less(width);
   const OrderDoubt doubt{one_more.data(), one_less.data()};
   const JoinLimits limits{{in.code.cosine[1], in.code.sine[1]}, config.outlier_sigmas, config.largest_gain};
-  CodeRows rows(in.motion, maps, &in.turn);
+  CodeRows rows(in.motion, maps, &in.wraps);
   rows.expect(in.code, in.third_rad);
-  checks.strips.find_ends(in.spans, in.turn.height());
-  if (checks.misfit != nullptr) checks.misfit->start(in.turn.width(), in.turn.height());
-  for (int v = 0; v < in.turn.height(); ++v) {
+  checks.strips.find_ends(in.spans, in.wraps.height());
+  if (checks.misfit != nullptr) checks.misfit->start(in.wraps.width(), in.wraps.height());
+  for (int v = 0; v < in.wraps.height(); ++v) {
     PixelReject* reject = &maps.reject(0, v);
     join_code_row(rows.at(v), in.noise, limits, width,
                   {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data(), noise_share.data(), doubt});

@@ -77,8 +77,8 @@ struct MicroMotion {
 
 /// A burst whose orders are known. Borrowed.
 struct MicroBurst {
-  const PhaseMaps& maps;          ///< of compute_micro_phase and correct_third_harmonic
-  const Map<std::int16_t>& turn;  ///< of place_spans
+  const PhaseMaps& maps;           ///< of compute_micro_phase and correct_third_harmonic
+  const Map<std::int16_t>& wraps;  ///< of place_spans
   const MicroCode& code;
   float third_rad;  ///< a1 of correct_third_harmonic
   const NoiseModel& noise;
@@ -93,7 +93,7 @@ void refit_micro_gain(const MicroBurst& burst, const MicroRefitConfig& config, M
 
 /// Rewrites mean, cosine, sine, modulation, code and phase of all surfaces' pixels, placed or not, as they were at
 /// mid-burst. Phases may leave [-pi, pi) a little; their turns stay.
-void undo_micro_motion(const Map<std::int16_t>& turn, const MicroMotion& motion, PhaseMaps& maps);
+void undo_micro_motion(const Map<std::int16_t>& wraps, const MicroMotion& motion, PhaseMaps& maps);
 
 /// All pixels, whether or not their order is known, as the code frame would see them: under the light of mid-burst,
 /// with the phase of kCodeTime; sigma and mask are those of `maps`.
@@ -102,7 +102,7 @@ void move_to_code_frame(const MicroMotion& motion, const PhaseMaps& maps, PhaseM
 /// What the code frame is compared with. Borrowed.
 struct CodeJoin {
   std::span<const CellSpan> spans;  ///< as for place_spans
-  const Map<std::int16_t>& turn;
+  const Map<std::int16_t>& wraps;
   const MicroCode& code;
   const MicroMotion& motion;
   float third_rad;

@@ -25,7 +25,7 @@ constexpr float kResidualVariance = 2.1F;
 struct Row {
   const float *mean, *cosine, *sine, *code, *modulation, *phase;
   const float *rate, *gain, *light, *rate_change, *light_change;
-  const float* turn;
+  const float* wraps;
   float black_dn;
   CodeWave wave;
 
@@ -41,7 +41,7 @@ struct Row {
         light(r.light),
         rate_change(r.motion_change_rad),
         light_change(r.light_change),
-        turn(r.turn),
+        wraps(r.wraps),
         black_dn(r.black_dn),
         wave{r.inverse_ratio, r.harmonic} {}
 
@@ -51,10 +51,10 @@ struct Row {
     if constexpr (kSteady) return {rate[u], 0, 0, 0};
     return {rate[u], rate_change[u], light[u], light_change[u]};
   }
-  [[nodiscard, gnu::always_inline]] bool placed(std::size_t u) const { return turn[u] > kUnplaced; }
+  [[nodiscard, gnu::always_inline]] bool placed(std::size_t u) const { return wraps[u] > kUnplaced; }
   template <bool kSteady>
   [[nodiscard, gnu::always_inline]] Residual residual(std::size_t u) const {
-    return code_residual<kSteady>(raw(u), code[u], phase[u], turn[u], change<kSteady>(u), gain[u], wave);
+    return code_residual<kSteady>(raw(u), code[u], phase[u], wraps[u], change<kSteady>(u), gain[u], wave);
   }
 };
 
@@ -184,7 +184,7 @@ void undo(const Row& in, std::size_t width, const MovedRow& out) {
   float *code = out.code, *modulation = out.modulation, *phase = out.phase;
   ENAMEL_INDEPENDENT  // what is written may be the row's own
       for (std::size_t u = 0; u < width; ++u) {
-    const bool inside = row.turn[u] > kNoSurface;
+    const bool inside = row.wraps[u] > kNoSurface;
     const PixelChange d = row.change<kSteady>(u);
     const Lights lights = lights_of<kSteady>(d);
     const Pixel raw = row.raw(u), p = at_mid_burst(raw, lights, turns_of<kSteady>(d));
@@ -230,7 +230,7 @@ void join_loop(const CodeRow& in, const NoiseModel& model, const JoinLimits& lim
   ENAMEL_INDEPENDENT  // `phase` may be the row's own
       for (std::size_t u = 0; u < width; ++u) {
     const float turned = row.change<false>(u).turned(kCodeTime), was = row.phase[u], gain = row.gain[u];
-    const CodeModel k = code_model(row.turn[u], was, r * turned, row.wave);
+    const CodeModel k = code_model(row.wraps[u], was, r * turned, row.wave);
     const float gb = gain * row.modulation[u] * k.modulation, off = row.code[u] - gb * k.light;
     const float slope = -gb * r * k.angle.sin;
     // The code frame's own noise, and that of A and B in what it is compared with.

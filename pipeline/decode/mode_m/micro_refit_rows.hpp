@@ -10,8 +10,8 @@
 
 namespace enamel::pipeline {
 
-/// In place of a turn, as place_spans marks them.
-inline constexpr float kUnplaced = kUnplacedTurn, kNoSurface = kNoTurn;
+/// In place of a wrap count, as place_spans marks them.
+inline constexpr float kUnplaced = kUnplacedWraps, kNoSurface = kNoWraps;
 
 /// Pixels side by side, as compute_micro_phase measured them.
 struct CodePixels {
@@ -27,7 +27,7 @@ struct CodePixels {
 /// What a row of pixels is seen under.
 struct CodeRow {
   CodePixels pixels;
-  const float* turn = nullptr;  ///< Phi = phase + 2 pi turn; kUnplaced where the order is unknown, else kNoSurface
+  const float* wraps = nullptr;  ///< Phi = phase + 2 pi wraps; kUnplaced where the order is unknown, else kNoSurface
   const float* motion_rad = nullptr;
   const float* gain = nullptr;
   const float* light = nullptr;              ///< dA/A per frame interval

@@ -53,13 +53,13 @@ double third_sum(const PhaseMaps& m, const float* weight, std::size_t at, std::s
   return static_cast<double>(sums.of_pixel[0]);
 }
 
-void correct_loop(const float* turns, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& m) {
-  const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at], * __restrict turn = turns;
+void correct_loop(const float* wrap_counts, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& m) {
+  const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at], * __restrict wraps = wrap_counts;
   float* __restrict phase = &m.phase_rad[at];
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const float c = cosine[u], s = sine[u], b2 = c * c + s * s + 1e-6F;
-    phase[u] -= select(turn[u] > kNoSurface, a1_rad * (s * (3 * c * c - s * s) / (b2 * root(b2))), 0);
+    phase[u] -= select(wraps[u] > kNoSurface, a1_rad * (s * (3 * c * c - s * s) / (b2 * root(b2))), 0);
   }
 }
 
@@ -77,8 +77,8 @@ double third_harmonic_row(const PhaseMaps& maps, const float* counted, std::size
   return HWY_DYNAMIC_DISPATCH(third_sum)(maps, counted, at, width);
 }
 
-void correct_third_row(const float* turn, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& maps) {
-  HWY_DYNAMIC_DISPATCH(correct_loop)(turn, a1_rad, at, width, maps);
+void correct_third_row(const float* wraps, float a1_rad, std::size_t at, std::size_t width, PhaseMaps& maps) {
+  HWY_DYNAMIC_DISPATCH(correct_loop)(wraps, a1_rad, at, width, maps);
 }
 
 void compute_micro_phase(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {

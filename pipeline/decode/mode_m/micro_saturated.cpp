@@ -124,9 +124,9 @@ class Pixel {
 
 class Solver {
  public:
-  Solver(const MicroSaturatedInput& in, const PhaseConfig& config, PhaseMaps& maps, Map<std::int16_t>& turn,
+  Solver(const MicroSaturatedInput& in, const PhaseConfig& config, PhaseMaps& maps, Map<std::int16_t>& wraps,
          std::vector<std::size_t>& solved)
-      : in_(in), config_(config), maps_(maps), turn_(turn), solved_(solved), rows_(in.motion, maps, nullptr) {}
+      : in_(in), config_(config), maps_(maps), wraps_(wraps), solved_(solved), rows_(in.motion, maps, nullptr) {}
 
   /// The saturated run between pixels `last` and `next` of the image, both decided, of one row.
   void solve_run(std::size_t last, std::size_t next) {
@@ -144,7 +144,7 @@ class Solver {
  private:
   [[nodiscard]] Unknowns at(std::size_t i) const {
     return {static_cast<double>(maps_.mean_dn[i] - in_.noise.black_dn), static_cast<double>(maps_.modulation_dn[i]),
-            static_cast<double>(maps_.phase_rad[i]) + kTwoPi * turn_[i]};
+            static_cast<double>(maps_.phase_rad[i]) + kTwoPi * wraps_[i]};
   }
 
   /// Runs come in the order of rows.
@@ -169,9 +169,9 @@ class Solver {
   }
 
   void put(std::size_t i, const Unknowns& x, double sigma) {
-    const double turns = std::floor(x.phase / kTwoPi + 0.5);
-    turn_[i] = static_cast<std::int16_t>(turns);
-    maps_.phase_rad[i] = static_cast<float>(x.phase - kTwoPi * turns);
+    const double wrap_counts = std::floor(x.phase / kTwoPi + 0.5);
+    wraps_[i] = static_cast<std::int16_t>(wrap_counts);
+    maps_.phase_rad[i] = static_cast<float>(x.phase - kTwoPi * wrap_counts);
     maps_.sigma_rad[i] = static_cast<float>(sigma);
     maps_.mean_dn[i] = static_cast<float>(x.mean) + in_.noise.black_dn;
     maps_.modulation_dn[i] = static_cast<float>(x.modulation);
@@ -185,7 +185,7 @@ class Solver {
   const MicroSaturatedInput& in_;
   const PhaseConfig& config_;
   PhaseMaps& maps_;
-  Map<std::int16_t>& turn_;
+  Map<std::int16_t>& wraps_;
   std::vector<std::size_t>& solved_;
   CodeRows rows_;
   CodeRow seen_;
@@ -195,9 +195,9 @@ class Solver {
 }  // namespace
 
 void solve_micro_saturated(const MicroSaturatedInput& input, const PhaseConfig& config, PhaseMaps& maps,
-                           Map<std::int16_t>& turn, std::vector<std::size_t>& solved) {
+                           Map<std::int16_t>& wraps, std::vector<std::size_t>& solved) {
   solved.clear();
-  Solver solver(input, config, maps, turn, solved);
+  Solver solver(input, config, maps, wraps, solved);
   for (std::size_t k = 0; k + 1 < input.spans.size(); ++k) {
     const CellSpan &left = input.spans[k], &right = input.spans[k + 1];
     if (left.row != right.row || right.begin <= left.end) continue;

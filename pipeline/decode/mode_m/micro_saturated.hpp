@@ -24,9 +24,9 @@ struct MicroSaturatedInput {
 };
 
 /// After undo_micro_motion and join_code_frame, which leave saturated pixels as compute_micro_phase did. Of each run of
-/// kSaturated pixels of a row between decided ones, fills phase, sigma, mean, cosine, sine, modulation and turn of
-/// those that can be solved to max_sigma_rad and rewrites their reject as kNone. Returns their indices in `solved`.
+/// kSaturated pixels of a row between decided ones, fills phase, sigma, mean, cosine, sine, modulation and wrap count
+/// of those that can be solved to max_sigma_rad and rewrites their reject as kNone. Returns their indices in `solved`.
 void solve_micro_saturated(const MicroSaturatedInput& input, const PhaseConfig& config, PhaseMaps& maps,
-                           Map<std::int16_t>& turn, std::vector<std::size_t>& solved);
+                           Map<std::int16_t>& wraps, std::vector<std::size_t>& solved);
 
 }  // namespace enamel::pipeline

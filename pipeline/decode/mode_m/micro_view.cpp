@@ -35,7 +35,7 @@ class Gathered {
         next += kPerNode;
       }
     };
-    for (auto* source : {&p.mean, &p.cosine, &p.sine, &p.code, &p.phase, &row.turn, &row.motion_rad, &row.gain})
+    for (auto* source : {&p.mean, &p.cosine, &p.sine, &p.code, &p.phase, &row.wraps, &row.motion_rad, &row.gain})
       take(*source);
     if (!row.steady) take(row.light), take(row.motion_change_rad), take(row.light_change);
     return row;
@@ -57,7 +57,8 @@ void MicroView::take_samples(const MotionField* known, MotionSamples& out) {
   const int width = in_.maps.phase_rad.width();
   place_samples(width, in_.maps.phase_rad.height(), out);
   // One gain for all: that of a block takes up half of what light does there.
-  CodeRows rows(motion(known), {&in_.blocks.gain, 1, 1, in_.blocks.block_px}, in_.blocks.black_dn, in_.maps, &in_.turn);
+  CodeRows rows(motion(known), {&in_.blocks.gain, 1, 1, in_.blocks.block_px}, in_.blocks.black_dn, in_.maps,
+                &in_.wraps);
   rows.expect(in_.code, in_.third_rad);
   Gathered gathered;
   std::vector<float> values, modulation, open;
@@ -94,7 +95,7 @@ void MicroView::make_images(const MotionField* known, MotionImages& out) {
   for (int v = 0; v < height; v += 2) {
     sparse_mid_burst_row(rows.at(v), columns, out.phase.data(), out.row.data());
     out.light.set_row(v / 2, out.row.data());
-    sparse_inverse_depth_row({in_.maps, in_.surface_turn, in_.rays, in_.beyond}, v, out.phase.data(), out.row.data());
+    sparse_inverse_depth_row({in_.maps, in_.surface_wraps, in_.rays, in_.beyond}, v, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }

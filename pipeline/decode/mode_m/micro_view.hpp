@@ -9,9 +9,9 @@
 namespace enamel::pipeline {
 
 struct MicroViewInput {
-  const Map<std::int16_t>& turn;          ///< of pixels that are asked for the motion
-  const Map<std::int16_t>& surface_turn;  ///< of pixels that slopes are taken from
-  float beyond;                           ///< these may lie out of the depth range by this share of its ends
+  const Map<std::int16_t>& wraps;          ///< of pixels that are asked for the motion
+  const Map<std::int16_t>& surface_wraps;  ///< of pixels that slopes are taken from
+  float beyond;                            ///< these may lie out of the depth range by this share of its ends
   const MicroCode& code;
   float third_rad;
   const PhaseMaps& maps;  ///< as fit_micro_motion takes them

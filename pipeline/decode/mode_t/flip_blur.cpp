@@ -82,7 +82,7 @@ void finish_phase(const FinishInput& in, PhaseMaps& maps, PolarityMaps& polarity
     }
   }
   if (moved == nullptr) return;
-  moved->torn.regain(moved->signs, in.noise, maps, polarity.turn);
+  moved->torn.regain(moved->signs, in.noise, maps, polarity.wraps);
   moved->misfit.add_to(maps.sigma_rad, kPhaseOfClosure);
 }
 

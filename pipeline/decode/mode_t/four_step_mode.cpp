@@ -46,11 +46,11 @@ void FourStepMode::find_orders(const PhaseMaps& phase, const Regions& regions, W
   static const Map<std::uint8_t> kNoCuts;
   PolarityEvidence& evidence = memory_of(work).evidence;
   const RayDepth& rays = *geometry_.rays;
-  find_pieces(phase, regions.links, regions.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, kNoCuts,
-              out.pieces);
-  evidence.measure(phase, diagnostics.noise, out.pieces.pieces, signs_, common_.order.outlier_cost);
-  pipeline::find_orders(out.pieces.pieces, regions.flood.components, evidence, common_.order, out.orders);
-  judge_orders(out.pieces.pieces, evidence, out.orders);
+  find_segments(phase, regions.links, regions.flood, {rays.phase_near_rad.data(), rays.phase_far_rad.data()}, kNoCuts,
+                out.segments);
+  evidence.measure(phase, diagnostics.noise, out.segments.segments, signs_, common_.order.outlier_cost);
+  pipeline::find_orders(out.segments.segments, regions.flood.components, evidence, common_.order, out.orders);
+  judge_orders(out.segments.segments, evidence, out.orders);
 }
 
 BurstVerdict FourStepMode::why_unplaced(const PhaseMaps& phase, const Work& work,

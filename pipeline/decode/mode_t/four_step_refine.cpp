@@ -16,7 +16,7 @@ void FourStepMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnost
       {phase, m.polarity, m.closure, *geometry_.rays, diagnostics.noise.black_dn, common_.rigid.max_residual},
       m.pixels);
   diagnostics.rigid =
-      fit_rigid_motion(view, {phase, m.polarity.turn, *geometry_.rays}, common_.rigid, m.rigid, m.field);
+      fit_rigid_motion(view, {phase, m.polarity.wraps, *geometry_.rays}, common_.rigid, m.rigid, m.field);
   if (!diagnostics.rigid.moved) return;
   if (common_.rigid.dense) refine_motion(diagnostics.rigid, m.rigid.images, *geometry_.rays, m.rigid.detail, m.field);
   diagnostics.harmonic = m.field.shared;
@@ -47,7 +47,7 @@ void FourStepMode::undo_ripple(const FringeOrders& orders, Memory& m, DecodeDiag
   const PhaseMoments moments = phase_moments(orders.spans, phase);
   diagnostics.ripple = shrink(level(moments), moments);
   const DepthRipple by_depth = level_by_depth(orders.spans, phase, rays, moments, diagnostics.ripple);
-  correct_by_depth(by_depth, m.polarity.turn, rays, phase);
+  correct_by_depth(by_depth, m.polarity.wraps, rays, phase);
   diagnostics.ripple_by_depth_rad = by_depth.rms_rad();
 }
 
@@ -55,7 +55,7 @@ RefinedPhase FourStepMode::refine(const FringeOrders& orders, const RelativeSurf
                                   DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   Memory& m = memory_of(work);
   apply_polarity(orders.spans, signs_, diagnostics.noise, config_.polarity, phase, m.polarity);
-  sort_out_saturated(m.saturated, signs_, diagnostics.noise, config_.polarity, m.polarity.turn, phase);
+  sort_out_saturated(m.saturated, signs_, diagnostics.noise, config_.polarity, m.polarity.wraps, phase);
   tell(hook, "polarity");
   if (common_.correct_closure) {
     fit_closure(phase, m.polarity, diagnostics.noise, config_.closure, m.closure);
@@ -65,7 +65,7 @@ RefinedPhase FourStepMode::refine(const FringeOrders& orders, const RelativeSurf
     tell(hook, "motion");
   }
   if (common_.correct_ripple) undo_ripple(orders, m, diagnostics, phase);
-  RefinedPhase out{phase, m.polarity.turn, {}};
+  RefinedPhase out{phase, m.polarity.wraps, {}};
   if (diagnostics.rigid.moved) out.solved_anew = m.torn.regained();
   return out;
 }

@@ -52,7 +52,7 @@ void FourStepView::make_images(const MotionField* known, MotionImages& out) {
   for (int v = 0; v < height; v += 2) {
     mid_burst_row(pixels_.sparse.row(rows, v), columns, out.phase.data(), out.light_row.data());
     out.light.set_row(v / 2, out.light_row.data());
-    sparse_inverse_depth_row({in_.maps, in_.polarity.turn, in_.rays}, v, out.phase.data(), out.row.data());
+    sparse_inverse_depth_row({in_.maps, in_.polarity.wraps, in_.rays}, v, out.phase.data(), out.row.data());
     out.inverse_depth.set_row(v / 2, out.row.data());
   }
 }

@@ -32,7 +32,7 @@ struct FrameErrorConfig {
 /// Of a four-frame solution without flips (apply_polarity with all signs +1), where code_dn is the closure residual.
 /// spans: in row order, fringes across the rows; half of a fringe is as long as the spans that are whole cells, and
 /// without such spans there is no estimate. Estimates and removes: rewrites cosine_dn, sine_dn, modulation_dn,
-/// phase_rad of the spans' pixels. The phase's turn is kept: phases may leave [-pi, pi) a little.
+/// phase_rad of the spans' pixels. The phase's wrap count is kept: phases may leave [-pi, pi) a little.
 FrameErrors correct_frame_errors(std::span<const CellSpan> spans, const PolarityMaps& polarity, double black_dn,
                                  const FrameErrorConfig& config, PhaseMaps& maps);
 

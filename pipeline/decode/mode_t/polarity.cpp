@@ -13,7 +13,7 @@ namespace {
 /// are single stores.
 class RowState {
  public:
-  explicit RowState(std::size_t width) : cell_(width + kStep), turn_(width + kStep) {}
+  explicit RowState(std::size_t width) : cell_(width + kStep), wraps_(width + kStep) {}
 
   /// The row has no pixel before `begin`.
   void start(std::int32_t begin) { filled_ = begin; }
@@ -23,25 +23,25 @@ class RowState {
     const int bits = (b < 0 ? kMinus : 0) | (signs.at(s.cell - 1) * b < 0 ? kLowFlip : 0) |
                      (signs.at(s.cell + 1) * b < 0 ? kHighFlip : 0) | ((s.cell & 1) != 0 ? kUpperHalf : 0);
     fill(filled_, s.begin, kOutside, 0);
-    fill(s.begin, s.end, bits, turn_of_cell(s.cell));
+    fill(s.begin, s.end, bits, wraps_of_cell(s.cell));
     filled_ = s.end;
   }
 
-  [[nodiscard]] PolarityRow row() const { return {cell_.data(), turn_.data()}; }
+  [[nodiscard]] PolarityRow row() const { return {cell_.data(), wraps_.data()}; }
 
  private:
   static constexpr std::int32_t kStep = 16;
 
-  void fill(std::int32_t begin, std::int32_t end, int bits, int turn) {
+  void fill(std::int32_t begin, std::int32_t end, int bits, int wraps) {
     for (std::int32_t u = begin; u < end; u += kStep) {
       std::fill_n(cell_.begin() + u, kStep, static_cast<std::uint8_t>(bits));
-      std::fill_n(turn_.begin() + u, kStep, static_cast<std::int16_t>(turn));
+      std::fill_n(wraps_.begin() + u, kStep, static_cast<std::int16_t>(wraps));
     }
   }
 
   std::int32_t filled_ = 0;
   std::vector<std::uint8_t> cell_;
-  std::vector<std::int16_t> turn_;
+  std::vector<std::int16_t> wraps_;
 };
 
 }  // namespace
@@ -51,7 +51,7 @@ void apply_polarity(std::span<const CellSpan> spans, const CellSigns& signs, con
   const int w = maps.phase_rad.width(), h = maps.phase_rad.height();
   if (out.weight.width() != w || out.weight.height() != h) {
     out.weight = Map<float>(w, h);
-    out.turn = Map<std::int16_t>(w, h);
+    out.wraps = Map<std::int16_t>(w, h);
   }
   RowState state(static_cast<std::size_t>(w));
   auto next = spans.begin();

@@ -19,8 +19,8 @@ struct PolarityConfig {
 
 /// Per-pixel state that the correction steps need beside the phase.
 struct PolarityMaps {
-  Map<float> weight;       ///< b * w; 0 outside all spans
-  Map<std::int16_t> turn;  ///< Phi = phase_rad + 2 pi turn, absolute; meaningful inside spans
+  Map<float> weight;        ///< b * w; 0 outside all spans
+  Map<std::int16_t> wraps;  ///< Phi = phase_rad + 2 pi wraps, absolute; meaningful inside spans
 };
 
 /// spans: in row order. Rewrites sine_dn, modulation_dn, phase_rad, sigma_rad of the spans' pixels; code_dn becomes the

@@ -1,4 +1,4 @@
-// The loops of PolarityEvidence: over the pixels of a row and over pieces. Private to pipeline/decode.
+// The loops of PolarityEvidence: over the pixels of a row and over segments. Private to pipeline/decode.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace enamel::pipeline {
 
-/// What a row's pixels add to a piece's sums, from column 0 on; 0 where frame 3 is saturated.
+/// What a row's pixels add to a segment's sums, from column 0 on; 0 where frame 3 is saturated.
 void polarity_columns(const PhaseMaps& phase, const NoiseModel& noise, std::size_t at, std::size_t width,
                       PolarityColumn* out);
 

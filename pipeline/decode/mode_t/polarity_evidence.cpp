@@ -11,7 +11,7 @@ constexpr float kNoiseOfCode = 3;  ///< var(D -+ S3) is 4 sigma^2 for b = +1, 2 
 constexpr float kFaintVariance = 0.25F;
 constexpr std::int32_t kEndTrim_px = 3;
 
-PolaritySaid say(const PolarityColumn* columns, PieceCore core) {
+PolaritySaid say(const PolarityColumn* columns, SegmentCore core) {
   PolarityColumn s;
   for (std::int32_t u = core.begin; u < core.end; ++u) {
     const PolarityColumn& c = columns[u];
@@ -27,31 +27,31 @@ PolaritySaid say(const PolarityColumn* columns, PieceCore core) {
 
 }  // namespace
 
-void PolarityEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces,
+void PolarityEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Segment>& segments,
                                const CellSigns& signs, float outlier_cost) {
   signs_ = &signs;
   const auto width = static_cast<std::size_t>(phase.phase_rad.width());
   columns_.resize(width);
-  said_.resize(pieces.size());
+  said_.resize(segments.size());
   std::int32_t row = -1;
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
-    if (pieces[k].row != row) {
-      row = pieces[k].row;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    if (segments[k].row != row) {
+      row = segments[k].row;
       polarity_columns(phase, noise, static_cast<std::size_t>(row) * width, width, columns_.data());
     }
-    said_[k] = say(columns_.data(), core_of(pieces, k, kEndTrim_px, phase.phase_rad.width()));
+    said_[k] = say(columns_.data(), core_of(segments, k, kEndTrim_px, phase.phase_rad.width()));
   }
   if (signs.informative) price_polarity(outlier_cost, said_.size(), said_.data());
 }
 
-void PolarityEvidence::costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const {
-  const PolaritySaid& said = said_[piece];
+void PolarityEvidence::costs(std::size_t segment, std::int32_t first_cell, std::span<float> out) const {
+  const PolaritySaid& said = said_[segment];
   const float* sign = &signs_->sign[static_cast<std::size_t>(first_cell)];
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = sign[2 * k] > 0 ? said.plus : said.minus;
 }
 
-Stance PolarityEvidence::stance(std::size_t piece, std::int32_t cell) const {
-  const PolaritySaid& said = said_[piece];
+Stance PolarityEvidence::stance(std::size_t segment, std::int32_t cell) const {
+  const PolaritySaid& said = said_[segment];
   if (said.variance > kFaintVariance) return Stance::kSilent;
   return said.code * signs_->at(cell) > 0 ? Stance::kAgrees : Stance::kContradicts;
 }

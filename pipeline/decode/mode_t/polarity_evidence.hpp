@@ -1,5 +1,5 @@
-// Evidence of mode T (and of plain4, single): the polarity of frame 3 in a piece, T = sum(D S3)/sum(S3^2), about +1 or
-// -1 (docs/decode.md §2), against the signs of the pattern's cells.
+// Evidence of mode T (and of plain4, single): the polarity of frame 3 in a segment, T = sum(D S3)/sum(S3^2), about +1
+// or -1 (docs/decode.md §2), against the signs of the pattern's cells.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace enamel::pipeline {
 
-/// A pixel's share in a piece's sums: D S3, S3^2, S3^2 var(frame), B |S3|.
+/// A pixel's share in a segment's sums: D S3, S3^2, S3^2 var(frame), B |S3|.
 struct PolarityColumn {
   float dot = 0, energy = 0, noise = 0, blur = 0;
 };
@@ -23,14 +23,14 @@ struct PolaritySaid {
 
 class PolarityEvidence final : public CodeEvidence {
  public:
-  /// `signs` must outlive the questions. outlier_cost: of a piece whose T may be anything.
-  void measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Piece>& pieces,
+  /// `signs` must outlive the questions. outlier_cost: of a segment whose T may be anything.
+  void measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Segment>& segments,
                const CellSigns& signs, float outlier_cost);
 
   [[nodiscard]] int cells() const override { return signs_->cells(); }
   [[nodiscard]] int repeats_after() const override { return signs_->repeats_after; }
-  void costs(std::size_t piece, std::int32_t first_cell, std::span<float> out) const override;
-  [[nodiscard]] Stance stance(std::size_t piece, std::int32_t cell) const override;
+  void costs(std::size_t segment, std::int32_t first_cell, std::span<float> out) const override;
+  [[nodiscard]] Stance stance(std::size_t segment, std::int32_t cell) const override;
 
  private:
   const CellSigns* signs_ = nullptr;

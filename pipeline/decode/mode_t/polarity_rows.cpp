@@ -57,17 +57,17 @@ void join_frame(const NoiseModel& model, const PolarityConfig& config, std::size
   }
 }
 
-/// Where the new phase wraps otherwise than the old one, the pixel's turn makes up for it.
-void replace_phase(const std::int16_t* turn_of_cell, std::size_t count, const Stretch& stretch, float* phases,
+/// Where the new phase wraps otherwise than the old one, the pixel's wrap count makes up for it.
+void replace_phase(const std::int16_t* wraps_of_cell, std::size_t count, const Stretch& stretch, float* phases,
                    std::int16_t* turns) {
   const float* __restrict now = stretch.phase.data();
   float* __restrict phase = phases;
-  const std::int16_t* __restrict of_cell = turn_of_cell;
-  std::int16_t* __restrict turn = turns;
+  const std::int16_t* __restrict of_cell = wraps_of_cell;
+  std::int16_t* __restrict wraps = turns;
   ENAMEL_INDEPENDENT
   for (std::size_t i = 0; i < count; ++i) {
     const int step = static_cast<int>(now[i] - phase[i] > kPiF) - static_cast<int>(now[i] - phase[i] < -kPiF);
-    turn[i] = static_cast<std::int16_t>(of_cell[i] - step);
+    wraps[i] = static_cast<std::int16_t>(of_cell[i] - step);
   }
   for (std::size_t i = 0; i < count; ++i) phase[i] = now[i];
 }
@@ -83,7 +83,7 @@ void solve_row(const PolarityRow& row, std::size_t at, std::size_t begin, std::s
     join_frame(noise, config, first, count, stretch, m, out);
     to_polar({&m.cosine_dn[first], &m.sine_dn[first], stretch.variance_b4.data()}, count,
              {stretch.phase.data(), &m.modulation_dn[first], &m.sigma_rad[first]});
-    replace_phase(row.turn + from, count, stretch, &m.phase_rad[first], &out.turn[first]);
+    replace_phase(row.wraps + from, count, stretch, &m.phase_rad[first], &out.wraps[first]);
   }
 }
 

@@ -22,7 +22,7 @@ enum CellBits : std::uint8_t {
 /// loops of their own.
 struct PolarityRow {
   const std::uint8_t* cell;  ///< CellBits
-  const std::int16_t* turn;
+  const std::int16_t* wraps;
 };
 
 /// Pixels begin … end-1 of the row whose first pixel is `at`.

@@ -100,12 +100,13 @@ DepthRipple level_by_depth(std::span<const CellSpan> spans, const PhaseMaps& map
   return out;
 }
 
-void correct_by_depth(const DepthRipple& ripple, const Map<std::int16_t>& turn, const RayDepth& rays, PhaseMaps& maps) {
+void correct_by_depth(const DepthRipple& ripple, const Map<std::int16_t>& wraps, const RayDepth& rays,
+                      PhaseMaps& maps) {
   if (!(ripple.depth.per_d > 0)) return;
   const auto width = static_cast<std::size_t>(rays.width);
   const DepthRippleTerms terms = float_terms(ripple);
   for (int v = 0; v < rays.height; ++v)
-    correct_by_depth_row(terms, turn, rays.phase_mid_rad.data(), static_cast<std::size_t>(v) * width, width, maps);
+    correct_by_depth_row(terms, wraps, rays.phase_mid_rad.data(), static_cast<std::size_t>(v) * width, width, maps);
 }
 
 }  // namespace enamel::pipeline

@@ -37,6 +37,6 @@ struct DepthRipple {
                                          const PhaseMoments& moments, const PhaseRipple& mean);
 
 /// Subtracts it from the placed pixels' phase.
-void correct_by_depth(const DepthRipple& ripple, const Map<std::int16_t>& turn, const RayDepth& rays, PhaseMaps& maps);
+void correct_by_depth(const DepthRipple& ripple, const Map<std::int16_t>& wraps, const RayDepth& rays, PhaseMaps& maps);
 
 }  // namespace enamel::pipeline

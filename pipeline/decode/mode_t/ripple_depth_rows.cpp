@@ -15,12 +15,12 @@ void depth_loop(const DepthRippleTerms& terms, const std::int16_t* turns, const 
                 std::size_t width, PhaseMaps& m) {
   const DepthRippleTerms t = terms;  // a copy cannot alias what is written
   const float* __restrict cosine = &m.cosine_dn[at], * __restrict sine = &m.sine_dn[at], * __restrict mid = mid_rad;
-  const std::int16_t* __restrict turn = turns;
+  const std::int16_t* __restrict wraps = turns;
   const PixelReject* __restrict reject = &m.reject[at];
   float* __restrict phase = &m.phase_rad[at];
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const float x = phase[u] + kTwoPiF * static_cast<float>(turn[u]) - mid[u] - t.mean;
+    const float x = phase[u] + kTwoPiF * static_cast<float>(wraps[u]) - mid[u] - t.mean;
     const float d = larger(-t.reach, smaller(t.reach, x));
     const float c = cosine[u], s = sine[u], inv2 = 1.0F / (c * c + s * s + 1e-6F);
     const float cos2 = (c - s) * (c + s) * inv2, sin2 = 2 * c * s * inv2;
@@ -61,9 +61,9 @@ DepthRippleTerms float_terms(const DepthRipple& ripple) {
   return out;
 }
 
-void correct_by_depth_row(const DepthRippleTerms& terms, const Map<std::int16_t>& turn, const float* phase_mid_rad,
+void correct_by_depth_row(const DepthRippleTerms& terms, const Map<std::int16_t>& wraps, const float* phase_mid_rad,
                           std::size_t at, std::size_t width, PhaseMaps& maps) {
-  HWY_DYNAMIC_DISPATCH(depth_loop)(terms, &turn[at], phase_mid_rad + at, at, width, maps);
+  HWY_DYNAMIC_DISPATCH(depth_loop)(terms, &wraps[at], phase_mid_rad + at, at, width, maps);
 }
 
 }  // namespace enamel::pipeline

@@ -16,7 +16,7 @@ struct DepthRippleTerms {
 
 [[nodiscard]] DepthRippleTerms float_terms(const DepthRipple& ripple);
 
-void correct_by_depth_row(const DepthRippleTerms& terms, const Map<std::int16_t>& turn, const float* phase_mid_rad,
+void correct_by_depth_row(const DepthRippleTerms& terms, const Map<std::int16_t>& wraps, const float* phase_mid_rad,
                           std::size_t at, std::size_t width, PhaseMaps& maps);
 
 }  // namespace enamel::pipeline

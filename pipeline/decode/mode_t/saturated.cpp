@@ -53,9 +53,9 @@ FourStepPixel pixel_at(const PhaseMaps& maps, std::size_t i, float black_dn) {
   return {maps.mean_dn[i] - black_dn, maps.cosine_dn[i], maps.sine_dn[i]};
 }
 
-/// Whether frame 3 is A + S throughout flip_full_rad around the absolute phase phi + 2 pi turn.
-bool is_plain(float phi, int turn, const CellSigns& signs, float reach_rad) {
-  const int cell = 2 * turn - static_cast<int>(phi < 0);
+/// Whether frame 3 is A + S throughout flip_full_rad around the absolute phase phi + 2 pi wraps.
+bool is_plain(float phi, int wraps, const CellSigns& signs, float reach_rad) {
+  const int cell = 2 * wraps - static_cast<int>(phi < 0);
   const float above = phi < 0 ? phi + kPiF : phi;  // distance to the cell's lower border
   return signs.at(cell) > 0 && (above >= reach_rad || signs.at(cell - 1) > 0) &&
          (kPiF - above >= reach_rad || signs.at(cell + 1) > 0);
@@ -101,12 +101,12 @@ void reject_parted(const std::vector<SaturatedPixel>& pixels, LinkMaps& links, M
 }
 
 void sort_out_saturated(const std::vector<SaturatedPixel>& pixels, const CellSigns& signs, const NoiseModel& noise,
-                        const PolarityConfig& config, const Map<std::int16_t>& turn, PhaseMaps& maps) {
+                        const PolarityConfig& config, const Map<std::int16_t>& wraps, PhaseMaps& maps) {
   for (const SaturatedPixel& p : pixels) {
     const std::size_t i = p.index;
     maps.code_dn[i] = kNan;  // three frames for three unknowns: no residual
     if (maps.reject[i] != PixelReject::kNone) continue;
-    if (!is_plain(maps.phase_rad[i], turn[i], signs, config.flip_full_rad)) {
+    if (!is_plain(maps.phase_rad[i], wraps[i], signs, config.flip_full_rad)) {
       maps.reject[i] = PixelReject::kSaturated;
       continue;
     }

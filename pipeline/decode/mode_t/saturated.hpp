@@ -35,7 +35,7 @@ void reject_parted(const std::vector<SaturatedPixel>& pixels, LinkMaps& links, M
 /// After apply_polarity: rejects (kSaturated) those of the pixels where b = -1, or a flip lies within flip_full_rad;
 /// gives the others the sigma of their own three frames.
 void sort_out_saturated(const std::vector<SaturatedPixel>& pixels, const CellSigns& signs, const NoiseModel& noise,
-                        const PolarityConfig& config, const Map<std::int16_t>& turn, PhaseMaps& maps);
+                        const PolarityConfig& config, const Map<std::int16_t>& wraps, PhaseMaps& maps);
 
 /// phase_rad of each pixel brought to mid-burst by its own three frames, as closure.hpp does for all others. Call
 /// before correct_phase or finish_phase, which take these for others, and put them in place after.

@@ -32,7 +32,7 @@ struct TornPixels::Line {
 
 struct TornPixels::Surface {
   const PhaseMaps& maps;
-  const Map<std::int16_t>& turn;
+  const Map<std::int16_t>& wraps;
   const CellSigns& signs;
   const NoiseModel& noise;
 
@@ -52,7 +52,7 @@ struct TornPixels::Surface {
   /// Through the pixel `step` from `index` and those behind it.
   [[nodiscard]] Line behind(std::size_t index, std::ptrdiff_t step) const {
     const auto at = [&](int k) { return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(index) + k * step); };
-    const auto phi = [&](int k) { return maps.phase_rad[at(k)] + kTwoPiF * static_cast<float>(turn[at(k)]); };
+    const auto phi = [&](int k) { return maps.phase_rad[at(k)] + kTwoPiF * static_cast<float>(wraps[at(k)]); };
     const float near = phi(1), slope = 0.5F * (near - phi(kBehind));
     // 1.5 times the first less half of the third: 2.5 times the variance of one.
     return {near + slope, maps.sigma_rad[at(1)] * root(2.5F), maps.mean_dn[at(1)], maps.modulation_dn[at(1)]};
@@ -158,11 +158,11 @@ std::optional<TornPixels::Found> TornPixels::find(Pixel& pixel, const Surface& s
   return best;
 }
 
-void TornPixels::put(PhaseMaps& maps, Map<std::int16_t>& turn) {
+void TornPixels::put(PhaseMaps& maps, Map<std::int16_t>& wraps) {
   for (const Found& f : found_) {
     const float turns = std::floor(f.absolute_rad / kTwoPiF + 0.5F);
     maps.reject[f.index] = PixelReject::kNone;
-    turn[f.index] = static_cast<std::int16_t>(turns);
+    wraps[f.index] = static_cast<std::int16_t>(turns);
     maps.phase_rad[f.index] = f.absolute_rad - kTwoPiF * turns;
     maps.sigma_rad[f.index] = f.way.sigma_rad;
     maps.mean_dn[f.index] = f.way.mean_dn, maps.modulation_dn[f.index] = f.way.modulation_dn;
@@ -172,8 +172,8 @@ void TornPixels::put(PhaseMaps& maps, Map<std::int16_t>& turn) {
   }
 }
 
-void TornPixels::regain(const CellSigns& signs, const NoiseModel& noise, PhaseMaps& maps, Map<std::int16_t>& turn) {
-  const Surface surface{maps, turn, signs, noise};
+void TornPixels::regain(const CellSigns& signs, const NoiseModel& noise, PhaseMaps& maps, Map<std::int16_t>& wraps) {
+  const Surface surface{maps, wraps, signs, noise};
   for (int reach = 0; reach < config_.reach_px; ++reach) {
     found_.clear();
     for (Pixel& pixel : pixels_) {
@@ -183,7 +183,7 @@ void TornPixels::regain(const CellSigns& signs, const NoiseModel& noise, PhaseMa
     }
     if (found_.empty()) break;
     beside_.assign(maps.reject.size(), 0);
-    put(maps, turn);
+    put(maps, wraps);
   }
   // Only now: the lines above are judged by noise.
   for (const std::size_t i : regained_)

@@ -36,8 +36,9 @@ struct TornConfig {
 /// One burst's; keeps its memory between bursts. Not thread-safe.
 class TornPixels {
  public:
-  /// spans: of all decided pieces; saturated: solved without a frame, which are not asked; both in row order, borrowed
-  /// until the last row was taken. gates: of pixels in general, which those given back have to pass. Size of the maps.
+  /// spans: of all decided segments; saturated: solved without a frame, which are not asked; both in row order,
+  /// borrowed until the last row was taken. gates: of pixels in general, which those given back have to pass. Size of
+  /// the maps.
   void start(std::span<const CellSpan> spans, std::span<const SaturatedPixel> saturated, const TornConfig& config,
              const PhaseConfig& gates, int width, int height);
 
@@ -45,8 +46,8 @@ class TornPixels {
   /// `noise` becomes 0 where a pixel is torn, which is rejected (kEdge).
   void take_row(int v, std::size_t at, const PixelRow& row, const ClosedRow& closed, PixelReject* reject);
 
-  /// Gives back what three frames place: phase at mid-burst, turn, sigma, A and B of `maps`, no longer rejected.
-  void regain(const CellSigns& signs, const NoiseModel& noise, PhaseMaps& maps, Map<std::int16_t>& turn);
+  /// Gives back what three frames place: phase at mid-burst, wrap count, sigma, A and B of `maps`, no longer rejected.
+  void regain(const CellSigns& signs, const NoiseModel& noise, PhaseMaps& maps, Map<std::int16_t>& wraps);
 
   /// Indices of those pixels.
   [[nodiscard]] const std::vector<std::size_t>& regained() const noexcept { return regained_; }
@@ -77,7 +78,7 @@ class TornPixels {
   [[nodiscard]] std::optional<Found> find(Pixel& pixel, const Surface& surface) const;
   [[nodiscard]] bool could_be(float mean, const Line& line, const NoiseModel& noise) const;
   [[nodiscard]] float sigmas_off(const Way& way, float off_rad, const Line& line, const NoiseModel& noise) const;
-  void put(PhaseMaps& maps, Map<std::int16_t>& turn);
+  void put(PhaseMaps& maps, Map<std::int16_t>& wraps);
   [[nodiscard]] static Way way_without(std::size_t missing, const Pixel& pixel, const NoiseModel& noise);
 
   TornConfig config_;

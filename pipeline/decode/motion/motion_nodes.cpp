@@ -34,9 +34,9 @@ Shading shading_of(const Eigen::Vector3f& m, const Eigen::Vector3f& to_light, co
 
 class NodeFinder {
  public:
-  NodeFinder(const MotionImages& images, const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays,
+  NodeFinder(const MotionImages& images, const PhaseMaps& maps, const Map<std::int16_t>& wraps, const RayDepth& rays,
              MotionNodes& out)
-      : images_(images), maps_(maps), turn_(turn), rays_(rays), out_(out), pivot_mm_(0, 0, pivot_depth_mm(rays)) {}
+      : images_(images), maps_(maps), wraps_(wraps), rays_(rays), out_(out), pivot_mm_(0, 0, pivot_depth_mm(rays)) {}
 
   void run() {
     out_.columns = maps_.phase_rad.width() / kNode_px;
@@ -74,7 +74,7 @@ class NodeFinder {
     const std::size_t i = pixel_of_node(maps_, column, row);
     const auto width = static_cast<std::size_t>(maps_.phase_rad.width());
     const float q = images_.inverse_depth.around(row, 0, 0)[column], det = slopes.det[column];
-    const float phase = maps_.phase_rad[i] + kTwoPiF * static_cast<float>(turn_[i]);
+    const float phase = maps_.phase_rad[i] + kTwoPiF * static_cast<float>(wraps_[i]);
     const float slope = rays_.sparse.slope(sparse_pixel_of(column, row), phase),
                 light = images_.light.around(row, 0, 0)[column];
     if (!(q > 0) || !(det > kMinDet) || !(std::abs(slope) > 0) || !(light > 1)) return;
@@ -134,7 +134,7 @@ class NodeFinder {
 
   const MotionImages& images_;
   const PhaseMaps& maps_;
-  const Map<std::int16_t>& turn_;
+  const Map<std::int16_t>& wraps_;
   const RayDepth& rays_;
   MotionNodes& out_;
   Eigen::Vector3f pivot_mm_;
@@ -142,9 +142,9 @@ class NodeFinder {
 
 }  // namespace
 
-void find_nodes(const MotionImages& images, const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays,
+void find_nodes(const MotionImages& images, const PhaseMaps& maps, const Map<std::int16_t>& wraps, const RayDepth& rays,
                 MotionNodes& out) {
-  NodeFinder(images, maps, turn, rays, out).run();
+  NodeFinder(images, maps, wraps, rays, out).run();
 }
 
 void take_columns(const MotionNodes& nodes, const MotionSamples& samples, MotionColumns& out) {

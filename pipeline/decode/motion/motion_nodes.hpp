@@ -41,8 +41,8 @@ struct MotionNodes {
   return 2 / (1 / rays.near_mm + 1 / rays.far_mm);
 }
 
-/// Of all nodes of an image of that size; `turn` makes the phase of `maps` absolute.
-void find_nodes(const MotionImages& images, const PhaseMaps& maps, const Map<std::int16_t>& turn, const RayDepth& rays,
+/// Of all nodes of an image of that size; `wraps` makes the phase of `maps` absolute.
+void find_nodes(const MotionImages& images, const PhaseMaps& maps, const Map<std::int16_t>& wraps, const RayDepth& rays,
                 MotionNodes& out);
 
 /// Of the sampled nodes.

@@ -22,12 +22,12 @@ using Theta = std::array<double, kUnknowns>;
 class Pass {
  public:
   Pass(MotionView& view, const MovingSurface& surface, const RigidMotionConfig& config, RigidMotionWork& work)
-      : view_(view), maps_(surface.maps), turn_(surface.turn), rays_(surface.rays), config_(config), work_(work) {}
+      : view_(view), maps_(surface.maps), wraps_(surface.wraps), rays_(surface.rays), config_(config), work_(work) {}
 
   std::optional<Theta> run(const MotionField* known) {
     view_.take_samples(known, work_.samples);
     view_.make_images(known, work_.images);
-    find_nodes(work_.images, maps_, turn_, rays_, work_.nodes);
+    find_nodes(work_.images, maps_, wraps_, rays_, work_.nodes);
     take_columns(work_.nodes, work_.samples, work_.columns);
     return solve_robustly();
   }
@@ -142,7 +142,7 @@ class Pass {
 
   MotionView& view_;
   const PhaseMaps& maps_;
-  const Map<std::int16_t>& turn_;
+  const Map<std::int16_t>& wraps_;
   const RayDepth& rays_;
   const RigidMotionConfig& config_;
   RigidMotionWork& work_;

@@ -68,7 +68,7 @@ struct RigidMotionWork {
 /// What a MotionView sees, phases as they were measured. Borrowed.
 struct MovingSurface {
   const PhaseMaps& maps;
-  const Map<std::int16_t>& turn;
+  const Map<std::int16_t>& wraps;
   const RayDepth& rays;
 };
 

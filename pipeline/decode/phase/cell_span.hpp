@@ -1,4 +1,4 @@
-// Where decided pieces of the code's half-fringe cells lie in the image.
+// Where decided segments of the code's half-fringe cells lie in the image.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,6 @@ struct CellSpan {
 };
 
 /// Turns of 2 pi between a phase in [-pi, pi) and Phi in this cell.
-[[nodiscard]] constexpr std::int32_t turn_of_cell(std::int32_t cell) noexcept { return (cell + 1) >> 1; }
+[[nodiscard]] constexpr std::int32_t wraps_of_cell(std::int32_t cell) noexcept { return (cell + 1) >> 1; }
 
 }  // namespace enamel::pipeline

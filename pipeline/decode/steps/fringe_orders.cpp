@@ -15,22 +15,22 @@ double FringeOrders::torn_share() const noexcept {
 }
 
 void find_spans(FringeOrders& o) {
-  const auto& pieces = o.pieces.pieces;
+  const auto& segments = o.segments.segments;
   o.spans.clear();
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
-    const Piece& p = pieces[k];
-    const PieceOrder& order = o.orders.pieces[k];
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const Segment& p = segments[k];
+    const SegmentOrder& order = o.orders.segments[k];
     if (!order.decided || order.speck) continue;
-    const bool whole = p.joined && k + 1 < pieces.size() && pieces[k + 1].joined;
+    const bool whole = p.joined && k + 1 < segments.size() && segments[k + 1].joined;
     o.spans.push_back({p.row, p.begin, p.end, p.cell + 2 * order.shift, whole});
   }
 }
 
 void reject_undecided(const FringeOrders& o, Map<PixelReject>& reject) {
-  const auto& pieces = o.pieces.pieces;
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
-    const Piece& p = pieces[k];
-    const PieceOrder& order = o.orders.pieces[k];
+  const auto& segments = o.segments.segments;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const Segment& p = segments[k];
+    const SegmentOrder& order = o.orders.segments[k];
     if (order.decided && !order.speck) continue;
     const PixelReject why = order.decided ? PixelReject::kSpeck : PixelReject::kRelative;
     std::fill(&reject(p.begin, p.row), &reject(p.begin, p.row) + (p.end - p.begin), why);
@@ -39,10 +39,10 @@ void reject_undecided(const FringeOrders& o, Map<PixelReject>& reject) {
 
 void reject_beside_jumps(const FringeOrders& o, Map<PixelReject>& reject) {
   constexpr std::int32_t kMixed_px = 2;  // one that blur mixes, one that the code may be off by
-  const auto& pieces = o.pieces.pieces;
-  for (std::size_t k = 1; k < pieces.size(); ++k) {
-    const Piece &before = pieces[k - 1], &p = pieces[k];
-    const PieceOrder &a = o.orders.pieces[k - 1], &b = o.orders.pieces[k];
+  const auto& segments = o.segments.segments;
+  for (std::size_t k = 1; k < segments.size(); ++k) {
+    const Segment &before = segments[k - 1], &p = segments[k];
+    const SegmentOrder &a = o.orders.segments[k - 1], &b = o.orders.segments[k];
     if (!p.joined || !a.decided || !b.decided || a.shift == b.shift) continue;
     const std::int32_t first = std::max(before.begin, p.begin - kMixed_px), end = std::min(p.end, p.begin + kMixed_px);
     for (std::int32_t u = first; u < end; ++u) {

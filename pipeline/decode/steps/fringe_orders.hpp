@@ -1,4 +1,4 @@
-// Third step of a burst: the absolute fringe order of each piece of a region, as far as the code tells it.
+// Third step of a burst: the absolute fringe order of each segment of a region, as far as the code tells it.
 #pragma once
 
 #include <vector>
@@ -13,9 +13,9 @@ namespace enamel::pipeline {
 
 /// Keeps its memory from burst to burst.
 struct FringeOrders {
-  PieceList pieces;
-  OrderResult orders;           ///< parallel to the pieces
-  std::vector<CellSpan> spans;  ///< where decided pieces lie; of find_spans
+  SegmentList segments;
+  OrderResult orders;           ///< parallel to the segments
+  std::vector<CellSpan> spans;  ///< where decided segments lie; of find_spans
 
   /// Pixels whose code could be asked.
   [[nodiscard]] double judged_px() const noexcept { return orders.agreeing_px + orders.contradicting_px; }
@@ -25,10 +25,10 @@ struct FringeOrders {
   [[nodiscard]] double torn_share() const noexcept;
 };
 
-/// Fills `spans` from pieces and orders.
+/// Fills `spans` from segments and orders.
 void find_spans(FringeOrders& orders);
 
-/// Rejects the pixels of all other pieces: kRelative, or kSpeck of those too small to trust.
+/// Rejects the pixels of all other segments: kRelative, or kSpeck of those too small to trust.
 void reject_undecided(const FringeOrders& orders, Map<PixelReject>& reject);
 
 /// Rejects (kEdge) pixels beside a jump of whole fringes inside a run, where the phase goes on as if there were none:

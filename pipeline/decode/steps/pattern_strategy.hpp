@@ -60,10 +60,10 @@ class PatternStrategy {
   /// code mends.
   virtual void unwrap(PhaseMaps& phase, Work& work, Regions& regions) const;
 
-  /// Absolute orders of all pieces, by the code.
+  /// Absolute orders of all segments, by the code.
   virtual void find_orders(const PhaseMaps& phase, const Regions& regions, Work& work, DecodeDiagnostics& diagnostics,
                            FringeOrders& out) const = 0;
-  /// Why no piece got one.
+  /// Why no segment got one.
   [[nodiscard]] virtual BurstVerdict why_unplaced(const PhaseMaps& phase, const Work& work,
                                                   const DecodeDiagnostics& diagnostics) const = 0;
   /// Whether the code that the orders rest on is the rig's.

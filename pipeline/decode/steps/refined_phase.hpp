@@ -10,11 +10,11 @@
 
 namespace enamel::pipeline {
 
-/// Phi = phase_rad + 2 pi turn of the pixels that are not rejected. Borrowed from the workspace, valid until the next
+/// Phi = phase_rad + 2 pi wraps of the pixels that are not rejected. Borrowed from the workspace, valid until the next
 /// burst.
 struct RefinedPhase {
   const PhaseMaps& maps;
-  const Map<std::int16_t>& turn;
+  const Map<std::int16_t>& wraps;
   /// Pixels solved from other frames than at first: what was shown of them is out of date.
   std::span<const std::size_t> solved_anew;
 };

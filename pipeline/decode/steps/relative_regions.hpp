@@ -1,4 +1,4 @@
-// What the code does not place: regions of pieces whose orders hang together and are known relatively only.
+// What the code does not place: regions of segments whose orders hang together and are known relatively only.
 #pragma once
 
 #include <span>
@@ -12,9 +12,9 @@
 
 namespace enamel::pipeline {
 
-/// Undecided pieces that continue each other without a step make a region; regions under min_region_px are left out.
+/// Undecided segments that continue each other without a step make a region; regions under min_region_px are left out.
 /// Fills spans and regions. parent: memory kept between bursts.
-void find_relative(std::span<const Piece> pieces, std::span<const PieceOrder> orders, int min_region_px,
+void find_relative(std::span<const Segment> segments, std::span<const SegmentOrder> orders, int min_region_px,
                    std::vector<std::int32_t>& parent, RelativeSurface& out);
 
 /// The spans as cells, for the corrections of mode M.

@@ -17,8 +17,8 @@ RippleTerms terms_of(const PhaseRipple& ripple) {
   return out;
 }
 
-SurfaceRow row_of(const PhaseMaps& m, const Map<std::int16_t>& turn, const RayDepth& r, std::size_t at) {
-  return {&m.phase_rad[at], &m.cosine_dn[at],     &m.sine_dn[at], &m.sigma_rad[at], &turn[at],
+SurfaceRow row_of(const PhaseMaps& m, const Map<std::int16_t>& wraps, const RayDepth& r, std::size_t at) {
+  return {&m.phase_rad[at], &m.cosine_dn[at],     &m.sine_dn[at], &m.sigma_rad[at], &wraps[at],
           &m.reject[at],    &r.phase_mid_rad[at], &r.c0[at],      &r.c1[at],        &r.c2[at],
           &r.c3[at],        &r.rays.x[at],        &r.rays.y[at]};
 }
@@ -35,7 +35,7 @@ void make_surface(const RefinedPhase& phase, const RayDepth& rays, const PhaseRi
   NormalRows normals(rays, config, scratch);
   for (int v = 0; v < rays.height; ++v) {
     const std::size_t at = static_cast<std::size_t>(v) * width;
-    solve_surface_row(row_of(phase.maps, phase.turn, rays, at), range, terms, width,
+    solve_surface_row(row_of(phase.maps, phase.wraps, rays, at), range, terms, width,
                       {normals.row(v), &patch.depth_mm[at], &patch.sigma_mm[at], &out.phase_rad[at], &out.order[at],
                        &out.reject[at], x.data(), y.data()});
     interleave(x.data(), y.data(), &patch.depth_mm[at], width, patch.points[at].data());

@@ -33,12 +33,12 @@ namespace enamel::pipeline::HWY_NAMESPACE {
 /// mixes widths is unrolled until its values no longer fit the registers.
 constexpr std::size_t kStretch = 256;
 struct Stretch {
-  std::array<std::int32_t, kStretch> turn, reject, order;
+  std::array<std::int32_t, kStretch> wraps, reject, order;
 };
 
-void widen(const std::int16_t* turns, const PixelReject* rejects, std::size_t count, Stretch& out) {
-  std::int32_t* __restrict turn = out.turn.data(), * __restrict reject = out.reject.data();
-  for (std::size_t i = 0; i < count; ++i) turn[i] = turns[i];
+void widen(const std::int16_t* wrap_counts, const PixelReject* rejects, std::size_t count, Stretch& out) {
+  std::int32_t* __restrict wraps = out.wraps.data(), * __restrict reject = out.reject.data();
+  for (std::size_t i = 0; i < count; ++i) wraps[i] = wrap_counts[i];
   for (std::size_t i = 0; i < count; ++i) reject[i] = static_cast<std::int32_t>(rejects[i]);
 }
 
@@ -63,14 +63,14 @@ void surface_stretch(const SurfaceRow& row, const InverseDepthRange& limits, con
   float* __restrict inverse = o.inverse_depth + from, * __restrict depth = o.depth_mm + from;
   float* __restrict sigma_mm = o.sigma_mm + from, * __restrict wrapped = o.phase_rad + from;
   float* __restrict x_mm = o.x_mm + from, * __restrict y_mm = o.y_mm + from;
-  const std::int32_t* __restrict turn = s.turn.data();
+  const std::int32_t* __restrict wraps = s.wraps.data();
   std::int32_t* __restrict reject = s.reject.data(), * __restrict order = s.order.data();
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < count; ++u) {
     const float raw = phase[u] - ripple_error(ripple, cosine[u], sine[u]);
-    const int turns = turn[u] + static_cast<int>(raw >= kPiF) - static_cast<int>(raw < -kPiF);
+    const int wrap_counts = wraps[u] + static_cast<int>(raw >= kPiF) - static_cast<int>(raw < -kPiF);
     const float phi = select(raw >= kPiF, raw - kTwoPiF, select(raw < -kPiF, raw + kTwoPiF, raw));
-    const float absolute = phi + kTwoPiF * static_cast<float>(turns);
+    const float absolute = phi + kTwoPiF * static_cast<float>(wrap_counts);
     const float t = absolute - mid[u];
     const float q = c0[u] + t * (c1[u] + t * (c2[u] + t * c3[u]));
     const float slope = c1[u] + t * (2 * c2[u] + t * (3 * c3[u]));
@@ -89,7 +89,7 @@ void surface_stretch(const SurfaceRow& row, const InverseDepthRange& limits, con
     const float three_frames = select(phase[u] >= kPiF, -kPiF, phase[u]);
     const bool unlit = (was >= kDark) & (was <= kNoisy);
     wrapped[u] = select(unlit, kNan, select(placed, phi, three_frames));
-    const int floor_order = turns - static_cast<int>(phi < 0);
+    const int floor_order = wrap_counts - static_cast<int>(phi < 0);
     const bool known = ok & (floor_order >= 0) & (floor_order < static_cast<int>(kNoOrder));
     order[u] = known ? floor_order : static_cast<int>(kNoOrder);
   }
@@ -100,7 +100,7 @@ void surface_loop(const SurfaceRow& row, const InverseDepthRange& limits, const 
   Stretch stretch;
   for (std::size_t from = 0; from < width; from += kStretch) {
     const std::size_t count = std::min(kStretch, width - from);
-    widen(row.turn + from, row.reject + from, count, stretch);
+    widen(row.wraps + from, row.reject + from, count, stretch);
     surface_stretch(row, limits, terms, from, count, o, stretch);
     narrow(stretch, count, o.reject + from, o.order + from);
   }

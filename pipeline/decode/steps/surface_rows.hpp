@@ -11,7 +11,7 @@ namespace enamel::pipeline {
 /// A row's pixels in the images that the surface is solved from, and in the rig's tables.
 struct SurfaceRow {
   const float *phase, *cosine, *sine, *sigma;
-  const std::int16_t* turn;
+  const std::int16_t* wraps;
   const PixelReject* reject;
   const float *mid, *c0, *c1, *c2, *c3, *ray_x, *ray_y;
 };

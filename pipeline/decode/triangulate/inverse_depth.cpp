@@ -13,7 +13,7 @@ void sparse_inverse_depth_row(const SparseDepth& of, int v, const float* phase_r
   const std::size_t first = static_cast<std::size_t>(v / 2) * count, at = of.maps.phase_rad.index(0, v);
   const InverseDepthTable& t = of.rays.sparse;
   inverse_depth_row({phase_rad, &t.phase_mid_rad[first], &t.c0[first], &t.c1[first], &t.c2[first], &t.c3[first],
-                     &of.turn[at], &of.maps.reject[at]},
+                     &of.wraps[at], &of.maps.reject[at]},
                     depth_range_of(of.rays, of.beyond), count, inverse_depth);
 }
 

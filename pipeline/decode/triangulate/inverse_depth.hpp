@@ -19,8 +19,8 @@ struct InverseDepthRange {
 
 /// What 1/z is taken from. Borrowed.
 struct SparseDepth {
-  const PhaseMaps& maps;          ///< their mask
-  const Map<std::int16_t>& turn;  ///< Phi = phase + 2 pi turn
+  const PhaseMaps& maps;           ///< their mask
+  const Map<std::int16_t>& wraps;  ///< Phi = phase + 2 pi wraps
   const RayDepth& rays;
   float beyond = 0;  ///< share by which the depth range is wider
 };

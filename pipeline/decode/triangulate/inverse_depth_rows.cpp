@@ -20,11 +20,11 @@ constexpr std::size_t kStretch = 256;  ///< widened before the loop that compute
 void inverse_loop(const SparseRow& row, const InverseDepthRange& limits, std::size_t count, float* inverse_depth) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const InverseDepthRange range = limits;
-  std::array<std::int32_t, kStretch> turns, rejects;
-  const std::int32_t* __restrict turn = turns.data(), * __restrict reject = rejects.data();
+  std::array<std::int32_t, kStretch> wrap_counts, rejects;
+  const std::int32_t* __restrict wraps = wrap_counts.data(), * __restrict reject = rejects.data();
   for (std::size_t from = 0; from < count; from += kStretch) {
     const std::size_t n = std::min(kStretch, count - from);
-    for (std::size_t k = 0; k < n; ++k) turns[k] = row.turn[2 * (from + k)];
+    for (std::size_t k = 0; k < n; ++k) wrap_counts[k] = row.wraps[2 * (from + k)];
     for (std::size_t k = 0; k < n; ++k) rejects[k] = static_cast<std::int32_t>(row.reject[2 * (from + k)]);
     const float* __restrict phase = row.phase + from, * __restrict mid = row.mid + from;
     const float* __restrict c0 = row.c0 + from, * __restrict c1 = row.c1 + from;
@@ -32,7 +32,7 @@ void inverse_loop(const SparseRow& row, const InverseDepthRange& limits, std::si
     float* __restrict out = inverse_depth + from;
     ENAMEL_INDEPENDENT
     for (std::size_t k = 0; k < n; ++k) {
-      const float t = phase[k] + kTwoPiF * static_cast<float>(turn[k]) - mid[k];
+      const float t = phase[k] + kTwoPiF * static_cast<float>(wraps[k]) - mid[k];
       const float q = c0[k] + t * (c1[k] + t * (c2[k] + t * c3[k]));
       const bool ok = (reject[k] == static_cast<int>(PixelReject::kNone)) & (q <= range.q_near) & (q >= range.q_far);
       out[k] = select(ok, q, kNan);

@@ -11,7 +11,7 @@ namespace enamel::pipeline {
 struct SparseRow {
   const float* phase;
   const float *mid, *c0, *c1, *c2, *c3;
-  const std::int16_t* turn;   ///< of all pixels
+  const std::int16_t* wraps;  ///< of all pixels
   const PixelReject* reject;  ///< of all pixels
 };
 

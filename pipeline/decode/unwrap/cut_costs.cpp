@@ -68,11 +68,11 @@ void measure_cut_costs(const PhaseMaps& phase, const Carrier& carrier, const Cut
     for (std::size_t u = 0; u < width; ++u) out.valid[to + u] = row.reject[u] == PixelReject::kNone ? 1 : 0;
     difference_row(row, 1, width - 1, east);
     cut_cost_row(row, 1, width - 1, {east - 1, east, east + 1}, carrier.slope_u_rad, config, &out.east_cost[to]);
-    turn_row(row, 1, width - 1, east, &out.east_turn[to]);
+    wrap_row(row, 1, width - 1, east, &out.east_turn[to]);
     if (v + 1 < h) {
       float* below = south.next();
       difference_row(row, w, width, below);
-      turn_row(row, w, width, below, &out.south_turn[to]);
+      wrap_row(row, w, width, below, &out.south_turn[to]);
     } else {
       south.none();
     }

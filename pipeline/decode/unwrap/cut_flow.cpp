@@ -21,11 +21,11 @@ int CutFlow::charge_of(std::size_t node) const noexcept {
   return node < quads_ ? nodes_[node].charge : hole_charges_[node - quads_];
 }
 
-void CutFlow::add_charge(std::size_t node, int turns) noexcept {
+void CutFlow::add_charge(std::size_t node, int wrap_counts) noexcept {
   if (node < quads_) {
-    nodes_[node].charge = static_cast<std::int8_t>(nodes_[node].charge + turns);
+    nodes_[node].charge = static_cast<std::int8_t>(nodes_[node].charge + wrap_counts);
   } else {
-    hole_charges_[node - quads_] += turns;
+    hole_charges_[node - quads_] += wrap_counts;
   }
 }
 

@@ -1,7 +1,7 @@
-// The cuts of least cost that leave the phase without a residue. Going round a quad of pixels, the turns must add up to
-// none; where they do not, a jump of more than half a fringe ends. Turns are moved over the quads as a flow from
-// surplus to want; moving one over a link cuts it, at the link's cost. The least sum of |turns| x cost is a flow of
-// minimum cost (Costantini, IEEE Trans. Geosci. Remote Sens. 36 (1998) 813), found exactly by successive shortest
+// The cuts of least cost that leave the phase without a residue. Going round a quad of pixels, the turns must add
+// up to none; where they do not, a jump of more than half a fringe ends. Turns are moved over the quads as a flow from
+// surplus to want; moving one over a link cuts it, at the link's cost. The least sum of |turns| x cost is a flow
+// of minimum cost (Costantini, IEEE Trans. Geosci. Remote Sens. 36 (1998) 813), found exactly by successive shortest
 // paths.
 #pragma once
 
@@ -17,8 +17,8 @@ namespace enamel::pipeline {
 
 class CutFlow {
  public:
-  /// Afterwards turns + cuts add up to none on every way round, be it a quad or a hole. Work grows with the number of
-  /// residues and with the area within their cuts' cost, not with the image. Deterministic.
+  /// Afterwards turns + cuts add up to none on every way round, be it a quad or a hole. Work grows with the
+  /// number of residues and with the area within their cuts' cost, not with the image. Deterministic.
   void settle(const CutCosts& costs);
 
   [[nodiscard]] std::size_t residues() const noexcept { return residues_; }
@@ -53,7 +53,7 @@ class CutFlow {
   void move_turn(std::size_t source, std::size_t target, int sign);
   [[nodiscard]] std::size_t node_of(std::size_t quad) const noexcept;
   [[nodiscard]] int charge_of(std::size_t node) const noexcept;
-  void add_charge(std::size_t node, int turns) noexcept;
+  void add_charge(std::size_t node, int wrap_counts) noexcept;
   [[nodiscard]] bool takes(std::size_t node, int sign) const noexcept;
 
   const CutCosts* costs_ = nullptr;

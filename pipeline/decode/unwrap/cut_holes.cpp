@@ -18,7 +18,7 @@ void CutHoles::split_runs(const CutCosts& costs) {
 }
 
 /// Those that touch in one set.
-void CutHoles::join_runs(PieceSets& sets) const {
+void CutHoles::join_runs(SegmentSets& sets) const {
   for (std::size_t k = 0, o = 0; k < runs_.size(); ++k) {
     while (runs_[o].end + stride_ < runs_[k].begin) ++o;
     for (std::size_t p = o; p < k && runs_[p].begin + stride_ <= runs_[k].end; ++p) sets.unite(p, k);
@@ -47,7 +47,7 @@ void CutHoles::find(const CutCosts& costs) {
   stride_ = costs.stride;
   valid_ = costs.valid.data();
   split_runs(costs);
-  PieceSets sets(runs_.size(), parent_);
+  SegmentSets sets(runs_.size(), parent_);
   join_runs(sets);
   label_.resize(n);
   numbers_.assign(runs_.size(), 0);

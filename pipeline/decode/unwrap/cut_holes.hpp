@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pipeline/decode/unwrap/cut_costs.hpp"
-#include "pipeline/decode/unwrap/piece_sets.hpp"
+#include "pipeline/decode/unwrap/segment_sets.hpp"
 
 namespace enamel::pipeline {
 
@@ -30,7 +30,7 @@ class CutHoles {
     std::size_t begin = 0, end = 0;
   };
   void split_runs(const CutCosts& costs);
-  void join_runs(PieceSets& sets) const;
+  void join_runs(SegmentSets& sets) const;
   void list_quads(const CutCosts& costs);
 
   std::vector<Run> runs_;

@@ -40,10 +40,10 @@ void cost_loop(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const 
   }
 }
 
-void turn_loop(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* difference, std::int8_t* turn) {
+void wrap_loop(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* difference, std::int8_t* wraps) {
   const float* __restrict p = r.phase, * __restrict q = r.phase + step, * __restrict e = difference;
   const float* __restrict c = r.carrier, * __restrict d = r.carrier + step;
-  std::int8_t* __restrict out = turn;
+  std::int8_t* __restrict out = wraps;
   for (std::size_t u = 0; u < count; ++u) {
     const float gained = select(e[u] < 5, e[u] + (d[u] - c[u]) - (q[u] - p[u]), 0);
     out[u] = static_cast<std::int8_t>(static_cast<int>(gained > kPiF) - static_cast<int>(gained < -kPiF));
@@ -65,13 +65,13 @@ void torn_loop(const std::uint8_t* valid, const std::uint8_t* valid_below, std::
     out[u] = static_cast<std::uint8_t>((top[u] & top[u + 1] & bottom[u] & bottom[u + 1]) ^ 1U);
 }
 
-void piece_loop(const CutRow& row, std::size_t width, std::uint8_t* marks) {
+void segment_loop(const CutRow& row, std::size_t width, std::uint8_t* marks) {
   const std::uint8_t* __restrict valid = row.valid, * __restrict cost = row.cost - 1;
-  const std::int8_t* __restrict turn = row.turn - 1;
+  const std::int8_t* __restrict wraps = row.wraps - 1;
   const std::int16_t* __restrict cut = row.cut - 1;
   std::uint8_t* __restrict out = marks;
   for (std::size_t u = 0; u < width; ++u) {
-    const bool same = (cost[u] > kLeastCost) & (turn[u] == 0) & (cut[u] == 0);
+    const bool same = (cost[u] > kLeastCost) & (wraps[u] == 0) & (cut[u] == 0);
     out[u] = static_cast<std::uint8_t>(valid[u] == 0 ? kNoPixel : (same ? kSameRun : kRunEvent));
   }
 }
@@ -83,10 +83,10 @@ HWY_AFTER_NAMESPACE();
 namespace enamel::pipeline {
 
 HWY_EXPORT(cost_loop);
-HWY_EXPORT(turn_loop);
+HWY_EXPORT(wrap_loop);
 HWY_EXPORT(residue_loop);
 HWY_EXPORT(torn_loop);
-HWY_EXPORT(piece_loop);
+HWY_EXPORT(segment_loop);
 
 void cut_cost_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const LineOfDifferences& line, float slope,
                   const CutConfig& config, std::uint8_t* cost) {
@@ -95,8 +95,8 @@ void cut_cost_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, con
   HWY_DYNAMIC_DISPATCH(cost_loop)(r, step, count, line, slope, config, odds, cost);
 }
 
-void turn_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* difference, std::int8_t* turn) {
-  HWY_DYNAMIC_DISPATCH(turn_loop)(r, step, count, difference, turn);
+void wrap_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* difference, std::int8_t* wraps) {
+  HWY_DYNAMIC_DISPATCH(wrap_loop)(r, step, count, difference, wraps);
 }
 
 void residue_row(const std::int8_t* east, const std::int8_t* east_below, const std::int8_t* south, std::size_t count,
@@ -108,8 +108,8 @@ void torn_row(const std::uint8_t* valid, const std::uint8_t* below, std::size_t 
   HWY_DYNAMIC_DISPATCH(torn_loop)(valid, below, count, out);
 }
 
-void mark_pieces(const CutRow& row, std::size_t width, std::uint8_t* marks) {
-  HWY_DYNAMIC_DISPATCH(piece_loop)(row, width, marks);
+void mark_segments(const CutRow& row, std::size_t width, std::uint8_t* marks) {
+  HWY_DYNAMIC_DISPATCH(segment_loop)(row, width, marks);
 }
 
 }  // namespace enamel::pipeline

@@ -20,7 +20,7 @@ void cut_cost_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, con
                   const CutConfig& config, std::uint8_t* cost);
 
 /// Turns gained where the phase, less the carrier, wraps; 0 where the difference is invalid.
-void turn_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* difference, std::int8_t* turn);
+void wrap_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const float* difference, std::int8_t* wraps);
 
 /// Sum of the turns round each quad, clockwise from its upper left pixel.
 void residue_row(const std::int8_t* east, const std::int8_t* east_below, const std::int8_t* south, std::size_t count,
@@ -32,12 +32,12 @@ void torn_row(const std::uint8_t* valid, const std::uint8_t* below, std::size_t 
 /// A row's links to the right, from pixel 0 on; pixel -1 exists and is margin.
 struct CutRow {
   const std::uint8_t* valid;
-  const std::int8_t* turn;
+  const std::int8_t* wraps;
   const std::uint8_t* cost;
   const std::int16_t* cut;
 };
 
-/// Where runs of pixels that hang together by whole links begin, or go on on another turn (flood_rows.hpp).
-void mark_pieces(const CutRow& row, std::size_t width, std::uint8_t* marks);
+/// Where runs of pixels that hang together by whole links begin, or go on on another wrap count (flood_rows.hpp).
+void mark_segments(const CutRow& row, std::size_t width, std::uint8_t* marks);
 
 }  // namespace enamel::pipeline

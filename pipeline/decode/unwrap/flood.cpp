@@ -21,7 +21,7 @@ class Joiner {
     work_.head.fill(kNil);
     work_.upper.resize(width_);
     work_.lower.resize(width_);
-    work_.turns.resize(width_);
+    work_.wrap_counts.resize(width_);
     work_.weights.resize(width_);
     work_.marks.assign(width_ + kRunPadding, kSentinel);
     work_.changes.assign(width_ + kRunPadding, kSentinel);
@@ -41,12 +41,12 @@ class Joiner {
   }
 
  private:
-  /// Runs of a row; `lower` holds each pixel's, `turn` is relative to the run's first pixel.
+  /// Runs of a row; `lower` holds each pixel's, `wraps` is relative to the run's first pixel.
   void split_row(int v) {
     const std::size_t at = static_cast<std::size_t>(v) * width_;
     std::uint8_t* marks = work_.marks.data();
     mark_runs(&phase_[at], &links_.east[at], &links_.quality[at], width_, marks);
-    int turn = 0;
+    int wraps = 0;
     for (std::size_t u = 0, end = 0; u < width_; u = end) {
       if (marks[u] == kNoPixel) {
         end = end_of_run(marks, u, kNoPixel);
@@ -54,18 +54,18 @@ class Joiner {
         continue;
       }
       end = end_of_run(marks, u + 1, kSameRun);
-      turn = begin_or_wrap(v, at, u, turn);
+      wraps = begin_or_wrap(v, at, u, wraps);
       work_.runs.back().end = static_cast<std::int32_t>(end);
       std::fill(&work_.lower[u], &work_.lower[u] + (end - u), static_cast<std::int32_t>(work_.runs.size()) - 1);
-      std::fill(&out_.turn[at + u], &out_.turn[at + u] + (end - u), static_cast<std::int16_t>(turn));
+      std::fill(&out_.wraps[at + u], &out_.wraps[at + u] + (end - u), static_cast<std::int16_t>(wraps));
     }
   }
 
-  /// The turn of pixel u, where the phase wraps or a run begins, if that of the pixel before it is `turn`.
-  int begin_or_wrap(int v, std::size_t at, std::size_t u, int turn) {
+  /// The wrap count of pixel u, where the phase wraps or a run begins, if that of the pixel before it is `wraps`.
+  int begin_or_wrap(int v, std::size_t at, std::size_t u, int wraps) {
     const std::size_t i = at + u;
     const bool linked = u > 0 && links_.east[i - 1] != 0;
-    const int next = linked ? turn + turn_between(phase_[i - 1], phase_[i]) : 0;
+    const int next = linked ? wraps + wraps_between(phase_[i - 1], phase_[i]) : 0;
     if (linked && ((links_.quality[i] | links_.quality[i - 1]) & kCleanQuality) != 0) return next;
     const auto self = static_cast<std::int32_t>(work_.runs.size()), x = static_cast<std::int32_t>(u);
     if (linked) add({self - 1, self, next, kNil}, weight(i - 1, i));
@@ -76,9 +76,9 @@ class Joiner {
   /// Joints between the row that begins at `at` and the one below, neighbouring pixels that say the same as one.
   void border_rows(std::size_t at) {
     const std::size_t below = at + width_;
-    compare_runs({&phase_[at], &links_.quality[at], &out_.turn[at], work_.upper.data()},
-                 {&phase_[below], &links_.quality[below], &out_.turn[below], work_.lower.data()}, &links_.south[at],
-                 width_, {work_.turns.data(), work_.weights.data(), work_.changes.data()});
+    compare_runs({&phase_[at], &links_.quality[at], &out_.wraps[at], work_.upper.data()},
+                 {&phase_[below], &links_.quality[below], &out_.wraps[below], work_.lower.data()}, &links_.south[at],
+                 width_, {work_.wrap_counts.data(), work_.weights.data(), work_.changes.data()});
     FloodMaps::Joint open;
     int sum = 0;
     for (std::size_t u = 0, end = 0; u < width_; u = end) {
@@ -86,8 +86,8 @@ class Joiner {
       int weight = 0;
       for (std::size_t k = u; k < end; ++k) weight += work_.weights[k];
       if (weight == 0) continue;
-      const FloodMaps::Joint here{work_.upper[u], work_.lower[u], work_.turns[u], kNil};
-      if (sum > 0 && (here.first != open.first || here.second != open.second || here.turn != open.turn)) {
+      const FloodMaps::Joint here{work_.upper[u], work_.lower[u], work_.wrap_counts[u], kNil};
+      if (sum > 0 && (here.first != open.first || here.second != open.second || here.wraps != open.wraps)) {
         add(open, sum);
         sum = 0;
       }
@@ -109,15 +109,15 @@ class Joiner {
     work_.joints.push_back(joint);
   }
 
-  /// Root of a run, with path halving; `turn` of the run's zero over the root's is added up.
-  std::int32_t root(std::int32_t r, std::int32_t& turn) {
+  /// Root of a run, with path halving; `wraps` of the run's zero over the root's is added up.
+  std::int32_t root(std::int32_t r, std::int32_t& wraps) {
     auto& runs = work_.runs;
     while (runs[static_cast<std::size_t>(r)].parent != r) {
       FloodMaps::Run& run = runs[static_cast<std::size_t>(r)];
       const FloodMaps::Run& parent = runs[static_cast<std::size_t>(run.parent)];
-      run.turn += parent.parent != run.parent ? parent.turn : 0;
+      run.wraps += parent.parent != run.parent ? parent.wraps : 0;
       run.parent = parent.parent;
-      turn += run.turn;
+      wraps += run.wraps;
       r = run.parent;
     }
     return r;
@@ -125,17 +125,17 @@ class Joiner {
 
   void join(const FloodMaps::Joint& joint) {
     auto& runs = work_.runs;
-    std::int32_t first_turn = 0, second_turn = 0;
-    std::int32_t a = root(joint.first, first_turn), b = root(joint.second, second_turn);
+    std::int32_t first_wraps = 0, second_wraps = 0;
+    std::int32_t a = root(joint.first, first_wraps), b = root(joint.second, second_wraps);
     if (a == b) return;  // agreed already, or a conflict that better links have decided
-    std::int32_t b_over_a = first_turn + joint.turn - second_turn;
+    std::int32_t b_over_a = first_wraps + joint.wraps - second_wraps;
     if (runs[static_cast<std::size_t>(a)].size < runs[static_cast<std::size_t>(b)].size) {
       std::swap(a, b);
       b_over_a = -b_over_a;
     }
     FloodMaps::Run& child = runs[static_cast<std::size_t>(b)];
     child.parent = a;
-    child.turn = b_over_a;
+    child.wraps = b_over_a;
     runs[static_cast<std::size_t>(a)].size += child.size;
   }
 
@@ -147,8 +147,8 @@ class Joiner {
     std::int32_t* component = out_.component.pixels().data();
     std::size_t done = 0;  // pixels before it are numbered
     for (std::size_t k = 0; k < runs.size(); ++k) {
-      std::int32_t turn = 0;
-      const auto top = static_cast<std::size_t>(root(static_cast<std::int32_t>(k), turn));
+      std::int32_t wraps = 0;
+      const auto top = static_cast<std::size_t>(root(static_cast<std::int32_t>(k), wraps));
       if (numbers[top] == kNil) numbers[top] = out_.components++;
       const std::size_t at = static_cast<std::size_t>(runs[k].row) * width_;
       const std::size_t begin = at + static_cast<std::size_t>(runs[k].begin);
@@ -156,8 +156,8 @@ class Joiner {
       std::fill(component + done, component + begin, kNil);
       std::fill(component + begin, component + end, numbers[top]);
       done = end;
-      if (turn == 0) continue;
-      for (std::size_t i = begin; i < end; ++i) out_.turn[i] = static_cast<std::int16_t>(out_.turn[i] + turn);
+      if (wraps == 0) continue;
+      for (std::size_t i = begin; i < end; ++i) out_.wraps[i] = static_cast<std::int16_t>(out_.wraps[i] + wraps);
     }
     std::fill(component + done, component + out_.component.size(), kNil);
   }
@@ -172,8 +172,8 @@ class Joiner {
 }  // namespace
 
 void flood(const Map<float>& phase_rad, const LinkMaps& links, FloodMaps& out) {
-  if (out.turn.width() != phase_rad.width() || out.turn.height() != phase_rad.height())
-    out.turn = Map<std::int16_t>(phase_rad.width(), phase_rad.height());
+  if (out.wraps.width() != phase_rad.width() || out.wraps.height() != phase_rad.height())
+    out.wraps = Map<std::int16_t>(phase_rad.width(), phase_rad.height());
   if (out.component.size() != phase_rad.size() || out.component.width() != phase_rad.width())
     out.component = Map<std::int32_t>(phase_rad.width(), phase_rad.height());
   Joiner(phase_rad, links, out).run();

@@ -31,20 +31,20 @@ void compare_loop(const RunRow& upper, const RunRow& lower, const std::uint8_t* 
                   const RunBorder& border) {
   constexpr int kLevel = kCleanQuality - 1;
   const float* __restrict p = upper.phase, * __restrict q = lower.phase;
-  const std::int16_t* __restrict from = upper.turn, * __restrict to = lower.turn;
+  const std::int16_t* __restrict from = upper.wraps, * __restrict to = lower.wraps;
   const std::int32_t* __restrict a = upper.run, * __restrict b = lower.run;
   const std::uint8_t* __restrict south = links, * __restrict here = upper.quality, * __restrict below = lower.quality;
-  std::int16_t* __restrict turns = border.turns;
+  std::int16_t* __restrict wrap_counts = border.wrap_counts;
   std::uint8_t* __restrict weights = border.weights, * __restrict changes = border.changes;
   for (std::size_t u = 0; u < width; ++u)
-    turns[u] = static_cast<std::int16_t>(from[u] + turn_between(p[u], q[u]) - to[u]);
+    wrap_counts[u] = static_cast<std::int16_t>(from[u] + wraps_between(p[u], q[u]) - to[u]);
   for (std::size_t u = 0; u < width; ++u) {
     const int level = std::min(here[u] & kLevel, below[u] & kLevel);
     weights[u] = static_cast<std::uint8_t>(south[u] != 0 ? level : 0);
   }
   changes[0] = 0;
   for (std::size_t u = 1; u < width; ++u) {
-    const bool same = (a[u] == a[u - 1]) & (b[u] == b[u - 1]) & (turns[u] == turns[u - 1]);
+    const bool same = (a[u] == a[u - 1]) & (b[u] == b[u - 1]) & (wrap_counts[u] == wrap_counts[u - 1]);
     changes[u] = static_cast<std::uint8_t>(!same);
   }
 }

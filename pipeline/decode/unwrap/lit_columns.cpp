@@ -10,7 +10,7 @@ namespace enamel::pipeline {
 namespace {
 
 constexpr std::int32_t kPerCell = 4, kPerFringe = 2 * kPerCell;  ///< columns are told apart by eighths of a fringe
-constexpr float kEnds_rad = 0.2F;  ///< of a piece's columns: blur and noise may have taken them from its neighbour
+constexpr float kEnds_rad = 0.2F;  ///< of a segment's columns: blur and noise may have taken them from its neighbour
 
 /// Eighths first … last, none if last < first; of the flood's Phi, or of the projector's with shift * kPerFringe added.
 struct Eighths {
@@ -18,8 +18,8 @@ struct Eighths {
   [[nodiscard]] bool empty() const { return last < first; }
 };
 
-/// Those whose middle a piece covers, its ends left out.
-Eighths covered_by(const Piece& p) {
+/// Those whose middle a segment covers, its ends left out.
+Eighths covered_by(const Segment& p) {
   constexpr float kPerRad = static_cast<float>(kPerCell) / kPiF;
   const float low = (smaller(p.first_rad, p.last_rad) + kEnds_rad) * kPerRad - 0.5F,
               high = (larger(p.first_rad, p.last_rad) - kEnds_rad) * kPerRad - 0.5F;
@@ -28,20 +28,20 @@ Eighths covered_by(const Piece& p) {
 
 class Row {
  public:
-  Row(const std::vector<Piece>& pieces, const OrderConfig& config, OrderResult& out)
-      : pieces_(pieces),
+  Row(const std::vector<Segment>& segments, const OrderConfig& config, OrderResult& out)
+      : segments_(segments),
         out_(out),
         work_(out.work),
         most_(to_cost(config.lit_twice_cost)),
         least_(to_cost(config.least_claim)),
         margin_(to_cost(config.decided_margin)) {}
 
-  /// Pieces first … end-1 are a row's.
+  /// Segments first … end-1 are a row's.
   void choose(std::size_t first, std::size_t end) {
     std::fill(work_.lit.begin(), work_.lit.end(), LitColumn{});
     for (std::size_t i = first; i < end; ++i) light(i);
     for (std::size_t i = first; i < end; ++i) {
-      if (!out_.pieces[i].decided) choose(i);
+      if (!out_.segments[i].decided) choose(i);
     }
   }
 
@@ -55,7 +55,7 @@ class Row {
   void light(std::size_t i) {
     const Cost sure = std::min(work_.margin[i], most_);
     if (sure < least_) return;
-    const Eighths e = at_shift(covered_by(pieces_[i]), out_.pieces[i].shift);
+    const Eighths e = at_shift(covered_by(segments_[i]), out_.segments[i].shift);
     for (std::int32_t k = e.first; k <= e.last; ++k) {
       LitColumn& lit = work_.lit[static_cast<std::size_t>(k)];
       if (sure > lit.most) {
@@ -66,19 +66,19 @@ class Row {
     }
   }
 
-  /// Mean over a piece's columns of how sure another piece is of them.
+  /// Mean over a segment's columns of how sure another segment is of them.
   [[nodiscard]] Cost taken(std::size_t i, Eighths covered, std::int32_t shift) const {
     const Eighths e = at_shift(covered, shift);
     std::int32_t sum = 0;
     for (std::int32_t k = e.first; k <= e.last; ++k) {
       const LitColumn& lit = work_.lit[static_cast<std::size_t>(k)];
-      sum += lit.piece == static_cast<std::int32_t>(i) ? lit.next : lit.most;
+      sum += lit.segment == static_cast<std::int32_t>(i) ? lit.next : lit.most;
     }
     return static_cast<Cost>(sum / (covered.last - covered.first + 1));
   }
 
   void choose(std::size_t i) {
-    const Eighths covered = covered_by(pieces_[i]);
+    const Eighths covered = covered_by(segments_[i]);
     if (covered.empty()) return;
     const std::int32_t base = work_.base[i];
     const CostPair mean = mean_of(work_.up[i], work_.down[i]);
@@ -92,11 +92,11 @@ class Row {
       costs.of[k] = static_cast<Cost>(std::min(costs.of[k] + more, kImpossible - 1));
     }
     const Choice choice = cheapest(CostPair(costs));
-    out_.pieces[i].shift = base + choice.state;
-    out_.pieces[i].decided = choice.least < kImpossible && choice.margin >= margin_;
+    out_.segments[i].shift = base + choice.state;
+    out_.segments[i].decided = choice.least < kImpossible && choice.margin >= margin_;
   }
 
-  const std::vector<Piece>& pieces_;
+  const std::vector<Segment>& segments_;
   OrderResult& out_;
   OrderResult::Work& work_;
   Cost most_, least_, margin_;
@@ -104,13 +104,13 @@ class Row {
 
 }  // namespace
 
-void choose_by_columns(const std::vector<Piece>& pieces, int cells, const OrderConfig& config, OrderResult& out) {
+void choose_by_columns(const std::vector<Segment>& segments, int cells, const OrderConfig& config, OrderResult& out) {
   out.work.lit.resize(static_cast<std::size_t>(cells) * kPerCell);
-  Row row(pieces, config, out);
-  for (std::size_t first = 0, end = 0; first < pieces.size(); first = end) {
+  Row row(segments, config, out);
+  for (std::size_t first = 0, end = 0; first < segments.size(); first = end) {
     bool open = false;
-    for (end = first; end < pieces.size() && pieces[end].row == pieces[first].row; ++end)
-      open |= !out.pieces[end].decided && !covered_by(pieces[end]).empty();
+    for (end = first; end < segments.size() && segments[end].row == segments[first].row; ++end)
+      open |= !out.segments[end].decided && !covered_by(segments[end]).empty();
     if (open) row.choose(first, end);
   }
 }

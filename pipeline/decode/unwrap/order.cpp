@@ -5,19 +5,20 @@
 
 #include "pipeline/decode/unwrap/lit_columns.hpp"
 #include "pipeline/decode/unwrap/order_rows.hpp"
-#include "pipeline/decode/unwrap/piece_sets.hpp"
+#include "pipeline/decode/unwrap/segment_sets.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
 class Solver {
  public:
-  Solver(const std::vector<Piece>& pieces, const CodeEvidence& evidence, const OrderConfig& config, OrderResult& out)
-      : pieces_(pieces), evidence_(evidence), config_(config), out_(out), work_(out.work) {}
+  Solver(const std::vector<Segment>& segments, const CodeEvidence& evidence, const OrderConfig& config,
+         OrderResult& out)
+      : segments_(segments), evidence_(evidence), config_(config), out_(out), work_(out.work) {}
 
   void run(std::int32_t components) {
-    label_rows(pieces_, components, evidence_, config_, out_);
-    choose_by_columns(pieces_, evidence_.cells(), config_, out_);
+    label_rows(segments_, components, evidence_, config_, out_);
+    choose_by_columns(segments_, evidence_.cells(), config_, out_);
     find_open();
     inherit(kBroad_px, std::numeric_limits<std::int32_t>::max());
     stay_within_range();
@@ -32,9 +33,9 @@ class Solver {
   static constexpr std::int32_t kBroad_px = 2;  ///< more than the one pixel that blur mixes
   static constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max(), kSeveral = kUnknown - 1;
 
-  /// A zone of undecided pieces that borders on decided ones of one shift only continues that surface: plain
+  /// A zone of undecided segments that borders on decided ones of one shift only continues that surface: plain
   /// unwrapping. Where two shifts meet in it nobody knows the place, and where its own code speaks against, of a
-  /// piece's row or of the whole zone, it stays undecided. Neighbours in another row count when they share least_px
+  /// segment's row or of the whole zone, it stays undecided. Neighbours in another row count when they share least_px
   /// columns: less may be a leak through an edge's blur. Only zones of fewer than most_px pixels.
   void inherit(std::int32_t least_px, std::int32_t most_px) {
     if (!find_open_zones(least_px)) return;
@@ -47,7 +48,7 @@ class Solver {
   void stay_within_range() {
     if (evidence_.repeats_after() == 0 || !find_open_zones(kBroad_px)) return;
     for (const std::int32_t open : work_.open) {
-      const Piece& p = pieces_[index(open)];
+      const Segment& p = segments_[index(open)];
       const std::int32_t state = only_within_range(index(open));
       if (state >= 0) zone_of(index(open)).votes_px[index(state)] += p.end - p.begin;
     }
@@ -59,9 +60,10 @@ class Solver {
     take_offers();
   }
 
-  /// The cheapest state of a piece if it is clearly so but for repetitions of the code beyond the range; -1: it is not.
+  /// The cheapest state of a segment if it is clearly so but for repetitions of the code beyond the range; -1: it is
+  /// not.
   [[nodiscard]] std::int32_t only_within_range(std::size_t i) const {
-    const Piece& p = pieces_[i];
+    const Segment& p = segments_[i];
     const std::int32_t base = work_.base[i];
     OrderCosts costs;
     mean_of(work_.up[i], work_.down[i]).store(costs);
@@ -73,7 +75,7 @@ class Solver {
     return clear && within ? best.state : -1;
   }
 
-  /// Gives the open pieces the shift that their zone offers, unless their code speaks against it.
+  /// Gives the open segments the shift that their zone offers, unless their code speaks against it.
   void take_offers() {
     for (const std::int32_t open : work_.open) {
       const std::size_t i = index(open);
@@ -84,10 +86,10 @@ class Solver {
       const auto k = static_cast<std::size_t>(state);
       const OrderCosts& total = work_.row[i];  // of its own row, not diluted by others
       if (total.of[k] - least(total) > to_cost(config_.inherit_cost)) continue;
-      out_.pieces[i].shift = zone.offer;
-      (contradicts(zone, k) ? out_.pieces[i].disowned : out_.pieces[i].inherited) = true;
+      out_.segments[i].shift = zone.offer;
+      (contradicts(zone, k) ? out_.segments[i].disowned : out_.segments[i].inherited) = true;
     }
-    for (const std::int32_t i : work_.open) out_.pieces[index(i)].decided = out_.pieces[index(i)].inherited;
+    for (const std::int32_t i : work_.open) out_.segments[index(i)].decided = out_.segments[index(i)].inherited;
   }
 
   /// Whether the code of the zone as a whole speaks against a state. Rows are as many witnesses as a running mean over
@@ -98,7 +100,7 @@ class Solver {
   }
 
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-  [[nodiscard]] bool undecided(std::size_t i) const { return !out_.pieces[i].decided; }
+  [[nodiscard]] bool undecided(std::size_t i) const { return !out_.segments[i].decided; }
   Zone& zone_of(std::size_t i) { return work_.zones[index(work_.size[i])]; }
 
   /// Drops what is decided by now from work_.open and finds the zones of what is left; false: nothing is.
@@ -114,12 +116,12 @@ class Solver {
   void find_open() {
     work_.open.clear();
     work_.links.clear();
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
       const bool own = undecided(i);
       if (own) work_.open.push_back(static_cast<std::int32_t>(i));
-      each_neighbour(pieces_[i], i, [&](std::size_t o) {
+      each_neighbour(segments_[i], i, [&](std::size_t o) {
         if (!own && !undecided(o)) return;
-        const Piece &a = pieces_[i], &b = pieces_[o];
+        const Segment &a = segments_[i], &b = segments_[o];
         const std::int32_t shared = std::min(a.end, b.end) - std::max(a.begin, b.begin);
         work_.links.push_back({static_cast<std::int32_t>(i), static_cast<std::int32_t>(o),
                                a.row == b.row ? std::numeric_limits<std::int32_t>::max() : shared});
@@ -131,24 +133,24 @@ class Solver {
   template <class Visit>
   void each_link(std::int32_t least_px, Visit visit) const {
     for (const auto& link : work_.links) {
-      if (link.shared_px >= least_px) visit(index(link.piece), index(link.other));
+      if (link.shared_px >= least_px) visit(index(link.segment), index(link.other));
     }
   }
 
-  /// Fills work_.zones, and work_.size with the zone of each undecided piece.
+  /// Fills work_.zones, and work_.size with the zone of each undecided segment.
   void find_zones(std::int32_t least_px) {
-    PieceSets sets(pieces_.size(), work_.parent);
+    SegmentSets sets(segments_.size(), work_.parent);
     each_link(least_px, [&](std::size_t i, std::size_t o) {
       if (undecided(i) && undecided(o) && work_.base[i] == work_.base[o]) sets.unite(i, o);
     });
     work_.zones.clear();
-    work_.size.resize(pieces_.size());
+    work_.size.resize(segments_.size());
     for (const std::int32_t open : work_.open) {
       const std::size_t i = index(open), root = sets.root(i);  // the first of its zone
       if (root == i) work_.zones.push_back({.base = work_.base[i], .around = kUnknown});
       work_.size[i] = root == i ? static_cast<std::int32_t>(work_.zones.size()) - 1 : work_.size[root];
       Zone& zone = zone_of(i);
-      zone.px += pieces_[i].end - pieces_[i].begin;
+      zone.px += segments_[i].end - segments_[i].begin;
       for (std::size_t k = 0; k < kOrderStates; ++k) zone.costs[k] += work_.unary[i].of[k];
     }
   }
@@ -157,7 +159,7 @@ class Solver {
   void look_around(std::int32_t least_px) {
     const auto note = [&](std::size_t open, std::size_t source) {
       std::int32_t& known = zone_of(open).around;
-      const std::int32_t shift = out_.pieces[source].shift;
+      const std::int32_t shift = out_.segments[source].shift;
       known = known == kUnknown || known == shift ? shift : kSeveral;
     };
     each_link(least_px, [&](std::size_t i, std::size_t o) {
@@ -168,28 +170,29 @@ class Solver {
 
   void count_seams() {
     out_.seams = out_.torn_seams = 0;
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (!pieces_[i].joined || pieces_[i].kink) continue;
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+      if (!segments_[i].joined || segments_[i].kink) continue;
       ++out_.seams;
-      out_.torn_seams += out_.pieces[i].shift != out_.pieces[i - 1].shift ? 1U : 0U;
+      out_.torn_seams += out_.segments[i].shift != out_.segments[i - 1].shift ? 1U : 0U;
     }
   }
 
   void find_specks() {
-    PieceSets sets(pieces_.size(), work_.parent);
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      each_neighbour(pieces_[i], i, [&](std::size_t o) {
-        const PieceOrder &a = out_.pieces[i], &b = out_.pieces[o];
+    SegmentSets sets(segments_.size(), work_.parent);
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+      each_neighbour(segments_[i], i, [&](std::size_t o) {
+        const SegmentOrder &a = out_.segments[i], &b = out_.segments[o];
         if (a.decided && b.decided && a.shift == b.shift) sets.unite(i, o);
       });
     }
-    work_.size.assign(pieces_.size(), 0);
-    for (std::size_t i = 0; i < pieces_.size(); ++i) work_.size[sets.root(i)] += pieces_[i].end - pieces_[i].begin;
-    for (std::size_t i = 0; i < pieces_.size(); ++i)
-      out_.pieces[i].speck = out_.pieces[i].decided && work_.size[sets.root(i)] < config_.min_region_px;
+    work_.size.assign(segments_.size(), 0);
+    for (std::size_t i = 0; i < segments_.size(); ++i)
+      work_.size[sets.root(i)] += segments_[i].end - segments_[i].begin;
+    for (std::size_t i = 0; i < segments_.size(); ++i)
+      out_.segments[i].speck = out_.segments[i].decided && work_.size[sets.root(i)] < config_.min_region_px;
   }
 
-  const std::vector<Piece>& pieces_;
+  const std::vector<Segment>& segments_;
   const CodeEvidence& evidence_;
   const OrderConfig& config_;
   OrderResult& out_;
@@ -198,16 +201,16 @@ class Solver {
 
 }  // namespace
 
-void find_orders(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
+void find_orders(const std::vector<Segment>& segments, std::int32_t components, const CodeEvidence& evidence,
                  const OrderConfig& config, OrderResult& out) {
-  Solver(pieces, evidence, config, out).run(components);
+  Solver(segments, evidence, config, out).run(components);
 }
 
-void judge_orders(const std::vector<Piece>& pieces, const CodeEvidence& evidence, OrderResult& out) {
+void judge_orders(const std::vector<Segment>& segments, const CodeEvidence& evidence, OrderResult& out) {
   out.agreeing_px = out.contradicting_px = 0;
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    const Piece& p = pieces[i];
-    const PieceOrder& o = out.pieces[i];
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Segment& p = segments[i];
+    const SegmentOrder& o = out.segments[i];
     const Stance stance = o.decided || o.disowned ? evidence.stance(i, p.cell + 2 * o.shift) : Stance::kSilent;
     if (stance == Stance::kAgrees) out.agreeing_px += p.end - p.begin;
     if (stance == Stance::kContradicts) out.contradicting_px += p.end - p.begin;

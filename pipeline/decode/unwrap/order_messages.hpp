@@ -1,4 +1,4 @@
-// What pieces tell each other about their shifts: min-sum messages in whole numbers, so that every compiler and every
+// What segments tell each other about their shifts: min-sum messages in whole numbers, so that every compiler and every
 // vector width gives the same bits, and sixteen states fit one register.
 #pragma once
 
@@ -17,15 +17,15 @@ using Cost = std::int16_t;
   return static_cast<Cost>((static_cast<std::int32_t>(nats * 128) + 1) / 2);
 }
 
-/// Shifts of a piece, from its base on (order_windows.hpp).
+/// Shifts of a segment, from its base on (order_windows.hpp).
 inline constexpr std::size_t kOrderStates = 16;
 inline constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);  ///< the same, as shifts count
 struct OrderCosts {
   alignas(32) std::array<Cost, kOrderStates> of{};
 };
 
-/// What a piece's partner beyond a gap thinks of each shift: state j fits partner state j - lean; a greater difference
-/// costs `above`, a smaller one `below`.
+/// What a segment's partner beyond a gap thinks of each shift: state j fits partner state j - lean; a greater
+/// difference costs `above`, a smaller one `below`.
 struct GapCosts {
   std::int32_t lean = 0;
   Cost above = 0, below = 0;

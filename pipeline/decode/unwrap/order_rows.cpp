@@ -16,12 +16,12 @@ namespace enamel::pipeline::HWY_NAMESPACE {
 
 class Rows {
  public:
-  Rows(const std::vector<Piece>& pieces, const CodeEvidence& evidence, const OrderConfig& config, OrderResult& out)
-      : pieces_(pieces), evidence_(evidence), config_(config), out_(out), work_(out.work) {}
+  Rows(const std::vector<Segment>& segments, const CodeEvidence& evidence, const OrderConfig& config, OrderResult& out)
+      : segments_(segments), evidence_(evidence), config_(config), out_(out), work_(out.work) {}
 
   void run(std::int32_t components) {
     prepare(components);
-    if (pieces_.empty()) return;
+    if (segments_.empty()) return;
     along_rows();
     between_rows();
     choose();
@@ -29,14 +29,14 @@ class Rows {
 
  private:
   void prepare(std::int32_t components) {
-    find_bases(pieces_, components, work_);
-    for (auto* v : {&work_.unary, &work_.row, &work_.right, &work_.up, &work_.down}) v->resize(pieces_.size());
-    work_.margin.resize(pieces_.size());
-    out_.pieces.assign(pieces_.size(), {});
+    find_bases(segments_, components, work_);
+    for (auto* v : {&work_.unary, &work_.row, &work_.right, &work_.up, &work_.down}) v->resize(segments_.size());
+    work_.margin.resize(segments_.size());
+    out_.segments.assign(segments_.size(), {});
     // In batches: what was just written one by one cannot be read as a vector without waiting.
     std::array<Asked, kBatch> asked;
-    for (std::size_t begin = 0; begin < pieces_.size(); begin += kBatch) {
-      const std::size_t end = std::min(begin + kBatch, pieces_.size());
+    for (std::size_t begin = 0; begin < segments_.size(); begin += kBatch) {
+      const std::size_t end = std::min(begin + kBatch, segments_.size());
       for (std::size_t i = begin; i < end; ++i) ask(i, asked[i - begin]);
       for (std::size_t i = begin; i < end; ++i) price(i, asked[i - begin]);
     }
@@ -44,7 +44,7 @@ class Rows {
 
   static constexpr std::size_t kBatch = 16;
 
-  /// What the code says about a piece's shifts first ... last; state 0 is shift `base`.
+  /// What the code says about a segment's shifts first ... last; state 0 is shift `base`.
   struct Asked {
     std::int32_t base, first, last;
     std::array<float, kOrderStates> nats;
@@ -53,7 +53,7 @@ class Rows {
   /// The code's evidence for the shifts that the range allows, a little beyond it, as far as the states reach and
   /// within the projector's frame.
   void ask(std::size_t i, Asked& out) const {
-    const Piece& p = pieces_[i];
+    const Segment& p = segments_[i];
     const std::int32_t base = work_.base[i];
     out.base = base;
     out.first = std::max({base, p.low - kBeyond, first_in_frame(p.cell)});
@@ -65,18 +65,18 @@ class Rows {
   }
 
   /// Where nothing but the range tells an order beyond it from one within, the range counts once a run: summed over
-  /// the pieces of a run it would outvote the rows and columns around that follow the surface out of the range.
+  /// the segments of a run it would outvote the rows and columns around that follow the surface out of the range.
   void price(std::size_t i, const Asked& asked) {
-    const std::int32_t low = pieces_[i].low, high = pieces_[i].high;
+    const std::int32_t low = segments_[i].low, high = segments_[i].high;
     const std::int32_t base = asked.base, first = asked.first, last = asked.last;
     const float per_order = config_.beyond_range_cost;
-    const std::int32_t period = pieces_[i].joined ? evidence_.repeats_after() : 0;
+    const std::int32_t period = segments_[i].joined ? evidence_.repeats_after() : 0;
     const std::array<float, kOrderStates> nats = asked.nats;
     OrderCosts unary;
     for (std::int32_t k = 0; k < kStates; ++k) {
       const std::int32_t shift = base + k;
       const std::int32_t beyond =
-          repeats_range(pieces_[i], shift, period) ? 0 : std::max({low - shift, shift - high, 0});
+          repeats_range(segments_[i], shift, period) ? 0 : std::max({low - shift, shift - high, 0});
       const float cost = nats[static_cast<std::size_t>(k)] + per_order * static_cast<float>(beyond);
       const Cost priced = to_cost(std::min(cost, kImpossibleNats));
       unary.of[static_cast<std::size_t>(k)] = ((shift >= first) & (shift <= last)) ? priced : kImpossible;
@@ -87,44 +87,44 @@ class Rows {
   /// Least shift that brings the cell to 0 or more.
   static std::int32_t first_in_frame(std::int32_t cell) { return -(cell >> 1); }
 
-  Cost jump_cost(const Piece& p) const { return to_cost(p.kink ? config_.kink_jump_cost : config_.shade_jump_cost); }
+  Cost jump_cost(const Segment& p) const { return to_cost(p.kink ? config_.kink_jump_cost : config_.shade_jump_cost); }
 
-  /// GapCosts.lean of equal shifts: by how many states the piece before i in the list counts from further up.
+  /// GapCosts.lean of equal shifts: by how many states the segment before i in the list counts from further up.
   std::int32_t lean_of_bases(std::size_t i) const { return work_.base[i - 1] - work_.base[i]; }
 
-  /// What piece i thinks of the shifts of the piece before it in the row, beyond a gap.
+  /// What segment i thinks of the shifts of the segment before it in the row, beyond a gap.
   GapCosts gap_before(std::size_t i) const {
-    const Gap& gap = pieces_[i].gap;
+    const Gap& gap = segments_[i].gap;
     const Cost skip = to_cost(gap.contact ? config_.missed_contact_cost : 0);
     const Cost fold = to_cost(config_.fold_cost + (gap.contact ? config_.missed_contact_cost : 0));
     const std::int32_t lean = gap.lean + lean_of_bases(i);
     return gap.rise > 0 ? GapCosts{lean, skip, fold} : GapCosts{lean, fold, skip};
   }
 
-  /// What piece i thinks of the shifts of the piece before it in its run, across a step: a jump that keeps the
+  /// What segment i thinks of the shifts of the segment before it in its run, across a step: a jump that keeps the
   /// projector's columns in order may hide there; the other way something thin would have to stand before the surface.
   GapCosts step_before(std::size_t i) const {
-    const Cost jump = jump_cost(pieces_[i]), fold = static_cast<Cost>(jump + to_cost(config_.fold_cost));
+    const Cost jump = jump_cost(segments_[i]), fold = static_cast<Cost>(jump + to_cost(config_.fold_cost));
     const std::int32_t lean = lean_of_bases(i);
-    return pieces_[i].gap.rise > 0 ? GapCosts{lean, jump, fold} : GapCosts{lean, fold, jump};
+    return segments_[i].gap.rise > 0 ? GapCosts{lean, jump, fold} : GapCosts{lean, fold, jump};
   }
 
-  /// What piece i thinks of the shifts of the piece before it in the list; without a gap or a step a jump hides as
+  /// What segment i thinks of the shifts of the segment before it in the list; without a gap or a step a jump hides as
   /// likely one way as the other.
   GapCosts before(std::size_t i) const {
-    if (!pieces_[i].joined) return gap_before(i);
-    if (pieces_[i].gap.rise != 0) return step_before(i);
+    if (!segments_[i].joined) return gap_before(i);
+    if (segments_[i].gap.rise != 0) return step_before(i);
     const Cost jump = to_cost(config_.unseen_jump_cost);
     return {lean_of_bases(i), jump, jump};
   }
 
-  /// Message of piece `from` to its neighbour in the row, `to`, with that one's own evidence added.
+  /// Message of segment `from` to its neighbour in the row, `to`, with that one's own evidence added.
   void tell(const OrderCosts& said, std::size_t from, std::size_t to, OrderCosts& out) const {
     const std::size_t later = std::max(from, to);
-    const Piece& piece = pieces_[later];
-    if (!piece.joined && piece.gap.rise == 0) {
+    const Segment& segment = segments_[later];
+    if (!segment.joined && segment.gap.rise == 0) {
       out = work_.unary[to];
-    } else if (piece.gap.rise == 0 && lean_of_bases(later) == 0) {  // as pass_gap would, but faster
+    } else if (segment.gap.rise == 0 && lean_of_bases(later) == 0) {  // as pass_gap would, but faster
       pass_joined(said, work_.unary[to], to_cost(config_.unseen_jump_cost), out);
     } else {
       const GapCosts g = before(later);
@@ -132,11 +132,11 @@ class Rows {
     }
   }
 
-  /// Forward messages of each row, in `row`, and backward ones; then row = their sum, the piece's own evidence once,
+  /// Forward messages of each row, in `row`, and backward ones; then row = their sum, the segment's own evidence once,
   /// less its least.
   /// The two directions take turns: each waits for its own message before.
   void along_rows() {
-    const std::size_t n = pieces_.size();
+    const std::size_t n = segments_.size();
     work_.row[0] = work_.unary[0];
     work_.right[n - 1] = work_.unary[n - 1];
     for (std::size_t i = 1; i < n; ++i) {
@@ -155,9 +155,9 @@ class Rows {
   /// Running means over the rows above and below. A mean, not a sum: what misleads the code (an edge, a moving shadow)
   /// misleads many rows alike, so that repeating it makes it no truer.
   void between_rows() {
-    const std::size_t n = pieces_.size();
-    for (std::size_t i = 0; i < n; ++i) mean_of_rows(work_.up, pieces_[i].up, i);
-    for (std::size_t i = n; i-- > 0;) mean_of_rows(work_.down, pieces_[i].down, i);
+    const std::size_t n = segments_.size();
+    for (std::size_t i = 0; i < n; ++i) mean_of_rows(work_.up, segments_[i].up, i);
+    for (std::size_t i = n; i-- > 0;) mean_of_rows(work_.down, segments_[i].down, i);
   }
 
   void mean_of_rows(std::vector<OrderCosts>& mean, std::int32_t neighbour, std::size_t i) {
@@ -176,8 +176,8 @@ class Rows {
     }
   }
 
-  /// Costs by the states of a piece whose base is higher by `offset`; of those that the other piece lacks, `most` above
-  /// its least.
+  /// Costs by the states of a segment whose base is higher by `offset`; of those that the other segment lacks, `most`
+  /// above its least.
   static OrderCosts moved(const OrderCosts& costs, std::int32_t offset, Cost most) {
     const auto dear = static_cast<Cost>(least(costs) + most);
     OrderCosts out;
@@ -191,25 +191,25 @@ class Rows {
 
   void choose() {
     const Cost margin = to_cost(config_.decided_margin);
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
       const Choice choice = cheapest(mean_of(work_.up[i], work_.down[i]));
       const bool possible = choice.least < kImpossible;
-      out_.pieces[i].shift = work_.base[i] + choice.state;
-      out_.pieces[i].decided = possible && choice.margin >= margin;
+      out_.segments[i].shift = work_.base[i] + choice.state;
+      out_.segments[i].decided = possible && choice.margin >= margin;
       work_.margin[i] = possible ? choice.margin : Cost{0};
     }
   }
 
-  const std::vector<Piece>& pieces_;
+  const std::vector<Segment>& segments_;
   const CodeEvidence& evidence_;
   const OrderConfig& config_;
   OrderResult& out_;
   OrderResult::Work& work_;
 };
 
-void label(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
+void label(const std::vector<Segment>& segments, std::int32_t components, const CodeEvidence& evidence,
            const OrderConfig& config, OrderResult& out) {
-  Rows(pieces, evidence, config, out).run(components);
+  Rows(segments, evidence, config, out).run(components);
 }
 
 }  // namespace enamel::pipeline::HWY_NAMESPACE
@@ -220,9 +220,9 @@ namespace enamel::pipeline {
 
 HWY_EXPORT(label);
 
-void label_rows(const std::vector<Piece>& pieces, std::int32_t components, const CodeEvidence& evidence,
+void label_rows(const std::vector<Segment>& segments, std::int32_t components, const CodeEvidence& evidence,
                 const OrderConfig& config, OrderResult& out) {
-  HWY_DYNAMIC_DISPATCH(label)(pieces, components, evidence, config, out);
+  HWY_DYNAMIC_DISPATCH(label)(segments, components, evidence, config, out);
 }
 
 }  // namespace enamel::pipeline

@@ -10,7 +10,7 @@ namespace {
 
 using Part = OrderResult::Work::Part;
 
-void widen(Part& part, const Piece& p) {
+void widen(Part& part, const Segment& p) {
   part.low = std::min(part.low, p.low);
   part.last_low = std::max(part.last_low, p.low);
   part.high = std::max(part.high, p.high);
@@ -19,12 +19,12 @@ void widen(Part& part, const Piece& p) {
 
 bool in_one_window(const Part& part) { return part.high - part.low + 1 + 2 * kBeyond <= kStates; }
 
-/// Of a piece in the windows of its part; those without a place in the depth range go with the nearest that have one.
-std::size_t slot_of(const Part& part, const Piece& p) {
+/// Of a segment in the windows of its part; those without a place in the depth range go with the nearest that have one.
+std::size_t slot_of(const Part& part, const Segment& p) {
   return part.first_slot + static_cast<std::size_t>(std::clamp(p.low, part.low, part.last_low) - part.low);
 }
 
-/// px: pixels of the pieces whose range begins at each shift from `low` on; used up. base: of the same pieces.
+/// px: pixels of the segments whose range begins at each shift from `low` on; used up. base: of the same segments.
 void cover(std::span<std::int32_t> px, std::int32_t low, std::size_t width, std::span<std::int32_t> base) {
   width = std::min(width, px.size());
   const auto held = [&](std::size_t first) {
@@ -46,11 +46,11 @@ void cover(std::span<std::int32_t> px, std::int32_t low, std::size_t width, std:
   }
 }
 
-Part& part_of(const Piece& p, OrderResult::Work& work) { return work.parts[static_cast<std::size_t>(p.component)]; }
+Part& part_of(const Segment& p, OrderResult::Work& work) { return work.parts[static_cast<std::size_t>(p.component)]; }
 
 /// Fills window_base for the parts that have slots.
-void find_windows(const std::vector<Piece>& pieces, OrderResult::Work& work) {
-  for (const Piece& p : pieces) {
+void find_windows(const std::vector<Segment>& segments, OrderResult::Work& work) {
+  for (const Segment& p : segments) {
     const Part& part = part_of(p, work);
     if (part.slots > 0) work.window_px[slot_of(part, p)] += p.end - p.begin;
   }
@@ -63,25 +63,25 @@ void find_windows(const std::vector<Piece>& pieces, OrderResult::Work& work) {
 
 }  // namespace
 
-void find_bases(const std::vector<Piece>& pieces, std::int32_t components, OrderResult::Work& work) {
+void find_bases(const std::vector<Segment>& segments, std::int32_t components, OrderResult::Work& work) {
   work.parts.assign(static_cast<std::size_t>(components), {});
-  for (const Piece& p : pieces) {
+  for (const Segment& p : segments) {
     if (p.low <= p.high) widen(part_of(p, work), p);
   }
   std::size_t slots = 0;
   for (Part& part : work.parts) {
-    if (part.widest == 0) part.low = part.last_low = part.high = kBeyond;  // no piece has a place
+    if (part.widest == 0) part.low = part.last_low = part.high = kBeyond;  // no segment has a place
     part.first_slot = slots;
     part.slots = in_one_window(part) ? 0 : static_cast<std::size_t>(part.last_low - part.low) + 1;
     slots += part.slots;
   }
   work.window_px.assign(slots, 0);
   work.window_base.assign(slots, 0);
-  if (slots > 0) find_windows(pieces, work);
-  work.base.resize(pieces.size());
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    const Part& part = part_of(pieces[i], work);
-    work.base[i] = part.slots > 0 ? work.window_base[slot_of(part, pieces[i])] : part.low - kBeyond;
+  if (slots > 0) find_windows(segments, work);
+  work.base.resize(segments.size());
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Part& part = part_of(segments[i], work);
+    work.base[i] = part.slots > 0 ? work.window_base[slot_of(part, segments[i])] : part.low - kBeyond;
   }
 }
 

@@ -1,4 +1,4 @@
-// Which shifts a piece is asked about: kOrderStates of them, from its base on. Private to pipeline/decode.
+// Which shifts a segment is asked about: kOrderStates of them, from its base on. Private to pipeline/decode.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@ namespace enamel::pipeline {
 
 inline constexpr std::int32_t kBeyond = 2;  ///< orders beyond the depth range that a surface is followed
 
-/// Fills work.base, the shift of each piece's first state: one for all pieces of a component where their depth range
-/// and kBeyond on both sides fit. Where the flood leaked between surfaces many fringes apart they do not, and pieces
-/// that lie close together share one: of those left, always the window that holds most pixels.
-void find_bases(const std::vector<Piece>& pieces, std::int32_t components, OrderResult::Work& work);
+/// Fills work.base, the shift of each segment's first state: one for all segments of a component where their depth
+/// range and kBeyond on both sides fit. Where the flood leaked between surfaces many fringes apart they do not, and
+/// segments that lie close together share one: of those left, always the window that holds most pixels.
+void find_bases(const std::vector<Segment>& segments, std::int32_t components, OrderResult::Work& work);
 
 }  // namespace enamel::pipeline

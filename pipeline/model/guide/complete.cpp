@@ -30,11 +30,11 @@ std::size_t add_decided(const RelativeSurface& relative, std::span<const std::in
     const std::size_t at = patch.depth_mm.index(0, span.row);
     for (std::int32_t u = span.begin; u < span.end; ++u, ++n) {
       if (orders[n] == kOpenOrder) continue;
-      const float turns = 2 * std::numbers::pi_v<float> * static_cast<float>(span.turn + orders[n]);
-      added +=
-          add_pixel(rays, at + static_cast<std::size_t>(u), relative.phase_rad[n] + turns, relative.sigma_rad[n], patch)
-              ? 1U
-              : 0U;
+      const float wrap_counts = 2 * std::numbers::pi_v<float> * static_cast<float>(span.wraps + orders[n]);
+      added += add_pixel(rays, at + static_cast<std::size_t>(u), relative.phase_rad[n] + wrap_counts,
+                         relative.sigma_rad[n], patch)
+                   ? 1U
+                   : 0U;
     }
   }
   if (added == 0) return 0;

@@ -123,7 +123,7 @@ std::vector<std::int32_t> ModelGuide::decide(const RelativeSurface& relative, co
     const auto r = static_cast<std::size_t>(span.region);
     const std::size_t row = static_cast<std::size_t>(span.row) * static_cast<std::size_t>(rays_->width);
     for (std::int32_t u = span.begin; u < span.end; ++u) {
-      const float phase = relative.phase_rad[votes.size()] + kTurn * static_cast<float>(span.turn);
+      const float phase = relative.phase_rad[votes.size()] + kTurn * static_cast<float>(span.wraps);
       votes.push_back(vote(*rays_, sight, row + static_cast<std::size_t>(u), phase, relative.regions[r],
                            static_cast<float>(config_.tolerance_mm)));
       regions[r].add(votes.back());

@@ -38,7 +38,7 @@ TEST_P(PlasterEye, phase_of_four_frames_is_that_of_twelve) {
 TEST_P(PlasterEye, orders_are_those_of_the_gray_code) {
   EXPECT_GE(figures_.orders_equal, 0.998);
   EXPECT_GE(static_cast<double>(figures_.solved_px), 0.98 * static_cast<double>(figures_.reference_px));
-  // Not by voting alone: nearly all pixels hang together in pieces far larger than a fringe.
+  // Not by voting alone: nearly all pixels hang together in segments far larger than a fringe.
   EXPECT_GE(figures_.hanging_share, 0.9);
 }
 

@@ -31,7 +31,7 @@ Seen see(int orders, double noise_share) {
   test::Normals normal(5);
   test::FrameSet f{kWidth, kHeight, {}};
   Seen s;
-  s.flood.turn = Map<std::int16_t>(kWidth, kHeight);
+  s.flood.wraps = Map<std::int16_t>(kWidth, kHeight);
   s.flood.component = Map<std::int32_t>(kWidth, kHeight, 0);
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
@@ -48,7 +48,7 @@ Seen see(int orders, double noise_share) {
   compute_micro_phase(f.view(), s.noise, {}, s.phase);
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
-      s.flood.turn(u, v) = static_cast<std::int16_t>(
+      s.flood.wraps(u, v) = static_cast<std::int16_t>(
           std::lround((2 * kPi * (u + 0.3) / 26 - static_cast<double>(s.phase.phase_rad(u, v))) / (2 * kPi)));
     }
   }
@@ -85,21 +85,21 @@ TEST(CodeSteps, a_surface_without_jumps_is_not_cut) {
 }
 
 /// Four pixels are lost to an edge on either side, but not to the image's border.
-TEST(MicroEvidence, a_narrow_piece_at_the_images_border_is_heard) {
+TEST(MicroEvidence, a_narrow_segment_at_the_images_border_is_heard) {
   constexpr int kOrder = 20, kCandidates = 5, kNarrow_px = 4;
   const Seen s = see(0, 0.02);
-  const auto piece = [&](int begin) {
-    Piece p;
+  const auto segment = [&](int begin) {
+    Segment p;
     p.row = kHeight / 2, p.begin = begin, p.end = begin + kNarrow_px, p.component = 0;
-    p.cell = 2 * s.flood.turn(begin, p.row) - (s.phase.phase_rad(begin, p.row) < 0 ? 1 : 0);
+    p.cell = 2 * s.flood.wraps(begin, p.row) - (s.phase.phase_rad(begin, p.row) < 0 ? 1 : 0);
     return p;
   };
-  const std::vector<Piece> pieces = {piece(0), piece(kWidth / 2), piece(kWidth - kNarrow_px)};
+  const std::vector<Segment> segments = {segment(0), segment(kWidth / 2), segment(kWidth - kNarrow_px)};
   MicroEvidence evidence;
-  evidence.measure(s.phase, s.noise, pieces, s.code, 4.6F);
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
+  evidence.measure(s.phase, s.noise, segments, s.code, 4.6F);
+  for (std::size_t k = 0; k < segments.size(); ++k) {
     std::array<float, kCandidates> nats{};
-    evidence.costs(k, pieces[k].cell + 2 * (kOrder - 2), nats);
+    evidence.costs(k, segments[k].cell + 2 * (kOrder - 2), nats);
     const auto [least, most] = std::minmax_element(nats.begin(), nats.end());
     if (k == 1) {
       EXPECT_EQ(*least, *most);  // nothing of it is left

@@ -47,10 +47,10 @@ FloodMaps unwrap(const Field& f, LeastCutsWork& work, const CutConfig& config = 
   return out;
 }
 
-/// Valid pixels whose turn is not that of the pixel (0, 0), against the truth.
+/// Valid pixels whose wrap count is not that of the pixel (0, 0), against the truth.
 std::size_t wrong(const Field& f, const FloodMaps& found) {
   const auto offset = [&](std::size_t i) {
-    return std::lround((static_cast<double>(f.phase.phase_rad[i]) - f.truth[i]) / kTwoPi) + found.turn[i];
+    return std::lround((static_cast<double>(f.phase.phase_rad[i]) - f.truth[i]) / kTwoPi) + found.wraps[i];
   };
   std::size_t count = 0;
   for (std::size_t i = 0; i < f.truth.size(); ++i)
@@ -138,7 +138,7 @@ TEST(LeastCuts, the_same_burst_gives_the_same_turns_in_used_memory) {
   const Field first = make_field(cliff, 0.5), second = make_field(cliff, 0.12);
   (void)unwrap(first, work);
   const FloodMaps a = unwrap(second, work), b = unwrap(second, fresh);
-  EXPECT_TRUE(std::equal(a.turn.pixels().begin(), a.turn.pixels().end(), b.turn.pixels().begin()));
+  EXPECT_TRUE(std::equal(a.wraps.pixels().begin(), a.wraps.pixels().end(), b.wraps.pixels().begin()));
   EXPECT_TRUE(std::equal(a.component.pixels().begin(), a.component.pixels().end(), b.component.pixels().begin()));
 }
 

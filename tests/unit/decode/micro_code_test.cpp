@@ -147,7 +147,7 @@ class Patches {
 
   [[nodiscard]] int best_evidence(int lowest) const {
     const MicroCode code = make_micro_code(rig_.patterns, rig_.projector).value();
-    CodeSumRow row, sums;  // sums: by turn within the patch; the decoder's pieces end at a wrap
+    CodeSumRow row, sums;  // sums: by turn within the patch; the decoder's segments end at a wrap
     sums.resize(3);
     for (std::size_t i = 0; i < maps_.phase_rad.size(); ++i) {
       const auto n = static_cast<std::size_t>(n_);

@@ -167,9 +167,9 @@ TEST(ThirdHarmonic, is_found_and_undone) {
     const ThirdHarmonic third = estimate_third_harmonic(spans, maps);
     EXPECT_GT(third.pixels, 0.9 * 1000 * 20);
     EXPECT_NEAR(static_cast<double>(third.a1_rad), -harmonic, 3e-4 + 0.02 * std::abs(harmonic));
-    Map<std::int16_t> turn;
-    place_spans(spans, {}, maps.phase_rad.width(), maps.phase_rad.height(), turn);
-    correct_third_harmonic(turn, third.a1_rad, maps);
+    Map<std::int16_t> wraps;
+    place_spans(spans, {}, maps.phase_rad.width(), maps.phase_rad.height(), wraps);
+    correct_third_harmonic(wraps, third.a1_rad, maps);
     EXPECT_LT(worst_error(maps, s), 3e-4 + 2 * harmonic * harmonic) << harmonic;  // first order
   }
 }

@@ -30,7 +30,7 @@ double phase_of(int i) {
 struct Refit {
   MicroCode code;
   PhaseMaps three, maps;
-  Map<std::int16_t> turn;
+  Map<std::int16_t> wraps;
   std::vector<CellSpan> spans;
   MicroMotion motion;
   CodeStrips strips;
@@ -50,10 +50,10 @@ struct Refit {
     three = maps;
     place();
     const float third = estimate_third_harmonic(spans, maps).a1_rad;
-    correct_third_harmonic(turn, third, maps);
-    fit_micro_motion({maps, turn, code, third, noise}, {}, motion);
-    undo_micro_motion(turn, motion, maps);
-    join_code_frame({spans, turn, code, motion, third, noise}, {}, maps, {strips});
+    correct_third_harmonic(wraps, third, maps);
+    fit_micro_motion({maps, wraps, code, third, noise}, {}, motion);
+    undo_micro_motion(wraps, motion, maps);
+    join_code_frame({spans, wraps, code, motion, third, noise}, {}, maps, {strips});
   }
 
   [[nodiscard]] double rms_of(const PhaseMaps& m, bool over_sigma = false) const {
@@ -95,7 +95,7 @@ struct Refit {
       }
       spans[first].whole = spans.back().whole = false;
     }
-    place_spans(spans, {}, kWidth, kHeight, turn);
+    place_spans(spans, {}, kWidth, kHeight, wraps);
   }
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/decode/mode_t/closure_rows.hpp"
+#include "pipeline/decode/mode_t/motion_pixels.hpp"
 #include "pipeline/decode/motion/motion_images.hpp"
 #include "pipeline/decode/motion/motion_samples.hpp"
 #include "pipeline/decode/phase/grid_rows.hpp"

@@ -99,14 +99,14 @@ TEST(Unwrap, jump_of_exactly_one_fringe_across_the_fringes_is_found_by_the_code)
 }
 
 TEST(Unwrap, code_is_trusted_to_the_border_of_the_picture_and_not_to_the_end_of_a_run) {
-  std::vector<Piece> pieces(2);
-  pieces[0].begin = 0, pieces[0].end = 20;
-  pieces[1].begin = 30, pieces[1].end = 50;
-  EXPECT_EQ(core_of(pieces, 0, 2, 50).begin, 0);
-  EXPECT_EQ(core_of(pieces, 0, 2, 50).end, 18);
-  EXPECT_EQ(core_of(pieces, 1, 2, 50).begin, 32);
-  EXPECT_EQ(core_of(pieces, 1, 2, 50).end, 50);
-  EXPECT_EQ(core_of(pieces, 1, 2, 51).end, 48);
+  std::vector<Segment> segments(2);
+  segments[0].begin = 0, segments[0].end = 20;
+  segments[1].begin = 30, segments[1].end = 50;
+  EXPECT_EQ(core_of(segments, 0, 2, 50).begin, 0);
+  EXPECT_EQ(core_of(segments, 0, 2, 50).end, 18);
+  EXPECT_EQ(core_of(segments, 1, 2, 50).begin, 32);
+  EXPECT_EQ(core_of(segments, 1, 2, 50).end, 50);
+  EXPECT_EQ(core_of(segments, 1, 2, 51).end, 48);
 }
 
 TEST(Unwrap, isolated_patch_with_enough_code_is_placed) {
@@ -268,7 +268,7 @@ TEST(Unwrap, frames_without_a_code_hang_together_in_regions) {
   std::size_t n = 0, wrong = 0;
   for (const auto& span : found.relative.spans) {
     for (std::int32_t u = span.begin; u < span.end; ++u, ++n) {
-      const double turns = 2 * std::numbers::pi * span.turn;
+      const double turns = 2 * std::numbers::pi * span.wraps;
       regions[span.region].add(scene.phase_rad(u, span.row), static_cast<double>(found.relative.phase_rad[n]) + turns);
     }
   }
@@ -291,7 +291,7 @@ TEST(Unwrap, a_flood_would_leak_through_that_cliff) {  // the control
   flood(phase.phase_rad, links, flooded);
   std::map<std::int32_t, Offsets> components;
   for (std::size_t i = 0; i < phase.phase_rad.size(); ++i) {
-    const double turns = 2 * std::numbers::pi * flooded.turn[i];
+    const double turns = 2 * std::numbers::pi * flooded.wraps[i];
     if (flooded.component[i] >= 0)
       components[flooded.component[i]].add(scene.phase_rad[i], static_cast<double>(phase.phase_rad[i]) + turns);
   }

@@ -80,7 +80,7 @@ class Guide : public ::testing::Test {
     return 0;
   }
 
-  /// A block of the plane whose phase is known but for `k` turns.
+  /// A block of the plane whose phase is known but for `k` wrap counts.
   [[nodiscard]] RelativeSurface block(int k) const {
     RelativeSurface out;
     out.regions.push_back({-3, 3, 40 * 30});

@@ -1,4 +1,4 @@
-// The loops of find_pieces over one row.
+// The loops of find_segments over one row.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,9 @@
 
 namespace enamel::pipeline {
 
-/// What a pixel is to the pieces of its row.
+/// What a pixel is to the segments of its row.
 enum PixelMark : std::uint8_t {
-  kInside,      ///< continues the piece of the pixel before it
+  kInside,      ///< continues the segment of the pixel before it
   kHole,        ///< in no component
   kFirst,       ///< begins a run
   kNextCell,    ///< continues the run in another half fringe
@@ -25,12 +25,12 @@ enum PixelBorder : std::uint8_t { kKink = 1, kShade = 2 };
 /// A row's pixels.
 struct FloodRow {
   const float* phase;
-  const std::int16_t* turn;
+  const std::int16_t* wraps;
   const std::int32_t* component;
   const std::uint8_t* east;
 };
 
-/// phase + 2 pi turn; NaN outside all components.
+/// phase + 2 pi wraps; NaN outside all components.
 void unwrap_row(const FloodRow& row, std::size_t width, float* phi);
 
 /// kinks: 1 where a step lies between a pixel and the one before it, once, where it is highest. heights: scratch.
@@ -54,7 +54,7 @@ void shade_row(const ShadeRows& rows, std::size_t width, float* mean, float* hei
 
 void mark_row(const FloodRow& row, const float* phi, const std::uint8_t* kinks, std::size_t width, std::uint8_t* marks);
 
-/// What the columns of a border between two rows say about a step there, to be summed over a piece's columns.
+/// What the columns of a border between two rows say about a step there, to be summed over a segment's columns.
 struct BorderColumn {
   float height = 0;  ///< of the step, as excess over the slopes above and below; 0 where there is nothing to compare
   float sigma = 0;   ///< of the lower pixel where there is

@@ -1,4 +1,4 @@
-#include "pipeline/decode/mode_m/likely_turns.hpp"
+#include "pipeline/decode/mode_m/likely_wraps.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -13,12 +13,13 @@ namespace {
 constexpr std::int32_t kNobodyDecided = std::numeric_limits<std::int32_t>::min();
 
 /// Of equally common shifts the least.
-void find_most_common(std::span<const Piece> pieces, std::span<const PieceOrder> orders, std::int32_t components,
-                      LikelyTurns& out) {
+void find_most_common(std::span<const Segment> segments, std::span<const SegmentOrder> orders, std::int32_t components,
+                      LikelyWraps& out) {
   auto& votes = out.votes;
   votes.clear();
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
-    if (orders[k].decided) votes.push_back({pieces[k].component, orders[k].shift, pieces[k].end - pieces[k].begin});
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    if (orders[k].decided)
+      votes.push_back({segments[k].component, orders[k].shift, segments[k].end - segments[k].begin});
   }
   std::sort(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
     return std::tie(a.component, a.shift) < std::tie(b.component, b.shift);
@@ -38,17 +39,17 @@ void find_most_common(std::span<const Piece> pieces, std::span<const PieceOrder>
 
 }  // namespace
 
-void find_likely_turns(std::span<const Piece> pieces, std::span<const PieceOrder> orders, std::int32_t components,
-                       int width, int height, LikelyTurns& out) {
-  find_most_common(pieces, orders, components, out);
-  if (out.turn.width() != width || out.turn.height() != height) out.turn = Map<std::int16_t>(width, height);
-  std::fill(out.turn.pixels().begin(), out.turn.pixels().end(), kNoTurn);
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
-    const Piece& p = pieces[k];
+void find_likely_wraps(std::span<const Segment> segments, std::span<const SegmentOrder> orders, std::int32_t components,
+                       int width, int height, LikelyWraps& out) {
+  find_most_common(segments, orders, components, out);
+  if (out.wraps.width() != width || out.wraps.height() != height) out.wraps = Map<std::int16_t>(width, height);
+  std::fill(out.wraps.pixels().begin(), out.wraps.pixels().end(), kNoWraps);
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const Segment& p = segments[k];
     const std::int32_t common = out.most_common[static_cast<std::size_t>(p.component)];
     const std::int32_t shift = orders[k].decided || common == kNobodyDecided ? orders[k].shift : common;
-    const auto first = out.turn.pixels().begin() + static_cast<std::ptrdiff_t>(out.turn.index(p.begin, p.row));
-    std::fill(first, first + (p.end - p.begin), static_cast<std::int16_t>(turn_of_cell(p.cell + 2 * shift)));
+    const auto first = out.wraps.pixels().begin() + static_cast<std::ptrdiff_t>(out.wraps.index(p.begin, p.row));
+    std::fill(first, first + (p.end - p.begin), static_cast<std::int16_t>(wraps_of_cell(p.cell + 2 * shift)));
   }
 }
 

@@ -1,4 +1,4 @@
-#include "pipeline/decode/unwrap/piece_rows.hpp"
+#include "pipeline/decode/unwrap/segment_rows.hpp"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +8,7 @@
 #include "pipeline/types/simd.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "pipeline/decode/unwrap/piece_rows.cpp"
+#define HWY_TARGET_INCLUDE "pipeline/decode/unwrap/segment_rows.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -26,11 +26,11 @@ constexpr std::size_t kKinkContext_px = 6;
 
 void unwrap_loop(const FloodRow& row, std::size_t width, float* phi) {
   const float* __restrict phase = row.phase;
-  const std::int16_t* __restrict turn = row.turn;
+  const std::int16_t* __restrict wraps = row.wraps;
   const std::int32_t* __restrict component = row.component;
   float* __restrict out = phi;
   for (std::size_t u = 0; u < width; ++u) {
-    const float p = phase[u] + kTwoPiF * static_cast<float>(turn[u]);
+    const float p = phase[u] + kTwoPiF * static_cast<float>(wraps[u]);
     out[u] = select(component[u] >= 0, p, std::numeric_limits<float>::quiet_NaN());
   }
 }
@@ -102,14 +102,14 @@ void shade_loop(const ShadeRows& rows, std::size_t width, float* means, float* s
 void mark_loop(const FloodRow& row, const float* unwrapped, const std::uint8_t* kinked, std::size_t width,
                std::uint8_t* marks) {
   const float* __restrict phase = row.phase, * __restrict phi = unwrapped;
-  const std::int16_t* __restrict turn = row.turn;
+  const std::int16_t* __restrict wraps = row.wraps;
   const std::int32_t* __restrict component = row.component;
   const std::uint8_t* __restrict east = row.east, * __restrict kinks = kinked;
   std::uint8_t* __restrict out = marks;
   out[0] = component[0] < 0 ? kHole : kFirst;
   for (std::size_t u = 1; u < width; ++u) {
-    const int cell = 2 * turn[u] - static_cast<int>(phase[u] < 0);
-    const int before = 2 * turn[u - 1] - static_cast<int>(phase[u - 1] < 0);
+    const int cell = 2 * wraps[u] - static_cast<int>(phase[u] < 0);
+    const int before = 2 * wraps[u - 1] - static_cast<int>(phase[u - 1] < 0);
     // A difference beyond pi: two paths of the flood disagree here.
     const bool joined =
         (east[u - 1] != 0) & (component[u - 1] == component[u]) & (std::abs(phi[u] - phi[u - 1]) < kPiF);

@@ -1,4 +1,4 @@
-// Which pieces hang together: neighbourhood and disjoint sets of a list of pieces.
+// Which segments hang together: neighbourhood and disjoint sets of a list of segments.
 #pragma once
 
 #include <algorithm>
@@ -11,19 +11,20 @@
 
 namespace enamel::pipeline {
 
-/// Calls visit(other) for the pieces linked to piece i of the list that come before it, and for those above and below.
+/// Calls visit(other) for the segments linked to segment i of the list that come before it, and for those above and
+/// below.
 template <class Visit>
-void each_neighbour(const Piece& piece, std::size_t i, Visit visit) {
-  if (piece.joined && !piece.kink) visit(i - 1);
-  if (piece.up >= 0) visit(static_cast<std::size_t>(piece.up));
-  if (piece.down >= 0) visit(static_cast<std::size_t>(piece.down));
+void each_neighbour(const Segment& segment, std::size_t i, Visit visit) {
+  if (segment.joined && !segment.kink) visit(i - 1);
+  if (segment.up >= 0) visit(static_cast<std::size_t>(segment.up));
+  if (segment.down >= 0) visit(static_cast<std::size_t>(segment.down));
 }
 
 /// Disjoint sets; the first of a set in the list is its root. Uses the caller's memory, for as long as that lives.
-class PieceSets {
+class SegmentSets {
  public:
-  PieceSets(std::size_t pieces, std::vector<std::int32_t>& parent) : parent_(parent) {
-    parent_.resize(pieces);
+  SegmentSets(std::size_t segments, std::vector<std::int32_t>& parent) : parent_(parent) {
+    parent_.resize(segments);
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
