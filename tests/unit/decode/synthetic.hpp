@@ -74,6 +74,13 @@ inline SceneOptions noisy(double modulation_dn = 80) {
   return o;
 }
 
+/// Sensor noise on, light as it is.
+inline SceneOptions with_noise() {
+  SceneOptions o;
+  o.noise = true;
+  return o;
+}
+
 struct SyntheticBurst {
   FrameSet frames;
   Map<double> phase_rad;  ///< true absolute Phi at mid-burst

@@ -1,4 +1,4 @@
-// Mode M from frames to depth, and bursts that it must refuse.
+// Mode M from frames to depth.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,68 +7,30 @@
 #include <string>
 
 #include "pipeline/decode/burst_decoder.hpp"
+#include "tests/unit/decode/decoded_scene.hpp"
+#include "tests/unit/decode/mode_m/micro_scene.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-const calib::Rig& wide_rig() {
-  static const calib::Rig kRig = test::micro_rig(400, 120);
-  return kRig;
-}
-
-const BurstDecoder& decoder() {
-  static const BurstDecoder kDecoder = BurstDecoder::make(wide_rig()).value();
-  return kDecoder;
-}
-
+using test::DecodedScene;
+using test::decoder;
+using test::Depth;
+using test::figures;
+using test::kSlant;
+using test::kStairs;
 using test::noisy;
+using test::wide_rig;
 
-using Depth = std::function<double(int, int)>;
-
-const Depth kSlant = [](int u, int v) { return 46 + 0.008 * u + 0.004 * v; };
-const Depth kStairs = [](int u, int v) {
-  const int stair = u / 80;
-  return 43.0 + 2.0 * stair + (v < 60 ? 0.0 : 1.3);
-};
-
-struct Outcome {
-  std::size_t lit = 0, valid = 0, wrong = 0;
-  double squares_um2 = 0, normalised = 0;
-  DecodedBurst burst;
-
-  [[nodiscard]] double coverage() const { return static_cast<double>(valid) / static_cast<double>(lit); }
-  [[nodiscard]] double wrong_share() const { return static_cast<double>(wrong) / static_cast<double>(valid); }
-  [[nodiscard]] double rms_um() const { return std::sqrt(squares_um2 / static_cast<double>(valid - wrong)); }
-  [[nodiscard]] double scatter_to_sigma() const { return std::sqrt(normalised / static_cast<double>(valid - wrong)); }
-};
-
-Outcome decode(const Depth& depth, const test::SceneOptions& o, const BurstDecoder& by = decoder(),
-               const calib::Rig& rig = wide_rig()) {
-  const auto scene = test::render(rig, depth, o);
-  Outcome out;
-  out.burst = by.decode(scene.frames.view());
-  for (int v = 0; v < rig.camera.height; ++v) {
-    for (int u = 0; u < rig.camera.width; ++u) {
-      out.lit += o.light(u, v) > 0 ? 1U : 0U;
-      const auto z = static_cast<double>(out.burst.patch.depth_mm(u, v));
-      if (std::isnan(z)) continue;
-      ++out.valid;
-      const double e = z - scene.depth_mm(u, v);
-      if (std::abs(e) > 1.0) {  // a wrong order is 3.5 mm off
-        ++out.wrong;
-        continue;
-      }
-      out.squares_um2 += 1e6 * e * e;
-      out.normalised += std::pow(e / static_cast<double>(out.burst.patch.sigma_mm(u, v)), 2);
-    }
-  }
-  return out;
+DecodedScene decode(const Depth& depth, const test::SceneOptions& o, const BurstDecoder& by = decoder(),
+                    const calib::Rig& rig = wide_rig()) {
+  return test::decode_scene(by, rig, depth, o);
 }
 
 TEST(MicroDecoder, plane_is_whole_right_and_as_noisy_as_predicted) {
   for (const double modulation : {8.0, 20.0, 50.0, 90.0}) {
-    const Outcome r = decode(test::flat(48), noisy(modulation));
+    const DecodedScene r = decode(test::flat(48), noisy(modulation));
     ASSERT_TRUE(r.burst.accepted()) << modulation << " " << name_of(r.burst.verdict);
     EXPECT_EQ(r.wrong, 0U) << modulation;
     EXPECT_GE(r.coverage(), 0.98) << modulation;
@@ -78,7 +40,7 @@ TEST(MicroDecoder, plane_is_whole_right_and_as_noisy_as_predicted) {
 
 TEST(MicroDecoder, stairs_are_placed_or_rejected_not_guessed) {
   for (const double modulation : {20.0, 80.0}) {
-    const Outcome r = decode(kStairs, noisy(modulation));
+    const DecodedScene r = decode(kStairs, noisy(modulation));
     ASSERT_TRUE(r.burst.accepted()) << modulation;
     EXPECT_LE(r.wrong_share(), 0.0005) << modulation;
     EXPECT_GE(r.coverage(), 0.85) << modulation;
@@ -87,16 +49,16 @@ TEST(MicroDecoder, stairs_are_placed_or_rejected_not_guessed) {
 
 TEST(MicroDecoder, jumps_of_exactly_one_fringe_are_found_by_the_code) {
   const double jump = test::fringe_jump_mm(wide_rig(), 50);
-  const Outcome across = decode([&](int u, int) { return u < 200 ? 50.0 : 50 - jump; }, noisy());
+  const DecodedScene across = decode([&](int u, int) { return u < 200 ? 50.0 : 50 - jump; }, noisy());
   EXPECT_LE(across.wrong_share(), 0.01);
   EXPECT_GE(across.coverage(), 0.9);
-  const Outcome along = decode([&](int, int v) { return v < 60 ? 50.0 : 50 - jump; }, noisy());
+  const DecodedScene along = decode([&](int, int v) { return v < 60 ? 50.0 : 50 - jump; }, noisy());
   EXPECT_LE(along.wrong, 400U);  // at most the row of the jump itself
   EXPECT_GE(along.coverage(), 0.9);
 }
 
 TEST(MicroDecoder, pixels_beside_a_jump_that_the_phase_does_not_show_are_edges) {
-  const auto edges = [](const Outcome& o) { return o.burst.counts[static_cast<std::size_t>(PixelReject::kEdge)]; };
+  const auto edges = [](const DecodedScene& o) { return o.burst.counts[static_cast<std::size_t>(PixelReject::kEdge)]; };
   const double jump = test::fringe_jump_mm(wide_rig(), 50);
   const auto height = static_cast<std::size_t>(wide_rig().camera.height);
   EXPECT_GE(edges(decode([&](int u, int) { return u < 200 ? 50.0 : 50 - jump; }, noisy())), 3 * height);
@@ -106,7 +68,7 @@ TEST(MicroDecoder, pixels_beside_a_jump_that_the_phase_does_not_show_are_edges) 
 TEST(MicroDecoder, small_isolated_patch_is_placed_where_the_polarity_code_gives_up) {
   test::SceneOptions o = noisy();
   o.light = [](int u, int v) { return (u < 200 || (u > 250 && u < 271 && v > 50 && v < 66)) ? 1.0 : 0.0; };
-  const Outcome r = decode(test::flat(44), o);
+  const DecodedScene r = decode(test::flat(44), o);
   EXPECT_EQ(r.wrong, 0U);
   int placed = 0;
   for (int v = 51; v < 66; ++v)
@@ -115,20 +77,20 @@ TEST(MicroDecoder, small_isolated_patch_is_placed_where_the_polarity_code_gives_
 }
 
 TEST(MicroDecoder, surface_that_leaves_the_depth_range_is_not_folded_back_into_it) {
-  const Outcome r = decode([](int u, int) { return 52 + 0.02 * u; }, noisy());
+  const DecodedScene r = decode([](int u, int) { return 52 + 0.02 * u; }, noisy());
   EXPECT_EQ(r.wrong, 0U);
   EXPECT_GT(r.burst.counts[static_cast<std::size_t>(PixelReject::kOutOfRange)], 5000U);
 }
 
 /// A code that repeats with the K = 5 orders of the range, so that the first order beyond looks like the first within.
-Outcome decode_by_tight_code(const Depth& depth, const DecodeConfig& config = {}) {
+DecodedScene decode_by_tight_code(const Depth& depth, const DecodeConfig& config = {}) {
   const calib::Rig rig = test::micro_rig(400, 120, 5);
   return decode(depth, noisy(), BurstDecoder::make(rig, config).value(), rig);
 }
 
 TEST(MicroDecoder, surface_is_followed_beyond_the_range_where_the_code_repeats) {
   const Depth sinking = [](int, int v) { return 52 + 0.06 * v; };
-  const Outcome r = decode_by_tight_code(sinking);
+  const DecodedScene r = decode_by_tight_code(sinking);
   EXPECT_EQ(r.wrong, 0U);
   EXPECT_GT(r.burst.counts[static_cast<std::size_t>(PixelReject::kOutOfRange)], 10000U);
   EXPECT_GT(r.burst.patch.valid_px, 20000U);
@@ -139,7 +101,7 @@ TEST(MicroDecoder, surface_is_followed_beyond_the_range_where_the_code_repeats) 
 
 TEST(MicroDecoder, surface_that_stands_alone_lies_within_the_range_where_the_code_repeats) {
   for (const double z : {41.0, 55.0}) {
-    const Outcome r = decode_by_tight_code(test::flat(z));
+    const DecodedScene r = decode_by_tight_code(test::flat(z));
     EXPECT_EQ(r.wrong, 0U) << z;
     EXPECT_GT(r.burst.patch.valid_px, 40000U) << z;
   }
@@ -162,7 +124,7 @@ TEST(MicroDecoder, motion_turns_the_code_and_leaves_the_orders_right) {
   for (const double motion : {-0.3, -0.2, -0.1, 0.1, 0.2, 0.3}) {
     test::SceneOptions o = noisy();
     o.motion_rad = motion;
-    const Outcome r = decode(kStairs, o);
+    const DecodedScene r = decode(kStairs, o);
     ASSERT_TRUE(r.burst.accepted()) << motion << " turn " << r.burst.diagnostics.code_turn_rad;
     EXPECT_LE(r.wrong_share(), 0.0005) << motion;
     EXPECT_NEAR(r.burst.diagnostics.motion_rad, motion, 0.01);
@@ -172,14 +134,6 @@ TEST(MicroDecoder, motion_turns_the_code_and_leaves_the_orders_right) {
     if (std::abs(motion) > 0.25) continue;
     EXPECT_NEAR(r.burst.diagnostics.code_turn_rad, -7.0 / 6 * 2 / 3 * motion, 0.02) << motion;
   }
-}
-
-std::string figures(const DecodedBurst& b) {
-  const auto& d = b.diagnostics;
-  return std::string(name_of(b.verdict)) + " linked " + std::to_string(d.linked_share) + " direction " +
-         std::to_string(d.direction_share) + " code " + std::to_string(d.code_agreement) + " torn " +
-         std::to_string(d.torn_share) + " turn " + std::to_string(d.code_turn_rad) + " odd " +
-         std::to_string(d.odd_shift_rad) + " valid " + std::to_string(b.patch.valid_px);
 }
 
 /// A plane of uneven brightness that passes by along the fringes, by so many px a frame: its phase stays, its light
@@ -254,12 +208,12 @@ TEST(MicroDecoder, orders_are_found_where_a_turn_moves_the_phase_each_way) {
 TEST(MicroDecoder, second_harmonic_is_undone) {
   test::SceneOptions o;
   o.harmonic = 0.02;
-  const Outcome r = decode(kSlant, o);
+  const DecodedScene r = decode(kSlant, o);
   ASSERT_TRUE(r.burst.accepted());
   EXPECT_NEAR(r.burst.diagnostics.third_rad, -0.02, 0.001);
   DecodeConfig raw;
   raw.correct_ripple = false;
-  const Outcome plain = decode(kSlant, o, BurstDecoder::make(wide_rig(), raw).value());
+  const DecodedScene plain = decode(kSlant, o, BurstDecoder::make(wide_rig(), raw).value());
   EXPECT_GT(plain.rms_um(), 7.0);  // the control: 0.02 rad / sqrt 2 is 8 um
   EXPECT_LT(r.rms_um(), 2.0);      // rounding to whole DN
 }
@@ -277,77 +231,6 @@ TEST(MicroDecoder, reused_workspace_gives_the_bits_of_a_fresh_one) {
     ASSERT_EQ(reused.order[i], fresh.order[i]);
     if (fresh.order[i] == kNoOrder) continue;
     ASSERT_EQ(reused.patch.depth_mm[i], fresh.patch.depth_mm[i]);
-  }
-}
-
-/// Every order of the four frames but the right one.
-std::vector<std::array<std::size_t, 4>> permutations() {
-  std::vector<std::array<std::size_t, 4>> out;
-  std::array<std::size_t, 4> order = {0, 1, 2, 3};
-  while (std::next_permutation(order.begin(), order.end())) out.push_back(order);
-  return out;
-}
-
-BurstView permuted(const test::SyntheticBurst& scene, const std::array<std::size_t, 4>& order) {
-  BurstView view = scene.frames.view();
-  for (std::size_t k = 0; k < 4; ++k) view.frames[k] = scene.frames.frames[order[k]];
-  return view;
-}
-
-class MicroPermutation : public testing::TestWithParam<std::array<std::size_t, 4>> {};
-
-TEST_P(MicroPermutation, is_detected) {
-  for (const double modulation : {12.0, 80.0}) {
-    for (const double motion : {0.0, 0.2}) {
-      for (const Depth& depth : {kSlant, kStairs}) {
-        test::SceneOptions o = noisy(modulation);
-        o.motion_rad = motion;
-        const auto scene = test::render(wide_rig(), depth, o);
-        ASSERT_TRUE(decoder().decode(scene.frames.view()).accepted());  // the control: in order it is accepted
-        const DecodedBurst b = decoder().decode(permuted(scene, GetParam()));
-        EXPECT_EQ(b.verdict, BurstVerdict::kPatternMismatch) << modulation << " " << motion << " " << figures(b);
-      }
-    }
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(All, MicroPermutation, testing::ValuesIn(permutations()), [](const auto& p) {
-  std::string name;
-  for (const std::size_t k : p.param) name += std::to_string(k);
-  return name;
-});
-
-/// In principle: a cyclic permutation shifts phi by a third of a fringe, which turns the code by (L + 1)/3 steps
-/// between orders. At L = 5 these are two whole steps, so the frames are those of a surface 5/3 fringes off, and only
-/// where such a surface leaves the depth range or the projector's frame can anybody notice. At L = 6 they are 2 1/3.
-TEST(MicroDecoder, cyclic_permutation_is_another_surface_where_the_ratio_plus_one_is_a_multiple_of_three) {
-  const calib::Rig rig = test::micro_rig(400, 120, 5);
-  const BurstDecoder five = BurstDecoder::make(rig).value();
-  const auto scene = test::render(rig, test::flat(46), noisy());
-  ASSERT_TRUE(five.decode(scene.frames.view()).accepted());
-  for (const auto& order : {std::array<std::size_t, 4>{2, 1, 3, 0}, std::array<std::size_t, 4>{3, 1, 0, 2}}) {
-    const DecodedBurst b = five.decode(permuted(scene, order));
-    EXPECT_GT(b.diagnostics.code_agreement, 0.95);
-    EXPECT_LT(std::abs(b.diagnostics.code_turn_rad), 0.02);
-    for (std::size_t i = 0; i < b.patch.depth_mm.size(); ++i)
-      ASSERT_FALSE(std::abs(b.patch.depth_mm[i] - 46) < 3);  // elsewhere, or NaN
-    EXPECT_FALSE(decoder().decode(permuted(test::render(wide_rig(), test::flat(46), noisy()), order)).accepted());
-  }
-}
-
-TEST(MicroDecoder, foreign_bursts_are_refused) {
-  for (const Depth& depth : {kSlant, kStairs, test::flat(48)}) {
-    const calib::Rig polarity = test::cropped_rig(400, 120);
-    calib::Rig plain = polarity;
-    plain.patterns.polarity_code.clear();
-    for (const calib::Rig& other :
-         {polarity, plain, test::micro_rig(400, 120, 5), test::micro_rig(400, 120, 7), test::micro_rig(400, 120, 12)}) {
-      const DecodedBurst b = decoder().decode(test::render(other, depth, noisy()).frames.view());
-      EXPECT_FALSE(b.accepted()) << other.patterns.code_ratio << " " << figures(b);
-    }
-    const BurstDecoder by_polarity = BurstDecoder::make(polarity).value();
-    const DecodedBurst b = by_polarity.decode(test::render(wide_rig(), depth, noisy()).frames.view());
-    EXPECT_EQ(b.verdict, BurstVerdict::kPatternMismatch) << figures(b);
   }
 }
 
