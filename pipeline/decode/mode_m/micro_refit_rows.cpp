@@ -15,48 +15,10 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "pipeline/decode/mode_m/micro_row-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
-
-/// Variance of R over that of a frame: the code frame, A/3, and 2/3 each of the parts of B cos and B sin, on average.
-constexpr float kResidualVariance = 2.1F;
-
-/// A row's pixels, in each loop's own copy, which cannot alias what it writes.
-struct Row {
-  const float *mean, *cosine, *sine, *code, *modulation, *phase;
-  const float *rate, *gain, *light, *rate_change, *light_change;
-  const float* wraps;
-  float black_dn;
-  CodeWave wave;
-
-  explicit Row(const CodeRow& r)
-      : mean(r.pixels.mean),
-        cosine(r.pixels.cosine),
-        sine(r.pixels.sine),
-        code(r.pixels.code),
-        modulation(r.pixels.modulation),
-        phase(r.pixels.phase),
-        rate(r.motion_rad),
-        gain(r.gain),
-        light(r.light),
-        rate_change(r.motion_change_rad),
-        light_change(r.light_change),
-        wraps(r.wraps),
-        black_dn(r.black_dn),
-        wave{r.inverse_ratio, r.harmonic} {}
-
-  [[nodiscard, gnu::always_inline]] Pixel raw(std::size_t u) const { return {mean[u] - black_dn, cosine[u], sine[u]}; }
-  template <bool kSteady>
-  [[nodiscard, gnu::always_inline]] PixelChange change(std::size_t u) const {
-    if constexpr (kSteady) return {rate[u], 0, 0, 0};
-    return {rate[u], rate_change[u], light[u], light_change[u]};
-  }
-  [[nodiscard, gnu::always_inline]] bool placed(std::size_t u) const { return wraps[u] > kUnplaced; }
-  template <bool kSteady>
-  [[nodiscard, gnu::always_inline]] Residual residual(std::size_t u) const {
-    return code_residual<kSteady>(raw(u), code[u], phase[u], wraps[u], change<kSteady>(u), gain[u], wave);
-  }
-};
 
 template <bool kSteady>
 void add_pixels(const Row& in, const NoiseModel& model, float limit, std::size_t width, float* sums) {
@@ -99,63 +61,6 @@ void residuals(const Row& in, std::size_t count, const ResidualRow& out) {
 
 void residual_loop(const CodeRow& row, std::size_t count, const ResidualRow& out) {
   (row.steady ? residuals<true> : residuals<false>)(Row(row), count, out);
-}
-
-/// Columns of the odd frame's unknowns, the residual and its weight, a stretch at a time; their products follow in
-/// loops of their own, which the registers hold.
-struct OddStretch {
-  std::array<std::array<float, kPolarStretch>, kOddColumns + 1> x;  ///< the last: the residual
-  std::array<float, kPolarStretch> weight, asked, used;
-};
-
-template <bool kSteady>
-void odd_columns(const CodeRow& in, const NoiseModel& model, float limit, std::size_t from, std::size_t count,
-                 OddStretch& out) {
-  const NoiseModel noise = model;
-  const Row row(in);
-  float* __restrict alone = out.x[0].data(), * __restrict skew = out.x[1].data(), * __restrict motion = out.x[2].data();
-  float* __restrict light = out.x[3].data(), * __restrict gain = out.x[4].data(), * __restrict rest = out.x[5].data();
-  float* __restrict weight = out.weight.data(), * __restrict asked = out.asked.data(), * __restrict used = out.used.data();
-  ENAMEL_INDEPENDENT
-  for (std::size_t j = 0; j < count; ++j) {
-    const std::size_t u = from + j;
-    const Residual k = row.residual<kSteady>(u);
-    const bool placed = row.placed(u), known = (k.rest == k.rest) & placed;
-    const bool counts = (std::abs(k.rest) < limit * k.modulation) & known;
-    alone[j] = k.by_alone, skew[j] = k.by_skew, motion[j] = k.by_motion, light[j] = k.by_light, gain[j] = k.by_gain;
-    rest[j] = select(counts, -k.rest, 0);
-    weight[j] = select(counts, 1 / (kResidualVariance * noise.variance(row.mean[u])), 0);
-    asked[j] = select(known, 1, 0);
-    used[j] = select(counts, 1, 0);
-  }
-}
-
-void add_product(const float* a, const float* b, const float* weights, std::size_t count, float* sums) {
-  const float* __restrict x = a, * __restrict y = b, * __restrict w = weights;
-  float* __restrict sum = sums;
-  ENAMEL_INDEPENDENT  // x and y may be one
-      for (std::size_t j = 0; j < count; ++j) sum[j] += w[j] * x[j] * y[j];
-}
-
-void add_to(const float* values, std::size_t count, float* sums) {
-  const float* __restrict x = values;
-  float* __restrict sum = sums;
-  for (std::size_t j = 0; j < count; ++j) sum[j] += x[j];
-}
-
-void odd_loop(const CodeRow& row, const NoiseModel& noise, float limit, std::size_t width, float* sums) {
-  OddStretch stretch;
-  for (std::size_t from = 0; from < width; from += kPolarStretch) {
-    const std::size_t count = std::min(kPolarStretch, width - from);
-    (row.steady ? odd_columns<true> : odd_columns<false>)(row, noise, limit, from, count, stretch);
-    float* to = sums + from;
-    for (std::size_t i = 0; i < kOddColumns; ++i) {
-      for (std::size_t j = i; j <= kOddColumns; ++j, to += width)
-        add_product(stretch.x[i].data(), stretch.x[j].data(), stretch.weight.data(), count, to);
-    }
-    add_to(stretch.asked.data(), count, to);
-    add_to(stretch.used.data(), count, to + width);
-  }
 }
 
 template <bool kSteady>
@@ -262,7 +167,6 @@ namespace enamel::pipeline {
 
 HWY_EXPORT(add_loop);
 HWY_EXPORT(residual_loop);
-HWY_EXPORT(odd_loop);
 HWY_EXPORT(mid_burst_loop);
 HWY_EXPORT(undo_loop);
 HWY_EXPORT(at_code_loop);
@@ -274,11 +178,6 @@ void add_refit_row(const CodeRow& row, const NoiseModel& noise, float max_residu
 
 void code_residual_row(const CodeRow& row, std::size_t count, const ResidualRow& out) {
   HWY_DYNAMIC_DISPATCH(residual_loop)(row, count, out);
-}
-
-void add_micro_odd_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width,
-                       float* sums) {
-  HWY_DYNAMIC_DISPATCH(odd_loop)(row, noise, max_residual, width, sums);
 }
 
 void sparse_mid_burst_row(const CodeRow& row, std::size_t count, float* phase_rad, float* light_dn) {

@@ -1,0 +1,60 @@
+// A row of a mode M burst as its loops read it; compiled once per instruction set. Private to pipeline/decode/mode_m.
+#if defined(ENAMEL_MICRO_ROW_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ENAMEL_MICRO_ROW_INL_H_
+#undef ENAMEL_MICRO_ROW_INL_H_
+#else
+#define ENAMEL_MICRO_ROW_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "pipeline/decode/mode_m/micro_pixel.hpp"
+#include "pipeline/decode/mode_m/micro_refit_rows.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace enamel::pipeline::HWY_NAMESPACE {
+
+/// Variance of R over that of a frame: the code frame, A/3, and 2/3 each of the parts of B cos and B sin, on average.
+constexpr float kResidualVariance = 2.1F;
+
+/// A row's pixels, in each loop's own copy, which cannot alias what it writes.
+struct Row {
+  const float *mean, *cosine, *sine, *code, *modulation, *phase;
+  const float *rate, *gain, *light, *rate_change, *light_change;
+  const float* wraps;
+  float black_dn;
+  CodeWave wave;
+
+  explicit Row(const CodeRow& r)
+      : mean(r.pixels.mean),
+        cosine(r.pixels.cosine),
+        sine(r.pixels.sine),
+        code(r.pixels.code),
+        modulation(r.pixels.modulation),
+        phase(r.pixels.phase),
+        rate(r.motion_rad),
+        gain(r.gain),
+        light(r.light),
+        rate_change(r.motion_change_rad),
+        light_change(r.light_change),
+        wraps(r.wraps),
+        black_dn(r.black_dn),
+        wave{r.inverse_ratio, r.harmonic} {}
+
+  [[nodiscard, gnu::always_inline]] Pixel raw(std::size_t u) const { return {mean[u] - black_dn, cosine[u], sine[u]}; }
+  template <bool kSteady>
+  [[nodiscard, gnu::always_inline]] PixelChange change(std::size_t u) const {
+    if constexpr (kSteady) return {rate[u], 0, 0, 0};
+    return {rate[u], rate_change[u], light[u], light_change[u]};
+  }
+  [[nodiscard, gnu::always_inline]] bool placed(std::size_t u) const { return wraps[u] > kUnplaced; }
+  template <bool kSteady>
+  [[nodiscard, gnu::always_inline]] Residual residual(std::size_t u) const {
+    return code_residual<kSteady>(raw(u), code[u], phase[u], wraps[u], change<kSteady>(u), gain[u], wave);
+  }
+};
+
+}  // namespace enamel::pipeline::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
