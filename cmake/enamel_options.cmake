@@ -25,6 +25,10 @@ target_compile_options(enamel_policy INTERFACE
   -ffp-contract=off -fno-fast-math)
 # g++ 12 sees an overlap in "literal" + std::to_string(n) that is not there (GCC bug 105651).
 target_compile_options(enamel_policy INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+# In a batch every file but the first counts as a header, where a member of a type without linkage would be a mistake.
+if(ENAMEL_UNITY)
+  target_compile_options(enamel_policy INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endif()
 target_link_libraries(enamel_policy INTERFACE Threads::Threads)
 
 if(ENAMEL_SANITIZE)

@@ -49,7 +49,7 @@ Result<std::string> write_patterns(const Rig& rig, const std::string& folder) {
   ENAMEL_TRY(check(rig.patterns));
   ENAMEL_TRY(make_folder(folder));
   const PatternTable table = pattern_table(rig);
-  Json json{{"mode", std::string(name_of(rig.patterns.mode))},
+  Json json{{"mode", std::string(name_of(rig.patterns))},
             {"period_px", rig.patterns.period_px},
             {"axis", table.axis_v ? "v" : "u"},
             {"width", rig.projector.width},

@@ -14,7 +14,7 @@ namespace enamel::calib {
 namespace {
 
 constexpr std::size_t kMinLevels = 3;
-constexpr double kSaturatedLevel = 0.98;
+constexpr double kClippedLevel = 0.98;
 
 double middle_mean(const Map<float>& image) {
   double sum = 0;
@@ -42,7 +42,7 @@ Result<std::optional<ProjectorResponse>> read_response(const std::string& folder
   }
   const auto [first_level, first] = *mean.begin();
   const auto [last_level, last] = *mean.rbegin();
-  if (!(last < kSaturatedLevel * saturation_dn)) {
+  if (!(last < kClippedLevel * saturation_dn)) {
     return fail(ErrorCode::kCalibrationFolder,
                 folder + "/response: the brightest level is saturated; lower the exposure");
   }

@@ -8,22 +8,22 @@
 namespace enamel::calib {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
-std::optional<double> number(const Json& json, const char* key) {
+std::optional<double> number(const SortedJson& json, const char* key) {
   if (!json.is_object() || !json.contains(key) || !json[key].is_number()) return {};
   const double value = json[key].get<double>();
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-std::string text_of(const Json& json, const char* key) {
+std::string text_of(const SortedJson& json, const char* key) {
   return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
 }
 
 /// A square matrix of as many rows as names, or nothing.
-void read_covariance(const Json& json, RigDetails& out) {
+void read_covariance(const SortedJson& json, RigDetails& out) {
   if (!json.is_object() || !json.contains("parameters") || !json.contains("matrix")) return;
-  const Json &names = json["parameters"], &rows = json["matrix"];
+  const SortedJson &names = json["parameters"], &rows = json["matrix"];
   if (!names.is_array() || !rows.is_array() || names.size() != rows.size()) return;
   const auto n = static_cast<Eigen::Index>(rows.size());
   Eigen::MatrixXd matrix(n, n);
@@ -40,7 +40,7 @@ void read_covariance(const Json& json, RigDetails& out) {
   out.covariance = std::move(matrix);
 }
 
-std::optional<RigResiduals> read_residuals(const Json& json) {
+std::optional<RigResiduals> read_residuals(const SortedJson& json) {
   const auto camera = number(json, "rms_camera_px"), projector = number(json, "rms_projector_px");
   const auto poses = number(json, "poses");
   if (!camera || !projector || !poses) return {};
@@ -54,7 +54,7 @@ std::optional<RigResiduals> read_residuals(const Json& json) {
 RigDetails read_rig_details(const Rig& rig) {
   RigDetails out;
   out.serial = rig.serial;
-  const Json json = Json::parse(rig.text, nullptr, /*allow_exceptions=*/false);
+  const SortedJson json = SortedJson::parse(rig.text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return out;
   out.is_nominal = json.contains("nominal") && json["nominal"] == true;
   out.calibrated_at = text_of(json, "calibrated_at");

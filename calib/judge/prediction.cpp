@@ -80,7 +80,7 @@ MatrixXd plane_rows(const VolumePairs& plane, const MatrixXd& left_um) {
   MatrixXd b = MatrixXd::Zero(6, left_um.cols());
   for (std::size_t i = 0; i < plane.reference.size(); ++i) {
     const Vec3d& p = plane.reference[i];
-    if (p.head<2>().cwiseAbs().maxCoeff() > kHalfPlane_mm) continue;
+    if (p.head<2>().cwiseAbs().maxCoeff() > kHalfFacing_mm) continue;
     const Eigen::Matrix<double, 6, 1> terms = plane_terms(p);
     h += terms * terms.transpose();
     b += terms * left_um.row(3 * static_cast<Index>(i) + 2);

@@ -16,14 +16,14 @@ namespace {
 
 constexpr double kMinRadius_mm = 1, kMaxRadius_mm = 6;
 constexpr int kDraws = 1500;
-constexpr std::size_t kVoters = 1500;    // points that a draw is tried on
-constexpr double kNear_mm = 0.03;        // of a point that votes for a sphere
-constexpr std::size_t kMinPoints = 500;  // of a sphere
-constexpr double kGrossSigmas = 4;
+constexpr std::size_t kVoters = 1500;        // points that a draw is tried on
+constexpr double kNear_mm = 0.03;            // of a point that votes for a sphere
+constexpr std::size_t kMinBallPoints = 500;  // of a sphere
+constexpr double kGrossBallSigmas = 4;
 constexpr int kFitSteps = 12;
 constexpr double kAround_mm = 0.15;  // a found sphere's surroundings, where the next one is not sought
 constexpr double kMaxLength_um = 5, kMaxForm_um = 15;
-const double kMinCosine = std::cos(55 * std::numbers::pi / 180);
+const double kMinBallCosine = std::cos(55 * std::numbers::pi / 180);
 
 struct Ball {
   Vec3d centre;
@@ -55,12 +55,12 @@ double facing(const Ball& ball, const Vec3d& p) {
 
 bool supports(const Ball& ball, const BarPoint& p) {
   return std::abs((p.place - ball.centre).norm() - ball.radius_mm) < std::max(kNear_mm, 2 * p.sigma_mm) &&
-         facing(ball, p.place) > kMinCosine;
+         facing(ball, p.place) > kMinBallCosine;
 }
 
 /// The ball that most points lie on: random fours of points from one neighbourhood.
 std::optional<Ball> find_ball(const std::vector<BarPoint>& points, Rng& rng) {
-  if (points.size() < kMinPoints) return {};
+  if (points.size() < kMinBallPoints) return {};
   const auto any = [&] { return static_cast<std::size_t>(rng.uniform() * static_cast<double>(points.size())); };
   const std::size_t stride = std::max<std::size_t>(1, points.size() / kVoters);
   std::optional<Ball> best;
@@ -98,7 +98,7 @@ std::vector<Residual> residuals_of(const Ball& ball, const std::vector<BarPoint>
   for (const BarPoint& p : points) {
     const Vec3d out_of = p.place - ball.centre;
     const double distance = out_of.norm(), radial = distance - ball.radius_mm, cosine = facing(ball, p.place);
-    if (!(std::abs(radial) < limit_mm) || !(cosine > kMinCosine)) continue;
+    if (!(std::abs(radial) < limit_mm) || !(cosine > kMinBallCosine)) continue;
     const double weight = 1 / (p.sigma_mm * cosine);
     Residual r{.by = {}, .value = weight * radial, .radial_mm = radial, .point = &p};
     r.by << -weight * out_of / distance, -weight;
@@ -139,7 +139,7 @@ std::optional<SphereFit> fit_ball(Ball ball, const std::vector<BarPoint>& points
   SphereFit fit;
   for (int step = 0; step < kFitSteps; ++step) {
     const auto residuals = residuals_of(ball, points, limit_mm);
-    if (residuals.size() < kMinPoints) return {};
+    if (residuals.size() < kMinBallPoints) return {};
     Eigen::Matrix4d h = Eigen::Matrix4d::Zero();
     Eigen::Vector4d b = Eigen::Vector4d::Zero();
     double chi2 = 0, squares = 0;
@@ -153,7 +153,7 @@ std::optional<SphereFit> fit_ball(Ball ball, const std::vector<BarPoint>& points
     const Eigen::Vector4d move = h.ldlt().solve(b);
     ball.centre += move.head<3>();
     ball.radius_mm += move[3];
-    limit_mm = kGrossSigmas * robust_sigma(residuals);
+    limit_mm = kGrossBallSigmas * robust_sigma(residuals);
     fit = {.centre = ball.centre,
            .radius_mm = ball.radius_mm,
            .covariance = h.inverse() * std::max(1.0, chi2 / (n - 4)),

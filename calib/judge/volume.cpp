@@ -45,7 +45,7 @@ PlaneShape plane_shape(const RigState& solved, const RigState& reference, const 
   Eigen::Matrix<double, 6, 6> h = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
   for (std::size_t i = 0; i < pairs.solved.size(); ++i) {
-    if (pairs.reference[i].head<2>().cwiseAbs().maxCoeff() > kHalfPlane_mm) continue;
+    if (pairs.reference[i].head<2>().cwiseAbs().maxCoeff() > kHalfFacing_mm) continue;
     const Vec3d p = motion * pairs.solved[i];
     const Eigen::Matrix<double, 6, 1> j = plane_terms(p);
     h += j * j.transpose();

@@ -7,7 +7,7 @@
 
 namespace enamel::calib {
 
-inline constexpr double kHalfPlane_mm = 8;  ///< a facing plane is judged over |x|, |y| up to this
+inline constexpr double kHalfFacing_mm = 8;  ///< a facing plane is judged over |x|, |y| up to this
 
 struct VolumePairs {
   std::vector<Vec3d> solved, reference;  ///< same order, mm
@@ -23,9 +23,9 @@ void add_depth(const RigState& solved, const RigState& reference, double z_mm, V
 /// The depths at which planes are judged: 1/8, 1/2 and 7/8 of the range.
 [[nodiscard]] std::array<double, 3> plane_depths_mm(DepthRange range);
 
-/// z = x[0] + x[1] X + x[2] Y + x[3] X² + x[4] X Y + x[5] Y², X and Y in units of kHalfPlane_mm.
+/// z = x[0] + x[1] X + x[2] Y + x[3] X² + x[4] X Y + x[5] Y², X and Y in units of kHalfFacing_mm.
 [[nodiscard]] inline Eigen::Matrix<double, 6, 1> plane_terms(const Vec3d& p) {
-  const double x = p.x() / kHalfPlane_mm, y = p.y() / kHalfPlane_mm;
+  const double x = p.x() / kHalfFacing_mm, y = p.y() / kHalfFacing_mm;
   return (Eigen::Matrix<double, 6, 1>() << 1, x, y, x * x, x * y, y * y).finished();
 }
 

@@ -13,6 +13,12 @@ namespace enamel::calib {
 
 /// As rig.json says it: plain4, T, single, M, multi.
 [[nodiscard]] std::string_view name_of(PatternMode mode) noexcept;
+[[nodiscard]] inline std::string_view name_of(const PatternValues& patterns) noexcept { return name_of(patterns.mode); }
+
+/// Sets for calibrating (mode multi) rather than the four frames of a scan.
+[[nodiscard]] inline bool is_for_calibration(const PatternValues& patterns) noexcept {
+  return patterns.mode == PatternMode::kMulti;
+}
 
 /// +1 or -1 of frame 3 in half fringe `cell`, which covers phase [cell pi, (cell + 1) pi) from projector pixel 0.
 /// +1 everywhere in modes without polarity.

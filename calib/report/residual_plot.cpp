@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPlot = 460, kMargin = 6, kLegend = 26;  // width, border and legend of a field, SVG units
+constexpr double kField = 460, kFieldMargin = 6, kFieldLegend = 26;  // width, border and legend of a field, SVG units
 constexpr int kCols = 8, kRows = 6;
 constexpr double kMeanLength = 4;  // times that of single residuals
 constexpr double kBeyondDoubt = 3;
@@ -71,9 +71,9 @@ Vector2d cut_at_border(const Vector2d& from, const Vector2d& along, const Vector
 }  // namespace
 
 std::string residual_field(const std::vector<FieldArrow>& arrows, int width_px, int height_px) {
-  const double zoom = (kPlot - 2 * kMargin) / width_px, tall = zoom * height_px;
-  Svg svg(kPlot, tall + 2 * kMargin + kLegend);
-  const Vector2d corner(kMargin, kMargin);
+  const double zoom = (kField - 2 * kFieldMargin) / width_px, tall = zoom * height_px;
+  Svg svg(kField, tall + 2 * kFieldMargin + kFieldLegend);
+  const Vector2d corner(kFieldMargin, kFieldMargin);
   svg.rect(corner, {zoom * width_px, tall}, "class=\"field\"");
   double squares = 0;
   for (const FieldArrow& a : arrows) squares += a.residual_px.squaredNorm();
@@ -90,9 +90,9 @@ std::string residual_field(const std::vector<FieldArrow>& arrows, int width_px, 
     const Vector2d along = cut_at_border(zoom * middle, kMeanLength * length * cell.mean(), {zoom * width_px, tall});
     svg.arrow(corner + zoom * middle, along, cell.is_systematic() ? "#c0392b" : "#1f3a5f", 1.8);
   }
-  const double y = tall + 2 * kMargin + 14;
-  svg.arrow({kMargin, y - 4}, {14, 0}, "#9fb0bf", 1.2);
-  svg.text({kMargin + 20, y}, fmt::format("one dot: {:g} px", legend_px));
+  const double y = tall + 2 * kFieldMargin + 14;
+  svg.arrow({kFieldMargin, y - 4}, {14, 0}, "#9fb0bf", 1.2);
+  svg.text({kFieldMargin + 20, y}, fmt::format("one dot: {:g} px", legend_px));
   svg.arrow({150, y - 4}, {14, 0}, "#1f3a5f", 1.8);
   svg.text({170, y}, fmt::format("cell mean: {:g} px", legend_px / kMeanLength));
   svg.arrow({330, y - 4}, {14, 0}, "#c0392b", 1.8);

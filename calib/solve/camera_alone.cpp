@@ -7,6 +7,7 @@
 
 #include "calib/io/calib_folder.hpp"
 #include "calib/model/lens.hpp"
+#include "calib/solve/median.hpp"
 #include "calib/solve/sanity.hpp"
 #include "calib/target/chessboard.hpp"
 
@@ -16,11 +17,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kBadPictureRatio = 3;  // of a picture's rms to the median picture's
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 std::vector<double> rms_by_pose(const std::vector<PlaneView>& views, const LensStart& s) {
   std::vector<double> out;

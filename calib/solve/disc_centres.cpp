@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kGrossSigmas = 4;
-constexpr std::size_t kMinSamples = 20;
+constexpr std::size_t kMinDiscSamples = 20;
 
 /// Camera pixel -> projector pixel by way of a dot's plane.
 class PlaneMap {
@@ -54,7 +54,7 @@ std::optional<Mean> robust_mean(const std::vector<ProjectorSample>& samples, con
       weight += w;
       ++n;
     }
-    if (n < kMinSamples) return {};
+    if (n < kMinDiscSamples) return {};
     mean.value = sum / weight;
     double chi2 = 0;
     std::vector<double> each;

@@ -8,6 +8,7 @@
 
 #include "calib/solve/board_view.hpp"
 #include "calib/solve/ground.hpp"
+#include "calib/solve/median.hpp"
 #include "calib/target/dot_grid.hpp"
 
 namespace enamel::calib {
@@ -21,13 +22,6 @@ constexpr double kMarginSigmas = 4;       // of the edge's blur: no light from b
 constexpr double kMarginExtra_px = 1.0;   // half the pixel's diagonal, and some
 constexpr double kReach_px = 12;          // of the ground around a disc: less leaves its light's gradient uncertain
 constexpr double kMaxResidual = 0.08;     // of the step between disc and ground: what is seen is no whole disc
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Mean of all lit frames above the sensor's black, and its noise. The four steps of a fringe add up to an even light,
 /// so that the photons of every frame count for the contours: ten to twenty times those of the white frame alone.

@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t kMinPlanes = 5;
-constexpr std::size_t kMinSamples = 100;
+constexpr std::size_t kMinPlaneSamples = 100;
 constexpr double kGross = 5;        // of a whitened distance's robust sigma
 constexpr double kPrior_mm = 0.01;  // of a coefficient, as a depth at the middle of the planes
 constexpr std::array<std::array<int, 3>, 5> kSizes{{{3, 3, 1}, {3, 3, 2}, {4, 4, 2}, {5, 5, 2}, {5, 5, 4}}};
@@ -73,8 +73,8 @@ std::vector<Plane> read_planes(const std::vector<PoseView>& poses, const TargetD
   std::vector<Plane> planes;
   for (std::size_t j = 0; j < poses.size(); ++j) {
     Plane plane = read_plane(poses[j], target, state, state.T_cam_target[j]);
-    if (plane.size() >= kMinSamples) settle_plane(plane);
-    if (plane.size() >= kMinSamples) planes.push_back(std::move(plane));
+    if (plane.size() >= kMinPlaneSamples) settle_plane(plane);
+    if (plane.size() >= kMinPlaneSamples) planes.push_back(std::move(plane));
   }
   return planes;
 }

@@ -6,18 +6,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "calib/solve/median.hpp"
+
 namespace enamel::calib {
 namespace {
 
 constexpr int kBisections = 40;      // of [0, 1] px²: to a millionth of a millionth
 constexpr double kMinFactor = 0.05;  // an instrument is never trusted beyond this against its own figures
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 
 #include "calib/io/rig_writer.hpp"
 #include "calib/model/measuring_rig.hpp"
+#include "calib/model/pattern.hpp"
 #include "host/app/input.hpp"
 #include "host/record/calibration_attachment.hpp"
 #include "protocol/base/file.hpp"
@@ -96,7 +97,7 @@ Result<Calibration> calibration_for(const std::string& path, host::BurstStream& 
 }
 
 Result<calib::Rig> rig_to_measure(const Calibration& calibration, const host::BurstStream& stream) {
-  const bool is_whole = calibration.rig.patterns.mode != calib::PatternMode::kMulti;
+  const bool is_whole = !calib::is_for_calibration(calibration.rig.patterns);
   if (is_whole || stream.rig_text().empty()) return calibration.rig;
   ENAMEL_TRY_ASSIGN(const calib::Rig device, calib::parse_rig(stream.rig_text()));
   return calib::measuring_rig(calibration.rig, device);

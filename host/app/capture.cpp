@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct CaptureCommand {
   std::string left, right;
   std::uint64_t first = 0, last = 0;
   bool json = false;
@@ -26,25 +26,25 @@ struct Options {
 
 constexpr int kDiffer = 6;
 
-void say(const Options& o, const nlohmann::json& machine, const std::string& human) {
+void say(const CaptureCommand& o, const nlohmann::json& machine, const std::string& human) {
   std::puts(o.json ? machine.dump(1).c_str() : human.c_str());
 }
 
-Result<int> import_capture(const Options& o) {
+Result<int> import_capture(const CaptureCommand& o) {
   ENAMEL_TRY_ASSIGN(const auto done, host::import_folder(o.left, o.right, "enamel " ENAMEL_VERSION));
   say(o, {{"bursts", done.bursts}, {"attachments", done.attachments}},
       std::to_string(done.bursts) + " bursts and " + std::to_string(done.attachments) + " attachments -> " + o.right);
   return 0;
 }
 
-Result<int> export_capture(const Options& o) {
+Result<int> export_capture(const CaptureCommand& o) {
   ENAMEL_TRY_ASSIGN(const auto done, host::export_folder(o.left, o.right));
   say(o, {{"bursts", done.bursts}, {"attachments", done.attachments}},
       std::to_string(done.bursts) + " bursts and " + std::to_string(done.attachments) + " attachments -> " + o.right);
   return 0;
 }
 
-Result<int> info(const Options& o) {
+Result<int> info(const CaptureCommand& o) {
   ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(o.left));
   const capture::CaptureInfo& i = stream->info();
   nlohmann::json attachments = nlohmann::json::array();
@@ -78,7 +78,7 @@ Result<int> info(const Options& o) {
   return 0;
 }
 
-Result<int> verify(const Options& o) {
+Result<int> verify(const CaptureCommand& o) {
   ENAMEL_TRY_ASSIGN(const auto report, host::capture_verify(o.left));
   std::string human = std::to_string(report.bursts) + " bursts, " + std::to_string(report.records) + " records";
   if (report.truncated) human += "; " + std::string(describe(ErrorCode::kCaptureTruncated).remedy);
@@ -94,7 +94,7 @@ Result<int> verify(const Options& o) {
   return report.clean() ? 0 : exit_code(ErrorCode::kCaptureCorrupt);
 }
 
-Result<int> cut(const Options& o) {
+Result<int> cut(const CaptureCommand& o) {
   ENAMEL_TRY_ASSIGN(const std::uint64_t bursts, host::capture_cut(o.left, o.right, o.first, o.last));
   say(o, {{"bursts", bursts}}, std::to_string(bursts) + " bursts -> " + o.right);
   return 0;
@@ -106,7 +106,7 @@ Result<host::StageTrace> load_trace(const fs::path& folder) {
   return host::StageTrace::from_csv(text, path);
 }
 
-Result<int> diff_runs(const Options& o) {
+Result<int> diff_runs(const CaptureCommand& o) {
   ENAMEL_TRY_ASSIGN(const auto left, load_trace(o.left));
   ENAMEL_TRY_ASSIGN(const auto right, load_trace(o.right));
   const auto d = host::first_difference(left, right);
@@ -119,7 +119,7 @@ Result<int> diff_runs(const Options& o) {
   return kDiffer;
 }
 
-Result<int> diff(const Options& o) {
+Result<int> diff(const CaptureCommand& o) {
   if (fs::exists(fs::path(o.left) / "stages.csv") && fs::exists(fs::path(o.right) / "stages.csv")) return diff_runs(o);
   ENAMEL_TRY_ASSIGN(const auto d, host::capture_diff(o.left, o.right));
   if (!d) {
@@ -141,10 +141,10 @@ Result<int> diff(const Options& o) {
 }  // namespace
 
 Run add_capture(CLI::App& app) {
-  auto o = std::make_shared<Options>();
-  auto chosen = std::make_shared<Result<int> (*)(const Options&)>(nullptr);
+  auto o = std::make_shared<CaptureCommand>();
+  auto chosen = std::make_shared<Result<int> (*)(const CaptureCommand&)>(nullptr);
   app.require_subcommand(1);
-  const auto verb = [&](const char* name, const char* what, Result<int> (*run)(const Options&)) {
+  const auto verb = [&](const char* name, const char* what, Result<int> (*run)(const CaptureCommand&)) {
     CLI::App* sub = app.add_subcommand(name, what);
     sub->add_flag("--json", o->json, "machine-readable result on stdout");
     sub->callback([chosen, run] { *chosen = run; });

@@ -18,7 +18,7 @@ namespace enamel::app {
 
 namespace {
 
-struct Options {
+struct CompareOptions {
   std::string mesh;
   std::vector<std::string> references;
   std::string align = "none";
@@ -28,7 +28,7 @@ struct Options {
   bool json = false;
 };
 
-void print(const host::CompareResult& r) {
+void print_result(const host::CompareResult& r) {
   std::printf("mean absolute  %8.2f um\nmedian signed  %8.2f um\nrms            %8.2f um\n", r.mean_abs_um, r.median_um,
               r.rms_um);
   std::printf("95 %%           %8.2f um\n99 %%           %8.2f um\nlargest        %8.2f um\n", r.p95_um, r.p99_um,
@@ -39,7 +39,7 @@ void print(const host::CompareResult& r) {
   if (r.end->scale_ppm) std::printf("scale          %8.1f ppm\n", *r.end->scale_ppm);
 }
 
-Result<void> write_pictures(const Options& o, const Mesh& mesh, const host::CompareResult& result) {
+Result<void> write_pictures(const CompareOptions& o, const Mesh& mesh, const host::CompareResult& result) {
   if (o.out.empty()) return {};
   ENAMEL_TRY(make_folder(o.out));
   const auto png = host::deviation_png(mesh, result);
@@ -49,7 +49,7 @@ Result<void> write_pictures(const Options& o, const Mesh& mesh, const host::Comp
   return write_file(o.out + "/compare.json", host::compare_json(result));
 }
 
-Result<int> run_compare(const Options& o) {
+Result<int> run_compare(const CompareOptions& o) {
   static const std::map<std::string, host::Alignment> kAlignments{
       {"none", host::Alignment::kNone}, {"best", host::Alignment::kBest}, {"start", host::Alignment::kStart}};
   host::CompareInput input{.alignment = kAlignments.at(o.align)};
@@ -70,7 +70,7 @@ Result<int> run_compare(const Options& o) {
   }
   ENAMEL_TRY_ASSIGN(const auto result, host::compare(mesh.mesh, references, input));
   ENAMEL_TRY(write_pictures(o, mesh.mesh, result));
-  o.json ? static_cast<void>(std::puts(host::compare_json(result).c_str())) : print(result);
+  o.json ? static_cast<void>(std::puts(host::compare_json(result).c_str())) : print_result(result);
   const bool missed = (o.max_mean_um > 0 && !(result.mean_abs_um <= o.max_mean_um)) ||
                       (o.min_coverage_pct > 0 && !(result.coverage_pct >= o.min_coverage_pct));
   if (!missed) return 0;
@@ -81,7 +81,7 @@ Result<int> run_compare(const Options& o) {
 }  // namespace
 
 Run add_compare(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<CompareOptions>();
   app.add_option("MESH", o->mesh, "measured mesh: PLY, STL or OBJ, mm")->required();
   app.add_option("REFERENCE", o->references, "reference meshes; several are one surface")->required();
   app.add_option("--align", o->align, "none: same frame; best: least squares; start: by the first common pose")

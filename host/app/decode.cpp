@@ -23,7 +23,7 @@ namespace enamel::app {
 
 namespace {
 
-struct Options {
+struct DecodeOptions {
   RunOptions run;
   std::string input, rig;
   std::uint64_t burst = 0;
@@ -39,7 +39,7 @@ std::vector<proto::Burst> bursts_before(host::BurstStream& stream, std::uint64_t
   return out;
 }
 
-Result<int> run_decode(const Options& o) {
+Result<int> run_decode(const DecodeOptions& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const LoadedConfig config, load_config(o.run));
   ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(o.input));
@@ -89,7 +89,7 @@ CLI::Validator whole_number() {
 }  // namespace
 
 Run add_decode(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<DecodeOptions>();
   app.add_option("CAPTURE", o->input, "recording or exchange folder")->required();
   app.add_option("--burst", o->burst, "number of the burst")->required()->check(whole_number());
   app.add_option("--out", o->run.out, "folder for the maps")->required();

@@ -116,7 +116,7 @@ Finding usb_rule() {
           "/etc/udev/rules.d/60-enamel.rules && sudo udevadm control --reload"};
 }
 
-void print(const std::vector<Finding>& findings) {
+void print_findings(const std::vector<Finding>& findings) {
   for (const Finding& f : findings) {
     std::printf("%-8s %-22s %s\n", word(f.verdict), f.check.c_str(), f.found.c_str());
     if (!f.remedy.empty()) std::printf("         %-22s -> %s\n", "", f.remedy.c_str());
@@ -138,7 +138,7 @@ Run add_doctor(CLI::App& app) {
   app.add_flag("--json", *json, "one JSON array on stdout");
   return [json]() -> Result<int> {
     const std::vector<Finding> findings{processor(), disk(), receive_buffer(), dds_round_trip(), display(), usb_rule()};
-    *json ? print_json(findings) : print(findings);
+    *json ? print_json(findings) : print_findings(findings);
     for (const Finding& f : findings) {
       if (f.verdict == Verdict::kBad) return exit_code(ErrorCode::kHal);
     }

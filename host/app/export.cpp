@@ -15,11 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ExportOptions {
   std::string session, format = "stl", out;
 };
 
-Result<int> run_export(const Options& o) {
+Result<int> run_export(const ExportOptions& o) {
   ENAMEL_TRY_ASSIGN(const auto file, host::read_mesh((fs::path(o.session) / "mesh.ply").string()));
   const std::string path = o.out.empty() ? (fs::path(o.session) / ("export." + o.format)).string() : o.out;
   nlohmann::json sidecar = {{"format", o.format},
@@ -46,7 +46,7 @@ Result<int> run_export(const Options& o) {
 }  // namespace
 
 Run add_export(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ExportOptions>();
   app.add_option("SESSION", o->session, "session or output folder")->required();
   app.add_option("--format", o->format, "stl, ply or obj")
       ->check(CLI::IsMember({"stl", "ply", "obj"}))

@@ -13,7 +13,7 @@ namespace enamel::app {
 
 namespace {
 
-struct Options {
+struct PatternsOptions {
   std::string rig, calibration, out;
   bool json = false;
 };
@@ -27,7 +27,7 @@ Result<void> check_code(const calib::Rig& rig) {
   return tl::unexpected<Error>(decoder.error());
 }
 
-Result<int> run_patterns(const Options& o) {
+Result<int> run_patterns(const PatternsOptions& o) {
   ENAMEL_TRY_ASSIGN(calib::Rig rig, calib::load_rig(o.rig));
   if (!o.calibration.empty()) {
     ENAMEL_TRY_ASSIGN(const Calibration solved, load_calibration(o.calibration));
@@ -49,7 +49,7 @@ Result<int> run_patterns(const Options& o) {
 }  // namespace
 
 Run add_patterns(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<PatternsOptions>();
   app.add_option("RIG", o->rig, "the probe's rig.json, which states the pattern set")->required();
   app.add_option("--calibration", o->calibration, "a solved rig.json of the same probe, with the projector's response");
   app.add_option("OUT", o->out, "folder for frame_0.png … frame_3.png and patterns.json")->required();

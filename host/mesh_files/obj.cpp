@@ -11,7 +11,7 @@
 namespace enamel::host {
 namespace {
 
-tl::unexpected<Error> bad(std::size_t line, const char* reason) {
+tl::unexpected<Error> bad_obj(std::size_t line, const char* reason) {
   return fail(ErrorCode::kMeshInvalid, "OBJ line " + std::to_string(line) + ": " + reason);
 }
 
@@ -52,7 +52,7 @@ Result<MeshFile> parse_obj(std::string_view text) {
     if (word == "v" || word == "vn") {
       const auto v = vector_of(line);
       if (!v) {
-        return bad(number, "no three numbers");
+        return bad_obj(number, "no three numbers");
       }
       (word == "v" ? out.mesh.vertices : out.mesh.normals).push_back(*v);
     } else if (word == "f") {
@@ -60,12 +60,12 @@ Result<MeshFile> parse_obj(std::string_view text) {
       for (std::string_view c = next_word(line); !c.empty(); c = next_word(line)) {
         const auto corner = corner_of(c, out.mesh.vertices.size());
         if (!corner) {
-          return bad(number, "names a vertex that does not exist");
+          return bad_obj(number, "names a vertex that does not exist");
         }
         corners.push_back(*corner);
       }
       if (corners.size() < 3) {
-        return bad(number, "a face with fewer than three corners");
+        return bad_obj(number, "a face with fewer than three corners");
       }
       for (std::size_t k = 2; k < corners.size(); ++k) {
         out.mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});

@@ -9,7 +9,7 @@
 namespace enamel::host {
 namespace {
 
-tl::unexpected<Error> bad(std::string reason) {
+tl::unexpected<Error> bad_header(std::string reason) {
   return fail(ErrorCode::kMeshInvalid, "PLY header: " + std::move(reason));
 }
 
@@ -45,14 +45,14 @@ Result<PlyProperty> property_of(std::string_view line) {
     property.is_list = true;
     const auto count = type_named(next_word(line));
     if (!count || *count == PlyType::kFloat32 || *count == PlyType::kFloat64) {
-      return bad("a list needs a whole number as its count");
+      return bad_header("a list needs a whole number as its count");
     }
     property.count_type = *count;
     word = next_word(line);
   }
   const auto type = type_named(word);
   if (!type) {
-    return bad("unknown type '" + std::string(word.substr(0, 40)) + "'");
+    return bad_header("unknown type '" + std::string(word.substr(0, 40)) + "'");
   }
   property.type = *type;
   property.name = next_word(line);
@@ -80,39 +80,39 @@ Result<PlyHeader> take_ply_header(std::string_view& bytes) {
   PlyHeader header;
   std::string_view line;
   if (!next_line(bytes, line) || line != "ply") {
-    return bad("the file does not begin with 'ply'");
+    return bad_header("the file does not begin with 'ply'");
   }
   bool has_format = false;
   while (next_line(bytes, line)) {
     const std::string_view word = next_word(line);
     if (word == "end_header") {
-      return has_format ? Result<PlyHeader>(std::move(header)) : bad("no format line");
+      return has_format ? Result<PlyHeader>(std::move(header)) : bad_header("no format line");
     }
     if (word == "format") {
       const std::string_view format = next_word(line);
       header.ascii = format == "ascii";
       has_format = header.ascii || format == "binary_little_endian";
       if (!has_format) {
-        return bad("format '" + std::string(format.substr(0, 40)) + "' is not ascii or binary_little_endian");
+        return bad_header("format '" + std::string(format.substr(0, 40)) + "' is not ascii or binary_little_endian");
       }
     } else if (word == "element") {
       const std::string_view name = next_word(line);
       const auto count = to_number<std::uint64_t>(next_word(line));
       if (!count) {
-        return bad("element without a count");
+        return bad_header("element without a count");
       }
       header.elements.push_back({std::string(name), *count, {}});
     } else if (word == "property") {
       if (header.elements.empty()) {
-        return bad("property before any element");
+        return bad_header("property before any element");
       }
       ENAMEL_TRY_ASSIGN(PlyProperty property, property_of(line));
       header.elements.back().properties.push_back(std::move(property));
     } else if (!word.empty() && word != "comment" && word != "obj_info") {
-      return bad("unknown line '" + std::string(word.substr(0, 40)) + "'");
+      return bad_header("unknown line '" + std::string(word.substr(0, 40)) + "'");
     }
   }
-  return bad("no end_header: truncated");
+  return bad_header("no end_header: truncated");
 }
 
 }  // namespace enamel::host

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kMaxCorners = 1000;
 
-tl::unexpected<Error> bad(std::string reason) { return fail(ErrorCode::kMeshInvalid, "PLY: " + std::move(reason)); }
+tl::unexpected<Error> bad_ply(std::string reason) { return fail(ErrorCode::kMeshInvalid, "PLY: " + std::move(reason)); }
 
 /// Values of a body one after the other, whichever way they are written. After the first failure all are NaN.
 class Values {
@@ -101,7 +101,7 @@ Sink sink_of(const std::string& name, std::size_t count, MeshFile& out) {
 
 Result<void> read_vertices(const PlyElement& element, Values& values, MeshFile& out) {
   if (!has_scalar(element, "x") || !has_scalar(element, "y") || !has_scalar(element, "z")) {
-    return bad("vertices without x, y, z");
+    return bad_ply("vertices without x, y, z");
   }
   const auto count = static_cast<std::size_t>(element.count);
   if (count == 0) {
@@ -114,7 +114,7 @@ Result<void> read_vertices(const PlyElement& element, Values& values, MeshFile& 
   std::vector<Sink> sinks;
   for (const PlyProperty& p : element.properties) {
     if (p.is_list) {
-      return bad("a list among the vertex properties");
+      return bad_ply("a list among the vertex properties");
     }
     sinks.push_back(sink_of(p.name, count, out));
   }
@@ -145,7 +145,7 @@ Result<void> read_faces(const PlyElement& element, Values& values, MeshFile& out
         break;
       }
       if (!(count >= 0.0 && count <= static_cast<double>(kMaxCorners))) {
-        return bad("face " + std::to_string(row) + " has an impossible number of corners");
+        return bad_ply("face " + std::to_string(row) + " has an impossible number of corners");
       }
       const bool wanted = p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
       corners.clear();
@@ -156,12 +156,12 @@ Result<void> read_faces(const PlyElement& element, Values& values, MeshFile& out
         }
         if (!(index >= 0.0 && index < static_cast<double>(vertices) &&
               index == static_cast<double>(static_cast<std::uint64_t>(index)))) {
-          return bad("face " + std::to_string(row) + " names a vertex that does not exist");
+          return bad_ply("face " + std::to_string(row) + " names a vertex that does not exist");
         }
         corners.push_back(static_cast<std::uint32_t>(index));
       }
       if (wanted && values.ok() && corners.size() < 3) {
-        return bad("face " + std::to_string(row) + " has fewer than three corners");
+        return bad_ply("face " + std::to_string(row) + " has fewer than three corners");
       }
       for (std::size_t k = 2; k < corners.size(); ++k) {
         out.mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});
@@ -193,22 +193,22 @@ Result<MeshFile> parse_ply(std::string_view bytes) {
     const std::uint64_t row = least_row_bytes(element, header.ascii);
     // ascii: the last value may do without a separator.
     if (element.count > 0 && (row == 0 || element.count > (values.left() + 1) / row)) {
-      return bad("truncated: " + std::to_string(element.count) + " x " + element.name +
-                 " do not fit into what follows");
+      return bad_ply("truncated: " + std::to_string(element.count) + " x " + element.name +
+                     " do not fit into what follows");
     }
     if (element.name == "vertex") {
       has_vertices = true;
       ENAMEL_TRY(read_vertices(element, values, out));
     } else if (element.name == "face") {
       if (!has_vertices) {
-        return bad("faces before vertices");
+        return bad_ply("faces before vertices");
       }
       ENAMEL_TRY(read_faces(element, values, out));
     } else {
       skip_element(element, values);
     }
     if (!values.ok()) {
-      return bad("truncated or malformed in element '" + element.name + "'");
+      return bad_ply("truncated or malformed in element '" + element.name + "'");
     }
   }
   ENAMEL_TRY(check_mesh(out.mesh, "PLY"));

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kHeader = "burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw";
 
-tl::unexpected<Error> bad(std::size_t line, const char* reason) {
+tl::unexpected<Error> bad_poses(std::size_t line, const char* reason) {
   return fail(ErrorCode::kExchangeInvalid, "poses.csv line " + std::to_string(line) + ": " + reason);
 }
 
@@ -29,24 +29,24 @@ std::string_view next_field(std::string_view& line) {
 
 Result<PoseRow> row_of(std::string_view line, std::size_t number) {
   if (std::count(line.begin(), line.end(), ',') != 8) {
-    return bad(number, "not nine fields");
+    return bad_poses(number, "not nine fields");
   }
   const auto id = to_number<std::uint64_t>(next_field(line));
   const auto t_ns = to_number<std::int64_t>(next_field(line));
   if (!id || !t_ns) {
-    return bad(number, "burst_id or t_ns is not a whole number");
+    return bad_poses(number, "burst_id or t_ns is not a whole number");
   }
   std::array<double, 7> value{};
   for (double& v : value) {
     const auto field = to_number<double>(next_field(line));
     if (!field || !std::isfinite(*field)) {
-      return bad(number, "not a finite number");
+      return bad_poses(number, "not a finite number");
     }
     v = *field;
   }
   const Eigen::Quaterniond q(value[6], value[3], value[4], value[5]);
   if (std::abs(q.norm() - 1.0) > 1e-3) {
-    return bad(number, "the quaternion is not of unit length");
+    return bad_poses(number, "the quaternion is not of unit length");
   }
   PoseRow row{*id, *t_ns, Pose::Identity()};
   row.T_model_cam.linear() = q.normalized().toRotationMatrix();
@@ -59,7 +59,7 @@ Result<PoseRow> row_of(std::string_view line, std::size_t number) {
 Result<std::vector<PoseRow>> parse_poses_csv(std::string_view text) {
   std::string_view line;
   if (!next_line(text, line) || line != kHeader) {
-    return bad(1, "the header is not burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw");
+    return bad_poses(1, "the header is not burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw");
   }
   std::vector<PoseRow> rows;
   for (std::size_t number = 2; next_line(text, line); ++number) {

@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct GatherOptions {
   std::string target, out, serial;
   std::string dds_tag = "enamel";
   int poses = 10, sweeps = 4;
@@ -34,7 +34,7 @@ struct Options {
 /// What the person at the target is told, pose by pose, and what is kept of it.
 class Guide {
  public:
-  Guide(const Options& o, calib::TargetDesign target, const ProbeSeen& probe, calib::PoseWriter writer)
+  Guide(const GatherOptions& o, calib::TargetDesign target, const ProbeSeen& probe, calib::PoseWriter writer)
       : probe_(probe),
         wanted_{.poses = o.poses},
         checker_(std::move(target), probe.rig, probe.noise, o.sweeps, probe.saturation_dn),
@@ -104,7 +104,7 @@ class Guide {
 };
 
 /// Takes poses until there are enough, the probe's session ends, or the person stops.
-Result<void> gather(const Options& o, PoseFeed& feed, Guide& guide, Clock& clock) {
+Result<void> gather(const GatherOptions& o, PoseFeed& feed, Guide& guide, Clock& clock) {
   const HostTime begin = clock.now();
   for (;;) {
     const bool ended = feed.ended();  // asked first: what came before the end is still taken
@@ -122,7 +122,7 @@ Result<void> gather(const Options& o, PoseFeed& feed, Guide& guide, Clock& clock
 }
 
 /// The folder, or the reason why there is none.
-Result<int> conclude(const Options& o, Guide& guide, const PoseFeed& feed, const std::string& target_text) {
+Result<int> conclude(const GatherOptions& o, Guide& guide, const PoseFeed& feed, const std::string& target_text) {
   const calib::Coverage coverage = guide.coverage();
   const char* verdict = coverage.is_enough() ? "complete" : guide.has_poses() ? "usable" : "refused";
   Json json = guide.json(verdict);
@@ -152,7 +152,7 @@ Result<int> conclude(const Options& o, Guide& guide, const PoseFeed& feed, const
   return 0;
 }
 
-Result<int> run_capture(const Options& o) {
+Result<int> run_capture(const GatherOptions& o) {
   SteadyClock clock;
   install_stop_signals();
   ENAMEL_TRY_ASSIGN(const std::string target_text, read_file(o.target));
@@ -177,7 +177,7 @@ Result<int> run_capture(const Options& o) {
 }  // namespace
 
 CalibrateCommand add_calibrate_capture(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<GatherOptions>();
   CLI::App* capture = app.add_subcommand("capture", "pictures of a target from a live probe, pose by pose");
   capture->add_option("--target", o->target, "target.json of the board")->required();
   capture->add_option("--out", o->out, "calibration folder to write; nothing is written when the poses do not suffice")

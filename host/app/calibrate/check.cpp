@@ -17,26 +17,26 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct CheckOptions {
   std::string folder, rig;
   std::vector<std::string> poses;
   BarOptions bar;
   SelfCheckOptions scan;
 };
 
-Result<int> run_bar(const Options& o, const calib::Rig& rig) {
+Result<int> run_bar(const CheckOptions& o, const calib::Rig& rig) {
   ENAMEL_TRY_ASSIGN(const Json json, check_bar(rig, o.bar));
   std::puts(json.dump(1).c_str());
   return json["verdict"] == "accepted" ? 0 : exit_code(ErrorCode::kCalibrationRefused);
 }
 
-Result<int> run_self_check(const Options& o, const calib::Rig& rig) {
+Result<int> run_self_check(const CheckOptions& o, const calib::Rig& rig) {
   ENAMEL_TRY_ASSIGN(const Json json, self_check(rig, o.scan));
   std::puts(json.dump(1).c_str());
   return json["verdict"] == "alarm" ? exit_code(ErrorCode::kCalibrationRefused) : 0;
 }
 
-Result<int> run_check(const Options& o) {
+Result<int> run_check(const CheckOptions& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, load_intact(o.rig));
   if (!o.bar.capture.empty()) return run_bar(o, rig);
@@ -67,7 +67,7 @@ Result<int> run_check(const Options& o) {
 }  // namespace
 
 CalibrateCommand add_calibrate_check(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<CheckOptions>();
   CLI::App* check =
       app.add_subcommand("check", "planes, a two-sphere bar or a scan's overlaps as a rig sees them (JSON)");
   check->add_option("DIR", o->folder, "calibration folder: its planes");

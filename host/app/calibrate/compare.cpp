@@ -13,11 +13,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct DriftOptions {
   std::string rig, other;
 };
 
-Result<int> run_compare(const Options& o) {
+Result<int> run_compare(const DriftOptions& o) {
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, load_intact(o.rig));
   ENAMEL_TRY_ASSIGN(const calib::Rig other, load_intact(o.other));
   const auto d = calib::compare_rigs(calib::state_of(rig), calib::state_of(other), range_of(other));
@@ -34,7 +34,7 @@ Result<int> run_compare(const Options& o) {
 }  // namespace
 
 CalibrateCommand add_calibrate_compare(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<DriftOptions>();
   CLI::App* compare = app.add_subcommand("compare", "what the difference of two rigs does to geometry (JSON)");
   compare->add_option("RIG", o->rig, "rig.json")->required();
   compare->add_option("REFERENCE", o->other, "rig.json")->required();

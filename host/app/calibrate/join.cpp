@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct JoinOptions {
   std::vector<std::string> rigs;
   std::string out;
   bool json = false;
@@ -68,7 +68,7 @@ Result<std::string> text_of(const std::vector<Joined>& sets, const calib::Temper
   return calib::solved_rig_text(sets[0].rig, solved);
 }
 
-Json describe(const Options& o, const calib::TemperatureFit& fit) {
+Json describe(const JoinOptions& o, const calib::TemperatureFit& fit) {
   const calib::TemperatureTerms& t = fit.terms;
   Json json{{"out", o.out},
             {"reference_c", t.reference_c},
@@ -93,7 +93,7 @@ Json describe(const Options& o, const calib::TemperatureFit& fit) {
   return json;
 }
 
-void print(const Json& json) {
+void print_fit(const Json& json) {
   std::printf("%s: valid from %.1f to %.1f C\n", json["out"].get<std::string>().c_str(),
               json["range_c"][0].get<double>(), json["range_c"][1].get<double>());
   for (const auto& r : json["per_kelvin"]) {
@@ -102,7 +102,7 @@ void print(const Json& json) {
   }
 }
 
-Result<int> run_join(const Options& o) {
+Result<int> run_join(const JoinOptions& o) {
   std::vector<Joined> sets;
   std::vector<calib::RigAtTemperature> points;
   for (const std::string& path : o.rigs) {
@@ -114,14 +114,14 @@ Result<int> run_join(const Options& o) {
   ENAMEL_TRY_ASSIGN(const std::string text, text_of(sets, fit));
   ENAMEL_TRY(write_file(o.out, text));
   const Json json = describe(o, fit);
-  o.json ? static_cast<void>(std::puts(json.dump(1).c_str())) : print(json);
+  o.json ? static_cast<void>(std::puts(json.dump(1).c_str())) : print_fit(json);
   return 0;
 }
 
 }  // namespace
 
 CalibrateCommand add_calibrate_join(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<JoinOptions>();
   CLI::App* join = app.add_subcommand("join", "calibrations at several temperatures into one that follows them");
   join->add_option("RIG", o->rigs, "solved rig.json files of one probe, 3 K apart or more")
       ->required()

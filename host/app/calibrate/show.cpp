@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct ShowOptions {
   std::string rig;
   bool json = false;
 };
@@ -108,7 +108,7 @@ std::string age_text(const Json& json) {
                      json["stale"].get<bool>() ? ": stale, calibrate anew" : "");
 }
 
-void print(const Json& json) {
+void print_rig(const Json& json) {
   std::printf("%s: %s\n", json["file"].get<std::string>().c_str(), json["verdict"].get<std::string>().c_str());
   for (const auto& reason : json["reasons"]) std::printf("  because %s\n", reason.get<std::string>().c_str());
   std::printf("probe              %s\n", or_dash(json["serial"]).c_str());
@@ -129,17 +129,17 @@ void print(const Json& json) {
   for (const auto& p : json["parameters"]) std::printf("%s\n", parameter_line(p).c_str());
 }
 
-Result<int> run_show(const Options& o) {
+Result<int> run_show(const ShowOptions& o) {
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, calib::load_rig(o.rig));
   const Json json = describe(o.rig, rig);
-  o.json ? static_cast<void>(std::puts(json.dump(1).c_str())) : print(json);
+  o.json ? static_cast<void>(std::puts(json.dump(1).c_str())) : print_rig(json);
   return json["sha256"] == "broken" ? exit_code(ErrorCode::kRigInvalid) : 0;
 }
 
 }  // namespace
 
 CalibrateCommand add_calibrate_show(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ShowOptions>();
   CLI::App* show = app.add_subcommand("show", "what a rig.json is: probe, time, parameters with sigma, verdict");
   show->add_option("RIG", o->rig, "rig.json")->required();
   show->add_flag("--json", o->json, "one JSON object on stdout");

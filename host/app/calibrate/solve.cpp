@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct SolveCommand {
   std::string folder, out, report, store;
   std::string pictures, chessboard, serial;
   std::string target = "auto";
@@ -34,14 +34,14 @@ struct Options {
 };
 
 /// Path of the report without its ending: beside rig.json, or in the folder that --report names.
-std::string report_stem(const Options& o) {
+std::string report_stem(const SolveCommand& o) {
   namespace fs = std::filesystem;
   return o.report.empty() ? fs::path(o.out).replace_extension(".report").string()
                           : (fs::path(o.report) / "calibration").string();
 }
 
 /// A set that cannot be solved: poses and reason, before the error itself ends the program.
-void tell_unsolved(const Options& o, const calib::MeasuredFolder& measured, const Error& error, double seconds) {
+void tell_unsolved(const SolveCommand& o, const calib::MeasuredFolder& measured, const Error& error, double seconds) {
   for (const auto& note : measured.rejected) log::warn("calibrate", "pose {}: {}", note.pose, note.reason);
   if (!o.json) return;
   const Json json{{"verdict", "refused"},
@@ -53,7 +53,7 @@ void tell_unsolved(const Options& o, const calib::MeasuredFolder& measured, cons
 }
 
 /// rig.json, then its copy in the store; each whole or not at all.
-Result<void> keep(const Options& o, const Outcome& outcome) {
+Result<void> keep(const SolveCommand& o, const Outcome& outcome) {
   ENAMEL_TRY_ASSIGN(const std::string text, rig_text(outcome));
   ENAMEL_TRY(write_file(o.out, text));
   if (!o.install) return {};
@@ -64,7 +64,7 @@ Result<void> keep(const Options& o, const Outcome& outcome) {
 }
 
 /// The set, of the probe that --serial names. Error: kRigForeign when the set is of another one.
-Result<calib::CalibFolder> open_set(const Options& o) {
+Result<calib::CalibFolder> open_set(const SolveCommand& o) {
   ENAMEL_TRY_ASSIGN(calib::CalibFolder folder, calib::open_calib_folder(o.folder));
   std::string& serial = folder.nominal.serial;
   if (!o.serial.empty() && !serial.empty() && serial != o.serial)
@@ -75,7 +75,7 @@ Result<calib::CalibFolder> open_set(const Options& o) {
 }
 
 /// What would make --install fail after all the solving.
-Result<void> check_installable(const Options& o, const calib::CalibFolder& folder) {
+Result<void> check_installable(const SolveCommand& o, const calib::CalibFolder& folder) {
   if (!o.install || calib::is_storable_serial(folder.nominal.serial)) return {};
   return fail(
       ErrorCode::kRigInvalid,
@@ -83,7 +83,7 @@ Result<void> check_installable(const Options& o, const calib::CalibFolder& folde
 }
 
 /// A chessboard without fringes: the camera alone.
-Result<int> run_camera(const Options& o) {
+Result<int> run_camera(const SolveCommand& o) {
   if (o.pictures.empty() != o.chessboard.empty())
     return fail(ErrorCode::kUsage, "--pictures and --chessboard belong together");
   auto board = o.chessboard.empty() ? board_of(o.folder) : parse_board(o.chessboard);
@@ -91,7 +91,7 @@ Result<int> run_camera(const Options& o) {
   return solve_camera_job({o.folder, o.pictures, o.out, *board, o.json});
 }
 
-calib::SolveOptions solve_options(const Options& o, const calib::CalibFolder& folder) {
+calib::SolveOptions solve_options(const SolveCommand& o, const calib::CalibFolder& folder) {
   calib::SolveOptions options;
   if (o.target == "perfect") options.shape = calib::ShapeChoice::kPerfect;
   if (o.target == "solve") options.shape = calib::ShapeChoice::kSolve;
@@ -101,7 +101,7 @@ calib::SolveOptions solve_options(const Options& o, const calib::CalibFolder& fo
 }
 
 /// Report, files and verdict of a solved set. Value: exit code.
-Result<int> conclude(const Options& o, const Outcome& outcome, const std::function<double()>& seconds) {
+Result<int> conclude(const SolveCommand& o, const Outcome& outcome, const std::function<double()>& seconds) {
   const bool is_accepted = outcome.judgement.is_accepted;
   Json json = verdict_json(outcome.solution, outcome.judgement);
   json["steps"] = steps_json(outcome.steps);
@@ -116,7 +116,7 @@ Result<int> conclude(const Options& o, const Outcome& outcome, const std::functi
   return exit_code(ErrorCode::kCalibrationRefused);
 }
 
-Result<int> run_solve(const Options& o) {
+Result<int> run_solve(const SolveCommand& o) {
   SteadyClock clock;
   const HostTime begin = clock.now();
   const auto seconds = [&] { return std::chrono::duration<double>(clock.now() - begin).count(); };
@@ -142,7 +142,7 @@ Result<int> run_solve(const Options& o) {
 }  // namespace
 
 CalibrateCommand add_calibrate_solve(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<SolveCommand>();
   CLI::App* solve = app.add_subcommand("solve", "calibration from a calibration folder");
   solve->add_option("DIR", o->folder, "calibration folder: rig.json, target.json, poses/")->required();
   solve->add_option("--out", o->out, "rig.json to write; nothing is written when the calibration is refused")

@@ -12,16 +12,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct StoreOptions {
   std::string store, serial, to;
   bool json = false;
 };
 
-calib::RigStore store_of(const Options& o) {
+calib::RigStore store_of(const StoreOptions& o) {
   return calib::RigStore(o.store.empty() ? calib::RigStore::default_folder() : o.store);
 }
 
-Result<int> run_list(const Options& o) {
+Result<int> run_list(const StoreOptions& o) {
   const calib::RigStore store = store_of(o);
   Json json = Json::array();
   for (const std::string& serial : o.serial.empty() ? store.serials() : std::vector<std::string>{o.serial}) {
@@ -46,13 +46,13 @@ Result<int> run_list(const Options& o) {
   return 0;
 }
 
-Result<int> run_revert(const Options& o) {
+Result<int> run_revert(const StoreOptions& o) {
   ENAMEL_TRY_ASSIGN(const calib::StoredRig now, store_of(o).revert(o.serial, o.to));
   std::printf("%s is current: %s\n", now.id.c_str(), now.path.c_str());
   return 0;
 }
 
-void add_store(CLI::App& command, Options& o) {
+void add_store(CLI::App& command, StoreOptions& o) {
   command.add_option("--store", o.store,
                      "folder of calibrations (default $ENAMEL_CALIBRATIONS, else the user's data folder)");
 }
@@ -60,7 +60,7 @@ void add_store(CLI::App& command, Options& o) {
 }  // namespace
 
 CalibrateCommand add_calibrate_list(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<StoreOptions>();
   CLI::App* list = app.add_subcommand("list", "calibrations that were installed, the current one marked");
   list->add_option("SERIAL", o->serial, "only those of this probe");
   list->add_flag("--json", o->json, "one JSON array on stdout");
@@ -69,7 +69,7 @@ CalibrateCommand add_calibrate_list(CLI::App& app) {
 }
 
 CalibrateCommand add_calibrate_revert(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<StoreOptions>();
   CLI::App* revert = app.add_subcommand("revert", "makes an earlier calibration of a probe the current one");
   revert->add_option("SERIAL", o->serial, "the probe")->required();
   revert->add_option("--to", o->to, "id of the calibration; default: the one taken before the current one");

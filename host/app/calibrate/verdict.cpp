@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void print(const Json& json) {
+void print_verdict(const Json& json) {
   std::printf("%s\n", json["verdict"].get<std::string>().c_str());
   for (const auto& reason : json["reasons"]) std::printf("  because %s\n", reason.get<std::string>().c_str());
   std::printf("reprojection rms   camera %.4f px, projector %.4f px\n", json["rms_camera_px"].get<double>(),
@@ -113,7 +113,7 @@ Json verdict_json(const calib::Solution& s, const calib::Judgement& j) {
 }
 
 void show_verdict(const Json& json, bool as_json) {
-  as_json ? static_cast<void>(std::puts(json.dump(1).c_str())) : print(json);
+  as_json ? static_cast<void>(std::puts(json.dump(1).c_str())) : print_verdict(json);
 }
 
 }  // namespace enamel::app

@@ -8,7 +8,7 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kBlock_px = 64, kRowStep = 4, kPixelStep = 2;
+constexpr int kBlock_px = 64, kRowStep = 4, kColumnStep = 2;
 constexpr int kSteps = 16;           ///< to either side of rest
 constexpr double kStep_rad = 0.05;   ///< half of it turns frame 3 by 0.04 rad: a sixth of the tolerance
 constexpr float kTolerance = 0.25F;  ///< of B, as for bursts at rest
@@ -49,7 +49,7 @@ BlockCount count_block(const PhaseMaps& m, const std::array<Prediction, kMotions
   const int right = std::min(left + kBlock_px, m.phase_rad.width());
   const int bottom = std::min(top + kBlock_px, m.phase_rad.height());
   for (int v = top; v < bottom; v += kRowStep) {
-    for (int u = left; u < right; u += kPixelStep) {
+    for (int u = left; u < right; u += kColumnStep) {
       const std::size_t i = m.phase_rad.index(u, v);
       if (m.reject[i] != PixelReject::kNone) continue;
       ++count.pixels;

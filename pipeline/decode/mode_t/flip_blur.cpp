@@ -9,9 +9,9 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kRowStep = 4;  ///< a quarter of the pixels gives a block's sigma to 5 %
+constexpr int kFlipRowStep = 4;  ///< a quarter of the pixels gives a block's sigma to 5 %
 
-struct Sums {
+struct FlipBlock {
   double rounding = 0, modulation = 0, noise = 0, pixels = 0;
 };
 
@@ -26,17 +26,18 @@ void fit_flip_blur(const KnownBurst& burst, const PolarityConfig& polarity_confi
   out.columns = (w + config.block_px - 1) / config.block_px;
   out.rows = (h + config.block_px - 1) / config.block_px;
   const auto columns = static_cast<std::size_t>(out.columns);
-  std::vector<Sums> blocks(columns * static_cast<std::size_t>(out.rows));
-  Sums all;
+  std::vector<FlipBlock> blocks(columns * static_cast<std::size_t>(out.rows));
+  FlipBlock all;
   ErrorRows rows(burst.errors, burst.black_dn, w);
   for (int row = 0; row < out.rows; ++row) {
     out.work.column_sums.assign(kFlipSums * width, 0.0F);
     float* sums = out.work.column_sums.data();
-    for (int v = row * config.block_px; v < std::min(h, (row + 1) * config.block_px); v += kRowStep)
+    for (int v = row * config.block_px; v < std::min(h, (row + 1) * config.block_px); v += kFlipRowStep)
       add_flip_row(maps, rows.at(burst.polarity, v), maps.phase_rad.index(0, v), width, sums);
     for (std::size_t u = 0; u < width; ++u) {
-      Sums& block = blocks[static_cast<std::size_t>(row) * columns + u / static_cast<std::size_t>(config.block_px)];
-      for (Sums* s : {&block, &all}) {
+      FlipBlock& block =
+          blocks[static_cast<std::size_t>(row) * columns + u / static_cast<std::size_t>(config.block_px)];
+      for (FlipBlock* s : {&block, &all}) {
         s->rounding += static_cast<double>(sums[u]);
         s->modulation += static_cast<double>(sums[width + u]);
         s->noise += static_cast<double>(sums[2 * width + u]);
@@ -46,7 +47,9 @@ void fit_flip_blur(const KnownBurst& burst, const PolarityConfig& polarity_confi
   }
   // Noise of the other three frames turns the sign of a few pixels beside the flip, which takes sigma_phi^2 away.
   const double reach = static_cast<double>(polarity_config.flip_full_rad);
-  const auto square = [&](const Sums& s) { return (2 * reach * s.rounding + s.noise) / std::max(s.modulation, 1e-6); };
+  const auto square = [&](const FlipBlock& s) {
+    return (2 * reach * s.rounding + s.noise) / std::max(s.modulation, 1e-6);
+  };
   const double least = static_cast<double>(config.least_sigma_rad);
   const double most = static_cast<double>(config.largest_sigma_rad);
   const double of_burst = all.pixels > static_cast<double>(config.prior_pixels) ? square(all) : most * most;

@@ -10,7 +10,7 @@ namespace {
 constexpr int kCell = 16;
 constexpr int kGrowth = 3;
 constexpr int kSampling = 4;  ///< pixels between the depths that a cell averages
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 
 struct Mean {
   float sum = 0.0F;
@@ -21,13 +21,13 @@ struct Mean {
       count += 1.0F;
     }
   }
-  [[nodiscard]] float value() const { return count > 0.0F ? sum / count : kNan; }
+  [[nodiscard]] float value() const { return count > 0.0F ? sum / count : kNoDepth; }
 };
 
 }  // namespace
 
 CoarseDepth::CoarseDepth(const Map<float>& depth_mm)
-    : cells_((depth_mm.width() + kCell - 1) / kCell, (depth_mm.height() + kCell - 1) / kCell, kNan) {
+    : cells_((depth_mm.width() + kCell - 1) / kCell, (depth_mm.height() + kCell - 1) / kCell, kNoDepth) {
   for (int j = 0; j < cells_.height(); ++j) {
     for (int i = 0; i < cells_.width(); ++i) {
       Mean mean;
@@ -65,7 +65,7 @@ void CoarseDepth::grow() {
 float CoarseDepth::near_pixel(int u, int v) const {
   const int i = u / kCell;
   const int j = v / kCell;
-  return u >= 0 && v >= 0 && cells_.contains(i, j) ? cells_(i, j) : kNan;
+  return u >= 0 && v >= 0 && cells_.contains(i, j) ? cells_(i, j) : kNoDepth;
 }
 
 }  // namespace enamel::pipeline

@@ -5,12 +5,12 @@
 #include <numbers>
 #include <string>
 
+#include "tools/twin/degrees.hpp"
 #include "tools/twin/optics/random.hpp"
 
 namespace enamel::twin {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kMinTilt_deg = 15, kMaxTilt_deg = 35, kMaxRoll_deg = 8;
 constexpr double kDepthSlack_mm = 1;        // of the outermost dots beyond the range
 constexpr double kBorder_px = 8;            // free of dots, for their blur and for finding them

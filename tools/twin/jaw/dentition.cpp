@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "tools/twin/degrees.hpp"
 #include "tools/twin/optics/random.hpp"
 
 namespace enamel::twin {
@@ -115,7 +115,6 @@ void vary(ToothForm& f, Variation& v, double common) {
 }
 
 PlacedTooth place(ToothForm form, double s, const Arch& arch, Variation& v) {
-  constexpr double kRadPerDeg = std::numbers::pi / 180.0;
   PlacedTooth t;
   const bool front = form.kind == ToothKind::kIncisor || form.kind == ToothKind::kCanine;
   const Eigen::Vector2d tangent = arch.tangent(s), out = arch.buccal(s), at = arch.point(s);

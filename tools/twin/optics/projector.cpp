@@ -10,7 +10,7 @@ namespace enamel::twin {
 namespace {
 
 /// Integral of the standard normal up to x.
-double normal_cdf(double x) { return 0.5 * std::erfc(-x * std::numbers::sqrt2 / 2.0); }
+double lit_share(double x) { return 0.5 * std::erfc(-x * std::numbers::sqrt2 / 2.0); }
 
 }  // namespace
 
@@ -61,7 +61,7 @@ void ProjectorLight::fill(int frame, std::size_t bin, double sigma, const std::v
     const double offset = static_cast<double>(f) / kFine;
     for (long j = -reach; j <= reach; ++j) {
       const double d = static_cast<double>(j) - offset;
-      weights[static_cast<std::size_t>(j + reach)] = normal_cdf((d + 0.5) / sigma) - normal_cdf((d - 0.5) / sigma);
+      weights[static_cast<std::size_t>(j + reach)] = lit_share((d + 0.5) / sigma) - lit_share((d - 0.5) / sigma);
     }
     for (std::size_t at = static_cast<std::size_t>(f); at < stride_; at += static_cast<std::size_t>(fine)) {
       const long pixel = static_cast<long>(at) / fine - static_cast<long>(kMargin);

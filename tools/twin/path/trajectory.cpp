@@ -5,12 +5,12 @@
 #include <numbers>
 #include <utility>
 
+#include "tools/twin/degrees.hpp"
 #include "tools/twin/optics/random.hpp"
 
 namespace enamel::twin {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 using Eigen::Vector3d;
 
 Eigen::AngleAxisd turn(double deg, const Vector3d& axis) { return {deg * kRadPerDeg, axis}; }

@@ -7,17 +7,17 @@
 namespace enamel::twin {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
-Json describe(const Ball& b) {
+SortedJson describe(const Ball& b) {
   return {{"type", "sphere"}, {"centre", {b.centre.x(), b.centre.y(), b.centre.z()}}, {"radius", b.radius}};
 }
 
-Body make_jaw_body(const SceneConfig& config, Json& objects) {
+Body make_jaw_body(const SceneConfig& config, SortedJson& objects) {
   Body body;
   Jaw jaw = make_jaw(config.jaw, config.seed);
   body.arch = jaw.dentition.shape;
-  Json teeth = Json::array();
+  SortedJson teeth = SortedJson::array();
   for (const auto& t : jaw.dentition.teeth) {
     teeth.push_back({{"arc_mm", t.s},
                      {"mesiodistal_mm", t.form.mesiodistal},
@@ -67,7 +67,7 @@ SensorConfig effective_sensor(const SceneConfig& c, const calib::NoiseValues& no
 
 Result<Body> make_body(const SceneConfig& config) {
   Body body;
-  Json objects = Json::array();
+  SortedJson objects = SortedJson::array();
   switch (config.object) {
     case ObjectKind::kJaw:
       body = make_jaw_body(config, objects);
@@ -87,7 +87,7 @@ Result<Body> make_body(const SceneConfig& config) {
       break;
     case ObjectKind::kBoard:
       body.surroundings = make_dot_board(config.board, config.seed);
-      objects.push_back(Json::parse(target_json(config.board)));
+      objects.push_back(SortedJson::parse(target_json(config.board)));
       break;
     case ObjectKind::kFile: {
       ENAMEL_TRY_ASSIGN(body.surroundings.mesh, load_mesh(config.file.path, static_cast<float>(config.file.albedo)));
@@ -99,7 +99,7 @@ Result<Body> make_body(const SceneConfig& config) {
   if (config.effects.texture && config.object != ObjectKind::kBoard) {
     apply_texture(body.surroundings.mesh, config.texture_amplitude, config.texture_scale_mm, config.seed);
   }
-  const Json scene{{"frame", "model"}, {"units", "mm"}, {"seed", config.seed}, {"objects", objects}};
+  const SortedJson scene{{"frame", "model"}, {"units", "mm"}, {"seed", config.seed}, {"objects", objects}};
   body.description_json = scene.dump(1) + "\n";
   return body;
 }
@@ -107,10 +107,10 @@ Result<Body> make_body(const SceneConfig& config) {
 Result<calib::Rig> apply_effects(const calib::Rig& rig, const Effects& effects) {
   if (effects.lens_distortion && effects.adc) return rig;
   if (!effects.adc && !rig.noise) return fail(ErrorCode::kRigInvalid, "effects.adc = false needs noise in the rig");
-  Json json = Json::parse(rig.text, nullptr, false);
+  SortedJson json = SortedJson::parse(rig.text, nullptr, false);
   if (!json.is_object()) return fail(ErrorCode::kRigInvalid, "rig text is not JSON");
   if (!effects.lens_distortion) {
-    for (const char* lens : {"camera", "projector"}) json[lens]["dist"] = Json::array({0, 0, 0, 0, 0});
+    for (const char* lens : {"camera", "projector"}) json[lens]["dist"] = SortedJson::array({0, 0, 0, 0, 0});
   }
   if (!effects.adc) {
     constexpr double kFiner = 256;

@@ -9,7 +9,7 @@
 namespace enamel::twin {
 namespace {
 
-constexpr double kFacetMm = 0.3;  // grid of flat faces: fine enough to carry texture and seen counts
+constexpr double kFlatFacetMm = 0.3;  // grid of flat faces: fine enough to carry texture and seen counts
 
 /// Parallelogram a + i*e1 + j*e2 as a grid; normal e1 x e2.
 TriSurface patch(const Vec3d& a, const Vec3d& e1, const Vec3d& e2, double step_mm) {
@@ -37,7 +37,7 @@ TriSurface patch(const Vec3d& a, const Vec3d& e1, const Vec3d& e2, double step_m
 TriSurface rod_along_x(double x0, double x1, double radius) {
   TriSurface out;
   constexpr std::uint32_t kSegments = 96;
-  const auto rings = static_cast<std::uint32_t>(std::ceil((x1 - x0) / kFacetMm));
+  const auto rings = static_cast<std::uint32_t>(std::ceil((x1 - x0) / kFlatFacetMm));
   for (std::uint32_t i = 0; i <= rings; ++i) {
     for (std::uint32_t k = 0; k < kSegments; ++k) {
       const double a = 2.0 * std::numbers::pi * k / kSegments;
@@ -63,15 +63,15 @@ void add_profile(TriSurface& out, const std::vector<double>& x, const std::vecto
   const Vec3d across(0, width, 0);
   const double y0 = y_mid - width / 2;
   for (std::size_t i = 0; i < height.size(); ++i) {
-    append(out, patch(Vec3d(x[i], y0, height[i]), Vec3d(x[i + 1] - x[i], 0, 0), across, kFacetMm));
+    append(out, patch(Vec3d(x[i], y0, height[i]), Vec3d(x[i + 1] - x[i], 0, 0), across, kFlatFacetMm));
     if (i + 1 == height.size() || height[i + 1] == height[i]) continue;
     const Vec3d wall(0, 0, height[i + 1] - height[i]);
     const Vec3d foot(x[i + 1], y0, height[i]);
     // A wall that rises with x faces -x, one that falls faces +x.
     if (wall.z() > 0) {
-      append(out, patch(foot, wall, across, kFacetMm));
+      append(out, patch(foot, wall, across, kFlatFacetMm));
     } else {
-      append(out, patch(foot + wall, across, -wall, kFacetMm));
+      append(out, patch(foot + wall, across, -wall, kFlatFacetMm));
     }
   }
 }

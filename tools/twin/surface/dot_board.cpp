@@ -10,14 +10,14 @@ namespace enamel::twin {
 namespace {
 
 constexpr double kMmPerUm = 1e-3;
-constexpr double kFacetMm = 0.2;            // a bow of 20 um leaves the facets by 2 nm
+constexpr double kBoardFacetMm = 0.2;       // a bow of 20 um leaves the facets by 2 nm
 constexpr std::uint64_t kDotStream = 7001;  // of the random numbers
 
 /// Board |x| <= a, |y| <= b about `middle` as a grid of facets, bowed.
 TriSurface bowed_sheet(double a, double b, double bow_mm, const Eigen::Vector2d& middle) {
   TriSurface out;
-  const auto n1 = static_cast<std::uint32_t>(std::ceil(2 * a / kFacetMm));
-  const auto n2 = static_cast<std::uint32_t>(std::ceil(2 * b / kFacetMm));
+  const auto n1 = static_cast<std::uint32_t>(std::ceil(2 * a / kBoardFacetMm));
+  const auto n2 = static_cast<std::uint32_t>(std::ceil(2 * b / kBoardFacetMm));
   const double per_mm2 = bow_mm / (a * a + b * b);
   for (std::uint32_t j = 0; j <= n2; ++j) {
     for (std::uint32_t i = 0; i <= n1; ++i) {

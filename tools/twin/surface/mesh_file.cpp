@@ -18,17 +18,17 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary mesh files are read by memcpy");
 
-tl::unexpected<Error> bad(std::string why) { return fail(ErrorCode::kMeshInvalid, std::move(why)); }
+tl::unexpected<Error> bad_mesh(std::string why) { return fail(ErrorCode::kMeshInvalid, std::move(why)); }
 
 Result<TriSurface> checked(TriSurface mesh) {
-  if (mesh.triangles.empty()) return bad("no triangles");
+  if (mesh.triangles.empty()) return bad_mesh("no triangles");
   for (const auto& v : mesh.vertices) {
-    if (!v.allFinite()) return bad("a vertex is not finite");
+    if (!v.allFinite()) return bad_mesh("a vertex is not finite");
   }
   for (const auto& t : mesh.triangles) {
     for (const auto i : t) {
       if (i >= mesh.vertices.size())
-        return bad("a face names vertex " + std::to_string(i) + " of " + std::to_string(mesh.vertices.size()));
+        return bad_mesh("a face names vertex " + std::to_string(i) + " of " + std::to_string(mesh.vertices.size()));
     }
   }
   return mesh;
@@ -74,11 +74,11 @@ Result<TriSurface> parse_ascii_stl(const std::string& bytes) {
     if (!(in >> word)) continue;
     if (word == "vertex") {
       Vec3f v;
-      if (!(in >> v.x() >> v.y() >> v.z())) return bad("STL vertex is not three numbers: " + line);
-      if (!v.allFinite()) return bad("a vertex is not finite");
+      if (!(in >> v.x() >> v.y() >> v.z())) return bad_mesh("STL vertex is not three numbers: " + line);
+      if (!v.allFinite()) return bad_mesh("a vertex is not finite");
       corners.push_back(merger.add(v));
     } else if (word == "endfacet") {
-      if (corners.size() != 3) return bad("STL facet without three vertices");
+      if (corners.size() != 3) return bad_mesh("STL facet without three vertices");
       add_fan(mesh, corners);
       corners.clear();
     }
@@ -94,7 +94,7 @@ Result<TriSurface> parse_stl(const std::string& bytes) {
   if (bytes.size() >= kHeader) std::memcpy(&count, bytes.data() + 80, 4);
   if (bytes.size() != kHeader + kFacet * std::size_t{count}) {
     if (bytes.rfind("solid", 0) == 0) return parse_ascii_stl(bytes);
-    return bad("STL length does not fit its number of facets");
+    return bad_mesh("STL length does not fit its number of facets");
   }
   TriSurface mesh;
   VertexMerger merger(mesh);
@@ -104,7 +104,7 @@ Result<TriSurface> parse_stl(const std::string& bytes) {
     std::array<std::uint32_t, 3> t{};
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3f v(f[3 * k], f[3 * k + 1], f[3 * k + 2]);
-      if (!v.allFinite()) return bad("a vertex is not finite");
+      if (!v.allFinite()) return bad_mesh("a vertex is not finite");
       t[k] = merger.add(v);
     }
     mesh.triangles.push_back(t);
@@ -121,20 +121,20 @@ Result<TriSurface> parse_obj(const std::string& bytes) {
     if (!(in >> word)) continue;
     if (word == "v") {
       Vec3f v;
-      if (!(in >> v.x() >> v.y() >> v.z())) return bad("OBJ vertex is not three numbers: " + line);
+      if (!(in >> v.x() >> v.y() >> v.z())) return bad_mesh("OBJ vertex is not three numbers: " + line);
       mesh.vertices.push_back(v);
     } else if (word == "f") {
       std::vector<std::uint32_t> corners;
       while (in >> word) {
         long i = 0;
         const auto parsed = std::from_chars(word.data(), word.data() + word.size(), i);
-        if (parsed.ec != std::errc{} || i == 0) return bad("OBJ face is not understood: " + line);
+        if (parsed.ec != std::errc{} || i == 0) return bad_mesh("OBJ face is not understood: " + line);
         const long n = static_cast<long>(mesh.vertices.size());
         const long index = i > 0 ? i - 1 : n + i;
-        if (index < 0 || index > 0x7FFFFFFFL) return bad("OBJ face is out of range: " + line);
+        if (index < 0 || index > 0x7FFFFFFFL) return bad_mesh("OBJ face is out of range: " + line);
         corners.push_back(static_cast<std::uint32_t>(index));
       }
-      if (corners.size() < 3) return bad("OBJ face with fewer than three corners: " + line);
+      if (corners.size() < 3) return bad_mesh("OBJ face with fewer than three corners: " + line);
       add_fan(mesh, corners);
     }
   }
@@ -149,7 +149,7 @@ Result<TriSurface> load_mesh(const std::string& path, float albedo) {
   auto mesh = ext == ".ply"   ? parse_ply(bytes)
               : ext == ".stl" ? parse_stl(bytes)
               : ext == ".obj" ? parse_obj(bytes)
-                              : Result<TriSurface>(bad("unknown extension '" + ext + "'"));
+                              : Result<TriSurface>(bad_mesh("unknown extension '" + ext + "'"));
   if (!mesh) return fail(mesh.error().code, path + ": " + mesh.error().detail);
   mesh->albedo.assign(mesh->vertices.size(), albedo);
   compute_normals(*mesh);

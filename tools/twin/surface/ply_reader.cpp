@@ -24,7 +24,7 @@ struct Header {
   std::size_t body = 0;
 };
 
-tl::unexpected<Error> bad(std::string why) { return fail(ErrorCode::kMeshInvalid, "PLY: " + std::move(why)); }
+tl::unexpected<Error> bad_ply(std::string why) { return fail(ErrorCode::kMeshInvalid, "PLY: " + std::move(why)); }
 
 /// One letter a type: b B h H i I f d; 0 when unknown.
 char type_code(const std::string& name) {
@@ -57,15 +57,15 @@ std::size_t type_size(char type) {
 Result<void> read_property(std::istringstream& in, Header& header) {
   std::string type;
   Property p;
-  if (header.elements.empty() || !(in >> type)) return bad("property outside an element");
+  if (header.elements.empty() || !(in >> type)) return bad_ply("property outside an element");
   if (type == "list") {
     std::string count;
-    if (!(in >> count >> type)) return bad("list property is not understood");
+    if (!(in >> count >> type)) return bad_ply("list property is not understood");
     p.count_type = type_code(count);
-    if (p.count_type == 0) return bad("unknown type " + count);
+    if (p.count_type == 0) return bad_ply("unknown type " + count);
   }
   p.type = type_code(type);
-  if (p.type == 0 || !(in >> p.name)) return bad("unknown property type " + type);
+  if (p.type == 0 || !(in >> p.name)) return bad_ply("unknown property type " + type);
   header.elements.back().properties.push_back(p);
   return {};
 }
@@ -75,19 +75,19 @@ Result<Header> read_header(const std::string& bytes) {
   std::size_t at = 0;
   for (bool first = true;; first = false) {
     const std::size_t end = bytes.find('\n', at);
-    if (end == std::string::npos) return bad("header does not end");
+    if (end == std::string::npos) return bad_ply("header does not end");
     std::istringstream in(bytes.substr(at, end - at));
     at = end + 1;
     std::string word;
     in >> word;
-    if (first && word != "ply") return bad("file does not begin with 'ply'");
+    if (first && word != "ply") return bad_ply("file does not begin with 'ply'");
     if (word == "format") {
       in >> word;
-      if (word != "ascii" && word != "binary_little_endian") return bad("format " + word + " is not supported");
+      if (word != "ascii" && word != "binary_little_endian") return bad_ply("format " + word + " is not supported");
       header.ascii = word == "ascii";
     } else if (word == "element") {
       Element e;
-      if (!(in >> e.name >> e.count)) return bad("element line is not understood");
+      if (!(in >> e.name >> e.count)) return bad_ply("element line is not understood");
       header.elements.push_back(e);
     } else if (word == "property") {
       ENAMEL_TRY(read_property(in, header));
@@ -157,18 +157,18 @@ Result<void> read_row(const Element& e, Values& values, TriSurface& mesh) {
   for (const auto& p : e.properties) {
     double x = 0;
     if (p.count_type == 0) {
-      if (!values.next(p.type, x)) return bad("file ends within " + e.name);
+      if (!values.next(p.type, x)) return bad_ply("file ends within " + e.name);
       if (p.name == "x") v.x() = static_cast<float>(x);
       if (p.name == "y") v.y() = static_cast<float>(x);
       if (p.name == "z") v.z() = static_cast<float>(x);
       continue;
     }
     constexpr double kMaxCorners = 4096;
-    if (!values.next(p.count_type, x) || !(x >= 0 && x <= kMaxCorners)) return bad("list length is not usable");
+    if (!values.next(p.count_type, x) || !(x >= 0 && x <= kMaxCorners)) return bad_ply("list length is not usable");
     std::vector<std::uint32_t> corners(static_cast<std::size_t>(x));
     for (auto& c : corners) {
-      if (!values.next(p.type, x)) return bad("file ends within " + e.name);
-      if (!(x >= 0 && x < 4294967295.0)) return bad("a face names a negative vertex");
+      if (!values.next(p.type, x)) return bad_ply("file ends within " + e.name);
+      if (!(x >= 0 && x < 4294967295.0)) return bad_ply("a face names a negative vertex");
       c = static_cast<std::uint32_t>(x);
     }
     if (e.name != "face" || p.name.rfind("vertex_ind", 0) != 0) continue;
@@ -185,16 +185,16 @@ Result<TriSurface> parse_ply(const std::string& bytes) {
   Values values(bytes, header);
   TriSurface mesh;
   for (const auto& e : header.elements) {
-    if (e.properties.empty() && e.count > 0) return bad("element " + e.name + " has no properties");
+    if (e.properties.empty() && e.count > 0) return bad_ply("element " + e.name + " has no properties");
     for (std::size_t i = 0; i < e.count; ++i) ENAMEL_TRY(read_row(e, values, mesh));
   }
-  if (mesh.triangles.empty()) return bad("no triangles");
+  if (mesh.triangles.empty()) return bad_ply("no triangles");
   for (const auto& v : mesh.vertices) {
-    if (!v.allFinite()) return bad("a vertex is not finite");
+    if (!v.allFinite()) return bad_ply("a vertex is not finite");
   }
   for (const auto& t : mesh.triangles) {
     for (const auto i : t) {
-      if (i >= mesh.vertices.size()) return bad("a face names a vertex that does not exist");
+      if (i >= mesh.vertices.size()) return bad_ply("a face names a vertex that does not exist");
     }
   }
   return mesh;

@@ -1,0 +1,17 @@
+// The upper median of a list.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+namespace enamel::calib {
+
+/// 0 of an empty list.
+[[nodiscard]] inline double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace enamel::calib
