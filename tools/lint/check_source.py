@@ -6,9 +6,11 @@ import tomllib
 
 from lint_common import CPP, ROOT, Finding, blank_comments_and_strings, main
 
-MAX_FILE_LINES = 400
+MAX_FILE_LINES = 300
 MAX_FUNCTION_LINES = 60
-RULES = {"file_length", "function_length", "clock", "thread", "random", "todo", "unit", "pragma_once", "using_namespace"}
+MAX_PARAMETERS = 6
+RULES = {"file_length", "function_length", "parameters", "clock", "thread", "random", "mode", "test_name", "todo", "unit",
+         "pragma_once", "using_namespace"}
 ALLOWED = tomllib.loads((ROOT / "tools/lint/allowed.toml").read_text(encoding="utf-8"))
 
 UNITS = r"_(mm2?|mm3|um|nm|px|ns|us|ms|s|h|rad|deg|dn|hz|fps|c|k|v|w|a|m|voxels|per_\w+|\w+_s|ratio|share|factor|steps?)$"
@@ -23,6 +25,11 @@ PATTERNS = [
      "threads live in pipeline/flow and in named I/O threads listed with a reason in tools/lint/allowed.toml"),
     ("random", r"\bstd::(random_device|mt19937(_64)?|default_random_engine|\w+_distribution|shuffle)\b|\bs?rand\s*\(",
      r"tests/", "use protocol/base/rng.hpp: the same numbers everywhere"),
+    ("mode", r"\bmicro_\b|\bcoded\s*\(\s*\)|\bpatterns\s*\.\s*mode\b",
+     r"calib/model/|pipeline/decode/(mode_t/|mode_m/|pattern_modes\.cpp$)|tools/twin/|tests/",
+     "which pattern mode it is, is asked once, where the strategy is made (pipeline/decode/pattern_modes.cpp)"),
+    ("test_name", r"^[ \t]*(?:TYPED_)?TEST(?:_[FP])?\((?!\s*[A-Z][A-Za-z0-9]*\s*,\s*[a-z0-9]+(?:_[a-z0-9]+)*\s*\))",
+     r"tools/", "a suite's name is CamelCase, a test's a sentence in snake_case: TEST(Faults, lost_frame_is_told)"),
     ("using_namespace", r"^\s*using namespace\b", r".*\.cpp$", "a header must not open a namespace for everybody"),
 ]
 
@@ -54,19 +61,21 @@ def head_kind(head: str) -> str:
     return "function" if "(" in head else "value"
 
 
-def functions(code: str):
-    """(first line, last line, head) of each function body, by its braces."""
+def heads(code: str):
+    """(kind, first line, last line, head) of what stands outside function bodies: "function" with its body's lines, and
+    "statement", which ends at a semicolon: a declaration of a function among them."""
     depth = 0
     start = None  # (depth outside, line, head) of the function we are in
     head_begin = 0
     values: list[int] = []
     for m in re.finditer(r"[{};]|^[ \t]*#.*$", code, re.MULTILINE):
         c = m.group(0)
+        line = code.count("\n", 0, m.start()) + 1
+        head = " ".join(code[head_begin:m.start()].split())
         if c == "{":
-            head = code[head_begin:m.start()]
             kind = "inside" if start is not None or values else head_kind(head)
             if kind == "function":
-                start = (depth, code.count("\n", 0, m.start()) + 1, " ".join(head.split())[-60:])
+                start = (depth, line, head)
             if kind == "value" or (kind == "inside" and start is None):
                 values.append(depth)
             elif kind == "scope":
@@ -75,7 +84,7 @@ def functions(code: str):
         elif c == "}":
             depth -= 1
             if start is not None and start[0] == depth:
-                yield start[1], code.count("\n", 0, m.start()) + 1, start[2]
+                yield "function", start[1], line, start[2]
                 start = None
                 head_begin = m.end()
             elif values:
@@ -84,12 +93,47 @@ def functions(code: str):
                 head_begin = m.end()
         elif c == ";" or c.lstrip().startswith("#"):
             if start is None and not values:
+                if c == ";":
+                    yield "statement", line, line, head
                 head_begin = m.end()
 
 
+def parameters(head: str) -> int:
+    """How many parameters a function's head declares; 0 of what is no function."""
+    head = re.sub(r"\[\[[^\]]*\]\]|\b(?:alignas|explicit|noexcept|decltype)\s*\([^()]*\)", " ", head)
+    head = re.sub(r"\boperator\s*\(\s*\)", "operator_call", head)
+    m = re.match(r"[^()=]*?[\w:<>,&*\s~]*?[a-z]\w*\s*\(", head)
+    if not m or re.match(r"(using|typedef|static_assert|return|friend class)\b", head):
+        return 0
+    depth, count, start = 0, 0, m.end()
+    for i in range(m.end(), len(head)):
+        c = head[i]
+        if c in "([{<":
+            depth += 1
+        elif c in ">" and head[i - 1] == "-":
+            continue
+        elif c in ")]}>":
+            depth -= 1
+            if depth < 0:
+                return count + 1 if head[start:i].strip() else count
+        elif c == "," and depth == 0:
+            count += 1
+            start = i + 1
+    return 0
+
+
 def check_functions(path: str, code: str) -> list[Finding]:
-    return [Finding(path, first, "function_length", f"{last - first + 1} lines, at most {MAX_FUNCTION_LINES}: {head}")
-            for first, last, head in functions(code) if last - first + 1 > MAX_FUNCTION_LINES]
+    found = []
+    kernel = re.search(r"_rows\.[ch]pp$|-inl\.h$|/(micro_pixel|frame_rows)\.hpp$", path)
+    for kind, first, last, head in heads(code):
+        if kind == "function" and last - first + 1 > MAX_FUNCTION_LINES:
+            found.append(Finding(path, first, "function_length",
+                                 f"{last - first + 1} lines, at most {MAX_FUNCTION_LINES}: {head[-60:]}"))
+        count = 0 if kernel or path.startswith("tests/") else parameters(head)
+        if count > MAX_PARAMETERS:
+            found.append(Finding(path, first, "parameters",
+                                 f"{count} parameters, at most {MAX_PARAMETERS}; a struct with names tells more: {head[:60]}"))
+    return found
 
 
 def check_units(path: str, code: str) -> list[Finding]:
