@@ -42,7 +42,7 @@ std::vector<FringeLevel> levels_of(std::vector<std::array<Map<float>, 4>>& sets,
 }  // namespace
 
 Result<MultiSets> multi_sets(const Rig& rig) {
-  if (!is_for_calibration(rig.patterns))
+  if (is_burst_set(rig.patterns))
     return fail(ErrorCode::kPatternSet, "the probe shows its scanning patterns, not a calibration set (mode multi)");
   const auto json = nlohmann::json::parse(rig.text, nullptr, /*allow_exceptions=*/false);
   const auto patterns = json.is_object() ? json.value("patterns", nlohmann::json::object()) : nlohmann::json::object();

@@ -33,7 +33,7 @@ Result<std::string> png_of(const cv::Mat& image) {
 }
 
 Result<void> check(const PatternValues& p) {
-  if (p.mode == PatternMode::kMulti) {
+  if (!is_burst_set(p)) {
     return fail(ErrorCode::kPatternSet,
                 "mode multi is a calibration set: give the probe's own rig, and the solved one with --calibration");
   }
@@ -49,7 +49,7 @@ Result<std::string> write_patterns(const Rig& rig, const std::string& folder) {
   ENAMEL_TRY(check(rig.patterns));
   ENAMEL_TRY(make_folder(folder));
   const PatternTable table = pattern_table(rig);
-  Json json{{"mode", std::string(name_of(rig.patterns))},
+  Json json{{"mode", std::string(mode_name(rig.patterns))},
             {"period_px", rig.patterns.period_px},
             {"axis", table.axis_v ? "v" : "u"},
             {"width", rig.projector.width},

@@ -119,16 +119,6 @@ PlaneCheck measure_flat(const std::vector<GroundPoint>& points) {
 
 }  // namespace
 
-Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, const TargetDesign& target,
-                               const RigState& rig, const PixelNoise& image_noise, const Ripple& ripple,
-                               double clearance_mm) {
-  ENAMEL_TRY_ASSIGN(const CoordinateMap u, decode_coordinate(frames.along_u, rig.projector.width, image_noise));
-  PoseView view{.name = frames.name, .dots = {}, .ground = {}, .blur_px = dots.blur_px};
-  const double period_px = static_cast<double>(rig.projector.width) / frames.along_u.back().cycles;
-  view.ground = ground_samples(u, dots, target, period_px, clearance_mm);
-  return check_plane(view, target, rig, ripple);
-}
-
 Result<PlaneCheck> check_plane(const PoseView& view, const TargetDesign& target, const RigState& rig,
                                const Ripple& ripple) {
   std::vector<GroundSample> ground = view.ground;

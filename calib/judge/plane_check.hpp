@@ -27,14 +27,8 @@ struct PlaneCheck {
   std::vector<PlaneHeight> heights;
 };
 
-/// Ground at least `clearance_mm` from any dot's edge, inside the outermost dots; the finest fringes along u, ripple
-/// removed, means over 5 x 5 pixels. The board's own shape, where `rig` carries dot offsets, is taken off. Errors:
-/// kCalibrationPoses when fewer than 100 such points remain.
-[[nodiscard]] Result<PlaneCheck> check_plane(const PoseFrames& frames, const PoseView& dots, const TargetDesign& target,
-                                             const RigState& rig, const PixelNoise& image_noise, const Ripple& ripple,
-                                             double clearance_mm = 0.5);
-
-/// The same from ground that was measured with the dots (measure_pose).
+/// The ground that was measured with the dots (measure_pose), ripple removed. The board's own shape, where `rig`
+/// carries dot offsets, is taken off. Errors: kCalibrationPoses when fewer than 100 points remain.
 [[nodiscard]] Result<PlaneCheck> check_plane(const PoseView& view, const TargetDesign& target, const RigState& rig,
                                              const Ripple& ripple);
 

@@ -38,6 +38,8 @@ std::string_view name_of(PatternMode mode) noexcept {
   return "multi";
 }
 
+bool is_burst_set(const PatternValues& patterns) noexcept { return patterns.mode != PatternMode::kMulti; }
+
 int polarity_of_cell(const PatternValues& p, long cell) noexcept {
   if (p.mode == PatternMode::kSingle) return cell >= 0 && cell / 2 == p.marker_fringe ? -1 : 1;
   if (p.mode != PatternMode::kPolarity || p.polarity_code.empty()) return 1;

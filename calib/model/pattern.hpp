@@ -13,19 +13,20 @@ namespace enamel::calib {
 
 /// As rig.json says it: plain4, T, single, M, multi.
 [[nodiscard]] std::string_view name_of(PatternMode mode) noexcept;
-[[nodiscard]] inline std::string_view name_of(const PatternValues& patterns) noexcept { return name_of(patterns.mode); }
-
-/// Sets for calibrating (mode multi) rather than the four frames of a scan.
-[[nodiscard]] inline bool is_for_calibration(const PatternValues& patterns) noexcept {
-  return patterns.mode == PatternMode::kMulti;
+[[nodiscard]] inline std::string_view mode_name(const PatternValues& patterns) noexcept {
+  return name_of(patterns.mode);
 }
+
+/// The four frames of a burst, as a probe shows when it scans; false for the sets of a calibration (mode multi), of
+/// which the rig states no pattern.
+[[nodiscard]] bool is_burst_set(const PatternValues& patterns) noexcept;
 
 /// +1 or -1 of frame 3 in half fringe `cell`, which covers phase [cell pi, (cell + 1) pi) from projector pixel 0.
 /// +1 everywhere in modes without polarity.
 [[nodiscard]] int polarity_of_cell(const PatternValues& patterns, long cell) noexcept;
 
 /// Emission wanted of projector pixel `i` along the pattern axis in frame `frame` 0…3: 0…255, linear, before rounding.
-/// Not for mode multi, whose sets belong to the calibration folder.
+/// Needs is_burst_set().
 [[nodiscard]] double pattern_level(const PatternValues& patterns, int frame, int i);
 
 /// Four frames, one value a projector pixel along the pattern axis; all lines across it are alike.
@@ -38,7 +39,7 @@ using PatternLevels = PatternFrames<double>;
 using PatternTable = PatternFrames<std::uint8_t>;
 
 /// Levels to command, 0…255 before rounding: through the inverse of the rig's response where it states one, so that the
-/// emission becomes that of pattern_level(). Needs another mode than multi.
+/// emission becomes that of pattern_level(). Needs is_burst_set().
 [[nodiscard]] PatternLevels pattern_levels(const Rig& rig);
 
 /// The same as a projector takes it: rounded to 8 bits.

@@ -40,35 +40,34 @@ ControllerConfig controller_config(const CameraMode& mode) {
   return config;
 }
 
-/// Members in order of dependence; the acquisition stops before what it feeds.
-struct Probe {
-  SimDevice& device;
+/// What the probe is put together from: its ends of the link and the gate.
+struct ProbeEnds {
   DdsBurstSink sink;
   std::unique_ptr<DdsTransport> transport;
   std::unique_ptr<TimeSyncServer> time_sync;
+  std::unique_ptr<LockGate> gate;  ///< null: never updated
+};
+
+/// Members in order of dependence; the acquisition stops before what it feeds.
+struct Probe {
+  SimDevice& device;
+  ProbeEnds ends;
   BurstLedger ledger;
   LightSwitch light;
-  std::unique_ptr<LockGate> gate;  ///< null: never updated
   Publisher publisher;
   Acquisition acquisition;
   ProbeController controller;
   ControlServer server;
 
-  Probe(SimDevice& dev, DdsBurstSink burst_sink, std::unique_ptr<DdsTransport> link,
-        std::unique_ptr<TimeSyncServer> sync, std::unique_ptr<LockGate> update_gate, Clock& clock,
-        const proto::DeviceInfo& info)
+  Probe(SimDevice& dev, ProbeEnds its_ends, Clock& clock, const proto::DeviceInfo& info)
       : device(dev),
-        sink(std::move(burst_sink)),
-        transport(std::move(link)),
-        time_sync(std::move(sync)),
+        ends(std::move(its_ends)),
         light(dev),
-        gate(std::move(update_gate)),
-        publisher(sink, ledger, clock, publisher_config(info)),
+        publisher(ends.sink, ledger, clock, publisher_config(info)),
         acquisition(dev.hardware(), light, ledger, [this](CapturedBurst b) { publisher.push(std::move(b)); }),
-        controller(acquisition, light, ledger, controller_config(dev.mode()), gate.get()),
-        server(
-            controller, *transport, ledger, dev, dev, [this] { return link_rates(); }, clock,
-            ServerConfig{info.probe_id, info.fw_version}) {}
+        controller(acquisition, light, ledger, controller_config(dev.mode()), ends.gate.get()),
+        server({controller, *ends.transport, ledger, dev, dev, [this] { return link_rates(); }}, clock,
+               ServerConfig{info.probe_id, info.fw_version}) {}
 
   static PublisherConfig publisher_config(const proto::DeviceInfo& info) {
     PublisherConfig config;
@@ -159,8 +158,8 @@ Result<std::unique_ptr<Probe>> assemble(SimDevice& device, Clock& clock, const d
   ENAMEL_TRY_ASSIGN(auto sink, DdsBurstSink::create(participant));
   ENAMEL_TRY_ASSIGN(auto sync, TimeSyncServer::create(participant, info.probe_id, clock));
   ENAMEL_TRY_ASSIGN(auto link, DdsTransport::create(participant, info));
-  return std::make_unique<Probe>(device, std::move(sink), std::move(link), std::move(sync), std::move(gate), clock,
-                                 info);
+  ProbeEnds ends{std::move(sink), std::move(link), std::move(sync), std::move(gate)};
+  return std::make_unique<Probe>(device, std::move(ends), clock, info);
 }
 
 }  // namespace
@@ -191,7 +190,7 @@ Result<int> run_probe(const ProbeOptions& options, const std::atomic<bool>& stop
   }
   probe->controller.shut_down();
   probe->server.publish_status();
-  probe->transport->flush(kFlush);
+  probe->ends.transport->flush(kFlush);
   if (options.json) print_summary(options, info, *probe);
   return 0;
 }

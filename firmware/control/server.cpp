@@ -17,34 +17,25 @@ std::uint64_t stamp(HostTime t) { return static_cast<std::uint64_t>(std::max<std
 
 }  // namespace
 
-ControlServer::ControlServer(ProbeController& controller, ControlTransport& transport, const BurstLedger& ledger,
-                             const Thermal& thermal, const Light& light, std::function<LinkRates()> rates, Clock& clock,
-                             const ServerConfig& config)
-    : controller_(controller),
-      transport_(transport),
-      ledger_(ledger),
-      thermal_(thermal),
-      light_(light),
-      rates_(std::move(rates)),
-      clock_(clock),
-      config_(config) {}
+ControlServer::ControlServer(ServedProbe probe, Clock& clock, const ServerConfig& config)
+    : probe_(std::move(probe)), clock_(clock), config_(config) {}
 
 void ControlServer::step() {
-  const std::vector<proto::Command> commands = transport_.wait_commands(config_.poll);
+  const std::vector<proto::Command> commands = probe_.transport.wait_commands(config_.poll);
   for (const proto::Command& command : commands) {
-    proto::CommandReply reply = controller_.handle(command, clock_.now());
+    proto::CommandReply reply = probe_.controller.handle(command, clock_.now());
     reply.probe_id = config_.probe_id;
     reply.t_ns = stamp(clock_.now());
-    transport_.send(reply);
+    probe_.transport.send(reply);
   }
-  controller_.tick(clock_.now(), thermal_.read());
+  probe_.controller.tick(clock_.now(), probe_.thermal.read());
   publish_notices();
   if (clock_.now() >= next_status_) publish_status();
 }
 
 /// Status goes first: who reads of a change finds the counters that belong to it.
 void ControlServer::publish_notices() {
-  const std::vector<Notice> notices = controller_.take_notices();
+  const std::vector<Notice> notices = probe_.controller.take_notices();
   if (notices.empty()) return;
   publish_status();
   for (const Notice& n : notices) publish(n);
@@ -60,19 +51,19 @@ void ControlServer::publish(const Notice& notice) {
   event.code = notice.code;
   event.severity = notice.severity;
   event.text = proto::clip_text(notice.text, 200);
-  transport_.send(event);
+  probe_.transport.send(event);
 }
 
 void ControlServer::publish_status() {
-  const BurstCounts counts = ledger_.counts();
-  const Temperatures t = thermal_.read();
-  const LinkRates rates = rates_();
+  const BurstCounts counts = probe_.ledger.counts();
+  const Temperatures t = probe_.thermal.read();
+  const LinkRates rates = probe_.rates();
   proto::Status s;
   s.probe_id = config_.probe_id;
   s.seq = status_seq_++;
   s.t_ns = stamp(clock_.now());
-  s.state = controller_.state();
-  s.fault_mask = controller_.fault_mask();
+  s.state = probe_.controller.state();
+  s.fault_mask = probe_.controller.fault_mask();
   s.bursts_emitted = counter(counts.emitted);
   for (std::size_t i = 0; i < s.dropped.size(); ++i) s.dropped[i] = counter(counts.dropped[i]);
   s.write_ms_p99 = rates.write_ms_p99;
@@ -80,11 +71,11 @@ void ControlServer::publish_status() {
   s.temp_tip_cc = t.tip_cc.value_or(std::numeric_limits<std::int16_t>::min());
   s.temp_led_cc = t.led_cc.value_or(std::numeric_limits<std::int16_t>::min());
   s.temp_soc_cc = t.soc_cc.value_or(std::numeric_limits<std::int16_t>::min());
-  s.led_ma = static_cast<std::uint16_t>(std::clamp(light_.sensed_ma(), 0, 65535));
+  s.led_ma = static_cast<std::uint16_t>(std::clamp(probe_.light.sensed_ma(), 0, 65535));
   s.fw_version = proto::clip_text(config_.fw_version, 32);
   s.session_id = counts.session.id.value;
   s.bursts_begun = counter(counts.begun);
-  transport_.send(s);
+  probe_.transport.send(s);
   next_status_ = clock_.now() + config_.status_period;
 }
 

@@ -37,12 +37,20 @@ struct LinkRates {
   std::uint16_t write_ms_p99 = 0;
 };
 
+/// What the server speaks for; all of it outlives the server.
+struct ServedProbe {
+  ProbeController& controller;
+  ControlTransport& transport;
+  const BurstLedger& ledger;
+  const Thermal& thermal;
+  const Light& light;
+  std::function<LinkRates()> rates;
+};
+
 /// One thread.
 class ControlServer {
  public:
-  ControlServer(ProbeController& controller, ControlTransport& transport, const BurstLedger& ledger,
-                const Thermal& thermal, const Light& light, std::function<LinkRates()> rates, Clock& clock,
-                const ServerConfig& config);
+  ControlServer(ServedProbe probe, Clock& clock, const ServerConfig& config);
 
   /// Waits at most one poll period, then handles what came, ticks the controller and publishes what is due.
   void step();
@@ -54,12 +62,7 @@ class ControlServer {
  private:
   void publish_notices();
 
-  ProbeController& controller_;
-  ControlTransport& transport_;
-  const BurstLedger& ledger_;
-  const Thermal& thermal_;
-  const Light& light_;
-  std::function<LinkRates()> rates_;
+  ServedProbe probe_;
   Clock& clock_;
   ServerConfig config_;
   std::uint32_t status_seq_ = 0;

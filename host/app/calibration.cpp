@@ -97,7 +97,7 @@ Result<Calibration> calibration_for(const std::string& path, host::BurstStream& 
 }
 
 Result<calib::Rig> rig_to_measure(const Calibration& calibration, const host::BurstStream& stream) {
-  const bool is_whole = !calib::is_for_calibration(calibration.rig.patterns);
+  const bool is_whole = calib::is_burst_set(calibration.rig.patterns);
   if (is_whole || stream.rig_text().empty()) return calibration.rig;
   ENAMEL_TRY_ASSIGN(const calib::Rig device, calib::parse_rig(stream.rig_text()));
   return calib::measuring_rig(calibration.rig, device);

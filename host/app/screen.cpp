@@ -37,8 +37,8 @@ Result<void> Screen::open_window() {
 
 void Screen::set_field(const calib::Rig& rig) {
   const calib::DepthRange depth = rig.depth_range.value_or(calib::DepthRange{});
-  options_.field = view::probe_field(rig.camera.width, rig.camera.height, rig.camera.fx, rig.camera.fy, rig.camera.cx,
-                                     rig.camera.cy, depth.near_mm, depth.far_mm);
+  const calib::LensValues& c = rig.camera;
+  options_.field = view::probe_field({c.width, c.height, c.fx, c.fy, c.cx, c.cy}, depth.near_mm, depth.far_mm);
   if (window_) window_->set_field(options_.field);
 }
 

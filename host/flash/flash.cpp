@@ -76,15 +76,16 @@ Exit run(const Options& o) {
   auto log = EventLog::open(o.json_log);
   if (!log) return report(log.error(), o.choice.json);
 
-  const update::FlashRequest request{.image = std::span(file->bytes).first(file->manifest.image_len()),
-                                     .manifest = file->manifest,
-                                     .allow_same = o.allow_same,
-                                     .allow_older = o.allow_older,
-                                     .dry_run = o.dry_run,
-                                     .return_deadline = std::chrono::seconds(o.wait_s)};
+  const update::BatchRequest request{.each = {.image = std::span(file->bytes).first(file->manifest.image_len()),
+                                              .manifest = file->manifest,
+                                              .allow_same = o.allow_same,
+                                              .allow_older = o.allow_older,
+                                              .dry_run = o.dry_run,
+                                              .return_deadline = std::chrono::seconds(o.wait_s)},
+                                     .jobs = o.jobs};
   SteadyClock clock;
   ProgressLines lines(*probes);
-  const auto entries = update::flash_all(*bus, clock, *probes, request, o.jobs, observe(lines, *log), interrupted());
+  const auto entries = update::flash_all(*bus, clock, *probes, request, observe(lines, *log), interrupted());
   Exit exit = Exit::kOk;
   nlohmann::json all = nlohmann::json::array();
   for (const update::BatchEntry& e : entries) {

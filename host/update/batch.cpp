@@ -7,7 +7,7 @@
 namespace enamel::update {
 
 std::vector<BatchEntry> flash_all(UsbBus& bus, Clock& clock, const std::vector<PortInfo>& probes,
-                                  const FlashRequest& request, std::size_t jobs, const BatchObserver& observer,
+                                  const BatchRequest& request, const BatchObserver& observer,
                                   const std::atomic<bool>& stop) {
   std::vector<BatchEntry> entries(probes.size());
   std::atomic<std::size_t> next{0};
@@ -25,11 +25,12 @@ std::vector<BatchEntry> flash_all(UsbBus& bus, Clock& clock, const std::vector<P
                                     const std::lock_guard lock(telling);
                                     observer.event(probes[i], e);
                                   }};
-      entries[i].result = stop ? fail(HostError::kCancelled) : flash(bus, clock, probes[i], request, one, stop);
+      entries[i].result = stop ? fail(HostError::kCancelled) : flash(bus, clock, probes[i], request.each, one, stop);
     }
   };
   std::vector<std::jthread> workers;
-  for (std::size_t w = 0; w < std::min(std::max<std::size_t>(jobs, 1), probes.size()); ++w) workers.emplace_back(work);
+  for (std::size_t w = 0; w < std::min(std::max<std::size_t>(request.jobs, 1), probes.size()); ++w)
+    workers.emplace_back(work);
   workers.clear();
   return entries;
 }

@@ -19,9 +19,14 @@ struct BatchObserver {
   std::function<void(const PortInfo&, const FlashEvent&)> event;
 };
 
-/// Flashes every probe, at most `jobs` at a time. Results in the order of `probes`; one probe's failure is no other's.
+struct BatchRequest {
+  FlashRequest each;     ///< of every probe
+  std::size_t jobs = 1;  ///< probes at a time, at most
+};
+
+/// Flashes every probe. Results in the order of `probes`; one probe's failure is no other's.
 [[nodiscard]] std::vector<BatchEntry> flash_all(UsbBus& bus, Clock& clock, const std::vector<PortInfo>& probes,
-                                                const FlashRequest& request, std::size_t jobs,
-                                                const BatchObserver& observer, const std::atomic<bool>& stop);
+                                                const BatchRequest& request, const BatchObserver& observer,
+                                                const std::atomic<bool>& stop);
 
 }  // namespace enamel::update

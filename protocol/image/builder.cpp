@@ -64,24 +64,27 @@ ByteWriter make_table(std::span<const std::byte> payload) {
 }
 
 struct Sizes {
+  std::uint64_t payload_len = 0;
+  std::uint32_t tlv_len = 0;
   std::uint32_t manifest_len = 0;
   std::uint32_t sig_off = 0;
 };
 
-Sizes sizes_of(std::size_t tlv_len, std::size_t table_len, std::size_t signers) {
+Sizes sizes_of(std::size_t payload_len, std::size_t tlv_len, std::size_t table_len, std::size_t signers) {
   const std::size_t sig_off = kHeaderSize + tlv_len + table_len;
   const std::size_t end = sig_off + 4 + signers * kSignatureEntry;
-  return {static_cast<std::uint32_t>((end + kManifestStep - 1) / kManifestStep * kManifestStep),
+  return {payload_len, static_cast<std::uint32_t>(tlv_len),
+          static_cast<std::uint32_t>((end + kManifestStep - 1) / kManifestStep * kManifestStep),
           static_cast<std::uint32_t>(sig_off)};
 }
 
-void put_header(ByteWriter& out, const ImageDescription& d, std::size_t payload_len, const ByteWriter& table,
-                std::size_t tlv_len, const Sizes& sizes, const KeyId& first) {
+void put_header(ByteWriter& out, const ImageDescription& d, const ByteWriter& table, const Sizes& sizes,
+                const KeyId& first) {
   put_array(out, kImageMagic);
   out.put(std::uint16_t{1});
   out.put(static_cast<std::uint16_t>(kHeaderSize));
   out.put(sizes.manifest_len);
-  out.put(std::uint64_t{payload_len});
+  out.put(sizes.payload_len);
   out.put(static_cast<std::uint32_t>(kChunkSize));
   out.put(static_cast<std::uint32_t>(table.size() / 32));
   out.put(d.product_id);
@@ -93,8 +96,8 @@ void put_header(ByteWriter& out, const ImageDescription& d, std::size_t payload_
   out.put(d.build_time_unix_s);
   put_array(out, sha256(table.bytes()));
   put_array(out, first);
-  out.put(static_cast<std::uint32_t>(tlv_len));
-  out.put(static_cast<std::uint32_t>(kHeaderSize + tlv_len));
+  out.put(sizes.tlv_len);
+  out.put(static_cast<std::uint32_t>(kHeaderSize + sizes.tlv_len));
   out.put(sizes.sig_off);
   out.put(crc32(out.bytes()));
 }
@@ -123,12 +126,12 @@ Result<std::vector<std::byte>> build_image(const ImageDescription& description, 
   ENAMEL_TRY(check(description, payload, signers.size()));
   const ByteWriter tlvs = make_tlvs(description, payload);
   const ByteWriter table = make_table(payload);
-  const Sizes sizes = sizes_of(tlvs.size(), table.size(), signers.size());
+  const Sizes sizes = sizes_of(payload.size(), tlvs.size(), table.size(), signers.size());
   if (sizes.manifest_len > kMaxManifest) return fail(ErrorCode::kUsage, "manifest longer than 65536 bytes");
 
   ByteWriter out;
   const KeyId first = signers.empty() ? KeyId{} : key_id(signers.front().key);
-  put_header(out, description, payload.size(), table, tlvs.size(), sizes, first);
+  put_header(out, description, table, sizes, first);
   out.put_bytes(tlvs.bytes());
   out.put_bytes(table.bytes());
 

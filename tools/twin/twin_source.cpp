@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calib/model/pattern.hpp"
 #include "tools/twin/board/board_source.hpp"
 #include "tools/twin/render/seen.hpp"
 
@@ -71,7 +72,7 @@ Result<std::unique_ptr<TwinSource>> TwinSource::create(const SceneConfig& config
 Result<std::unique_ptr<TwinSource>> TwinSource::create(const SceneConfig& config, const calib::Rig& rig) {
   ENAMEL_TRY_ASSIGN(const calib::Rig effective, apply_effects(rig, config.effects));
   if (!effective.noise) return fail(ErrorCode::kRigInvalid, "the twin needs `noise` in the rig");
-  if (effective.patterns.mode == calib::PatternMode::kMulti) {
+  if (!calib::is_burst_set(effective.patterns)) {
     return fail(ErrorCode::kPatternSet, "the twin renders sets of four frames, the rig describes a calibration set");
   }
   if (config.path == PathKind::kCalibration) {

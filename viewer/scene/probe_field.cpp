@@ -5,9 +5,9 @@
 
 namespace enamel::view {
 
-ProbeField probe_field(int width_px, int height_px, double fx_px, double fy_px, double cx_px, double cy_px,
-                       double near_mm, double far_mm) {
+ProbeField probe_field(const Pinhole& camera, double near_mm, double far_mm) {
   ProbeField field;
+  const auto& [width_px, height_px, fx_px, fy_px, cx_px, cy_px] = camera;
   const bool usable = width_px > 0 && height_px > 0 && fx_px > 0 && fy_px > 0 && near_mm > 0 && far_mm > near_mm &&
                       std::isfinite(fx_px) && std::isfinite(fy_px) && std::isfinite(cx_px) && std::isfinite(cy_px) &&
                       std::isfinite(far_mm);

@@ -17,11 +17,15 @@ struct ProbeField {
   double optimum_far_mm = 51;
 };
 
-/// Field of a pinhole camera (px; lens distortion moves the corners by less than a line's width here) over the rig's
-/// depth range; the optimum keeps the default rig's shares of that range. Values out of range (sizes or focal lengths
-/// <= 0, far <= near) give the default field.
-[[nodiscard]] ProbeField probe_field(int width_px, int height_px, double fx_px, double fy_px, double cx_px,
-                                     double cy_px, double near_mm, double far_mm);
+/// Lens distortion moves the field's corners by less than a line's width here.
+struct Pinhole {
+  int width_px = 0, height_px = 0;
+  double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
+};
+
+/// Field of the camera over the rig's depth range; the optimum keeps the default rig's shares of that range. Values out
+/// of range (sizes or focal lengths <= 0, far <= near) give the default field.
+[[nodiscard]] ProbeField probe_field(const Pinhole& camera, double near_mm, double far_mm);
 
 struct FrustumGeometry {
   std::array<Vec3f, 9> points;  ///< 0: apex, 1–4: near corners, 5–8: far corners

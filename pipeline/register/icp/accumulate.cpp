@@ -31,8 +31,10 @@ struct Motion {
 };
 
 /// Reference pixel of each sample of the block, or -1. No branches: the compiler works four at a time.
-void associate(const SampleSet& s, std::size_t first, std::size_t n, const Motion& to_view, const ViewCamera& camera,
-               const Reference& reference, Indices& out) {
+void associate(const Alignment& of, std::size_t first, std::size_t n, const Motion& to_view, Indices& out) {
+  const SampleSet& s = of.samples;
+  const ViewCamera& camera = of.camera;
+  const Reference& reference = of.reference;
   const float scale = reference.pixels_per_camera_pixel();
   const auto width = static_cast<float>(reference.width());
   const auto height = static_cast<float>(reference.height());
@@ -83,19 +85,20 @@ class BlockSums {
 
 }  // namespace
 
-AlignPass accumulate(const SampleSet& samples, const Reference& reference, const ViewCamera& camera,
-                     const Pose& T_model_cam, double rho_mm, const MatchGate& gate, const RobustKernel& kernel) {
+AlignPass accumulate(const Alignment& of, const Pose& T_model_cam, const MatchGate& gate, const RobustKernel& kernel) {
+  const SampleSet& samples = of.samples;
+  const Reference& reference = of.reference;
   const Motion to_model(T_model_cam);
   const Motion to_view(reference.T_model_cam().inverse() * T_model_cam);
   const Vec3f axis = reference.T_model_cam().linear().col(2).cast<float>();
   const Vec3f centre = (T_model_cam * samples.centroid).cast<float>();
-  const auto inv_rho = static_cast<float>(1 / rho_mm);
+  const auto inv_rho = static_cast<float>(1 / of.rho_mm);
   AlignPass pass;
   BlockSums sums;
   Indices indices;
   for (std::size_t first = 0; first < samples.size(); first += kBlock) {
     const std::size_t n = std::min(kBlock, samples.size() - first);
-    associate(samples, first, n, to_view, camera, reference, indices);
+    associate(of, first, n, to_view, indices);
     float weight = 0;
     float weighted_e2 = 0;
     for (std::size_t k = 0; k < n; ++k) {

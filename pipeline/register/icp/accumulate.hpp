@@ -65,9 +65,16 @@ struct AlignPass {
   [[nodiscard]] double rms_mm() const { return weight > 0 ? std::sqrt(weighted_e2 / weight) : 0; }
 };
 
-/// Motions are taken about T_model_cam * samples.centroid with lever rho_mm.
-[[nodiscard]] AlignPass accumulate(const SampleSet& samples, const Reference& reference, const ViewCamera& camera,
-                                   const Pose& T_model_cam, double rho_mm, const MatchGate& gate,
+/// What is laid on what: the same in every pass of an alignment. Refers to its parts.
+struct Alignment {
+  const SampleSet& samples;
+  const Reference& reference;
+  const ViewCamera& camera;
+  double rho_mm;  ///< lever of turns, so that they count in mm as shifts do
+};
+
+/// Motions are taken about T_model_cam * samples.centroid.
+[[nodiscard]] AlignPass accumulate(const Alignment& of, const Pose& T_model_cam, const MatchGate& gate,
                                    const RobustKernel& kernel);
 
 }  // namespace enamel::pipeline

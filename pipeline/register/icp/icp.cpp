@@ -43,12 +43,13 @@ IcpResult align(const PatchPyramid& patch, const Reference& reference, const Vie
   for (std::size_t l = 0; l < config.levels.size(); ++l) {
     const IcpLevel& level = config.levels[l];
     const SampleSet& samples = patch.levels[l];
+    const Alignment of{samples, reference, camera, config.rho_mm};
     const MatchGate gate = make_gate(level, config);
     double scale = level.gate_mm / 3;
     double last_rms = 0;
     for (int k = 0; k < level.max_iterations; ++k) {
-      const AlignPass pass = accumulate(samples, reference, camera, out.T_model_cam, config.rho_mm, gate,
-                                        make_kernel(config, l + 1 == config.levels.size(), scale));
+      const AlignPass pass =
+          accumulate(of, out.T_model_cam, gate, make_kernel(config, l + 1 == config.levels.size(), scale));
       if (pass.matches < config.min_matches / (l == 0 ? 4 : 1)) return out;
       const Vec3d centre = out.T_model_cam * samples.centroid;
       const Vector6 to_prior = motion_between(out.T_model_cam, prior, centre, config.rho_mm);

@@ -27,11 +27,23 @@ struct Relocalised {
   int inliers = 0;
 };
 
-/// Deterministic; `seed` makes the draws of one burst its own. nullopt: not found, or not without doubt.
-[[nodiscard]] std::optional<Relocalised> relocalise(const std::vector<Feature>& features, const PatchPyramid& pyramid,
-                                                    const std::vector<Keyframe>& keyframes,
-                                                    const std::vector<std::size_t>& candidates,
-                                                    const ViewCamera& camera, std::uint64_t seed, double ratio,
-                                                    const IcpConfig& icp, const RelocaliseConfig& config);
+/// The patch whose place is not known. Refers to its parts.
+struct LostPatch {
+  const std::vector<Feature>& features;
+  const PatchPyramid& pyramid;
+  std::uint64_t seed;  ///< makes the draws of one burst its own
+};
+
+/// Where it may be. Refers to its parts.
+struct KnownPlaces {
+  const std::vector<Keyframe>& keyframes;
+  const std::vector<std::size_t>& candidates;  ///< indices into keyframes
+};
+
+/// Deterministic. `ratio` of the best descriptor distance to the second best, below which a match counts. nullopt: not
+/// found, or not without doubt.
+[[nodiscard]] std::optional<Relocalised> relocalise(const LostPatch& patch, const KnownPlaces& places,
+                                                    const ViewCamera& camera, double ratio, const IcpConfig& icp,
+                                                    const RelocaliseConfig& config);
 
 }  // namespace enamel::pipeline

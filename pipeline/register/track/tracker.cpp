@@ -107,7 +107,7 @@ std::optional<IcpResult> Tracker::find_again(BurstId burst, const SurfacePatch& 
                                              const ModelView& view) {
   const auto features = extract_features(patch, px_per_mm_, config_.features);
   const auto candidates = keyframes_.candidates(motion_.last_pose(), searches_++);
-  const auto found = relocalise(features, pyramid, keyframes_.all(), candidates, camera_, burst.value,
+  const auto found = relocalise({features, pyramid, burst.value}, {keyframes_.all(), candidates}, camera_,
                                 config_.features.ratio, config_.icp, config_.relocalise);
   if (!found) return std::nullopt;
   if (view.empty) return found->icp;

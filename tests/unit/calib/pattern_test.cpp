@@ -121,6 +121,16 @@ TEST(Pattern, polarity_repeats_from_the_first_cell_on) {
   EXPECT_EQ(polarity_of_cell(p, 4), 1);
 }
 
+TEST(Pattern, calibration_sets_alone_are_no_bursts) {
+  PatternValues p;
+  for (const auto mode : {PatternMode::kPlain4, PatternMode::kPolarity, PatternMode::kSingle, PatternMode::kMicro}) {
+    p.mode = mode;
+    EXPECT_TRUE(is_burst_set(p)) << mode_name(p);
+  }
+  p.mode = PatternMode::kMulti;
+  EXPECT_FALSE(is_burst_set(p));
+}
+
 TEST(Pattern, response_is_read_and_one_without_an_inverse_refused) {
   const auto with = [](const std::string& level, const std::string& emission) {
     return parse_rig(test::rig_text_with(

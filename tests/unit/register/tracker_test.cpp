@@ -196,8 +196,11 @@ std::optional<Relocalised> search_where_teeth_repeat(std::int64_t repeat) {
   }
   const SurfacePatch patch =
       ts::make_patch(surface, rig.camera, ts::looking_down(24.5, 0.3, {0, 0, 0.2}), {0.01, 0.03, 2});
-  return relocalise(extract_features(patch, px_per_mm, config.features), make_pyramid(patch, config.icp), store.all(),
-                    {0, 1}, ViewCamera(rig.camera), 7, config.features.ratio, config.icp, config.relocalise);
+  const auto features = extract_features(patch, px_per_mm, config.features);
+  const PatchPyramid pyramid = make_pyramid(patch, config.icp);
+  const std::vector<std::size_t> both{0, 1};
+  return relocalise({features, pyramid, 7}, {store.all(), both}, ViewCamera(rig.camera), config.features.ratio,
+                    config.icp, config.relocalise);
 }
 
 TEST(Relocalise, RefusesToChooseBetweenTwoPlacesThatLookAlike) {

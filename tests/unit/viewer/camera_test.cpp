@@ -149,13 +149,13 @@ TEST(Overview, HoldsEveryVertexInsideThePicture) {
 TEST(Overview, EmptyModelHasNone) { EXPECT_FALSE(overview(ModelSnapshot{}, 1.6)); }
 
 TEST(ProbeField, CornersOfAPinholeAndOptimumInsideTheRange) {
-  const ProbeField field = probe_field(640, 480, 1500, 1500, 319.5, 239.5, 40, 56);
+  const ProbeField field = probe_field({640, 480, 1500, 1500, 319.5, 239.5}, 40, 56);
   EXPECT_NEAR(field.corner_rays[2].x(), 320.0 / 1500, 1e-6);
   EXPECT_NEAR(field.corner_rays[0].y(), -240.0 / 1500, 1e-6);
   EXPECT_DOUBLE_EQ(field.optimum_near_mm, 45);
   EXPECT_DOUBLE_EQ(field.optimum_far_mm, 51);
-  EXPECT_EQ(probe_field(0, 480, 1500, 1500, 0, 0, 40, 56).far_mm, ProbeField{}.far_mm);
-  EXPECT_EQ(probe_field(640, 480, 1500, 1500, 0, 0, 56, 40).near_mm, ProbeField{}.near_mm);
+  EXPECT_EQ(probe_field({0, 480, 1500, 1500, 0, 0}, 40, 56).far_mm, ProbeField{}.far_mm);
+  EXPECT_EQ(probe_field({640, 480, 1500, 1500, 0, 0}, 56, 40).near_mm, ProbeField{}.near_mm);
 }
 
 TEST(ProbeField, FrustumFollowsThePose) {
