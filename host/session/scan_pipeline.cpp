@@ -184,7 +184,6 @@ ScanResult ScanPipeline::take_result() {
   result.latency_ms = ms(sink.latency_ns.summary());
   if (impl_->first_push) result.seconds = std::chrono::duration<double>(impl_->drained_at - *impl_->first_push).count();
   result.temp_c = impl_->temp_c;
-  result.graph_mermaid = impl_->graph.mermaid();
   return result;
 }
 

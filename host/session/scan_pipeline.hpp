@@ -52,7 +52,6 @@ struct ScanResult {
   Percentiles latency_ms;
   double seconds = 0;                           ///< from the first burst in to the last burst out
   std::optional<std::array<double, 2>> temp_c;  ///< coldest and warmest burst, degrees C; empty without bursts
-  std::string graph_mermaid;
 };
 
 struct ScanPipelineOptions {

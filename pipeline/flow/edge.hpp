@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,12 +27,14 @@ struct EdgeSpec {
   OnFull on_full = OnFull::kBlock;
 };
 
-/// Producer writes pushed, dropped, depth; consumer writes popped.
+/// Producer writes pushed, dropped, depth, blocked_ns; consumer writes popped, awaited_ns.
 struct EdgeStats {
   Counter pushed;
   Counter popped;
   Counter dropped;
-  Gauge depth;  ///< at each push; its max is the high-water mark
+  Gauge depth;         ///< at each push; its max is the high-water mark
+  Counter awaited_ns;  ///< time that the consumer had nothing to do because this edge was empty
+  Counter blocked_ns;  ///< time that the producer could not run because this edge was full
 };
 
 /// The part of an edge that does not depend on the payload.
@@ -55,6 +58,8 @@ class EdgeBase {
   [[nodiscard]] const EdgeSpec& spec() const noexcept { return spec_; }
   [[nodiscard]] std::size_t delay() const noexcept { return delay_; }  ///< > 0: feedback
   [[nodiscard]] const EdgeStats& stats() const noexcept { return stats_; }
+  void note_awaited(std::uint64_t ns) noexcept { stats_.awaited_ns.add(ns); }  ///< consumer
+  void note_blocked(std::uint64_t ns) noexcept { stats_.blocked_ns.add(ns); }  ///< producer
 
   /// Producer: nothing will be pushed any more.
   void close() noexcept { closed_.store(true, std::memory_order_release); }

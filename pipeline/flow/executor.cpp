@@ -15,8 +15,8 @@ class Run {
  public:
   Run(Graph& graph, const std::stop_token& stop) : state_(graph, stop) {}
 
-  Result<void> start() {
-    if (!state_.graph.begin_run()) return fail(ErrorCode::kInternal, "a graph runs only once");
+  Result<void> start(std::size_t workers) {
+    if (!state_.graph.begin_run(workers)) return fail(ErrorCode::kInternal, "a graph runs only once");
     ENAMEL_TRY(state_.graph.validate());
     for (Stage* stage : state_.graph.topological_order()) {
       if (Result<void> started = stage->start(); !started) {
@@ -50,6 +50,15 @@ class Run {
     return false;
   }
 
+  /// After a step, before the others are told: which stages wait for a worker now shows in their times alone.
+  void look() {
+    for (StageRunner& r : runners_) {
+      if (!r.claim()) continue;
+      r.look();
+      r.release();
+    }
+  }
+
   bool any_parked() const {
     for (const StageRunner& r : runners_) {
       if (r.parked()) return true;
@@ -58,6 +67,7 @@ class Run {
   }
 
   Result<void> outcome() {
+    state_.graph.end_run();
     if (auto e = state_.error()) return tl::unexpected<Error>(std::move(*e));
     return {};
   }
@@ -74,6 +84,7 @@ void work(Run& run) {
   while (!run.state().finished()) {
     const std::uint32_t epoch = run.signal().epoch.load(std::memory_order_acquire);
     if (run.advance_any()) {
+      run.look();
       run.signal().bump();
     } else if (!run.state().finished()) {
       run.signal().epoch.wait(epoch, std::memory_order_acquire);
@@ -85,7 +96,7 @@ void work(Run& run) {
 
 Result<void> InlineExecutor::run(Graph& graph, const std::stop_token& stop) {
   Run run(graph, stop);
-  ENAMEL_TRY(run.start());
+  ENAMEL_TRY(run.start(1));
   const std::stop_callback wake(stop, [&run] { run.signal().bump(); });
   while (!run.state().finished()) {
     const std::uint32_t epoch = run.signal().epoch.load(std::memory_order_acquire);
@@ -98,7 +109,7 @@ Result<void> InlineExecutor::run(Graph& graph, const std::stop_token& stop) {
 
 Result<void> WorkerExecutor::run(Graph& graph, const std::stop_token& stop) {
   Run run(graph, stop);
-  ENAMEL_TRY(run.start());
+  ENAMEL_TRY(run.start(workers_));
   const std::stop_callback wake(stop, [&run] { run.signal().bump(); });
   {
     std::vector<std::jthread> others;

@@ -19,6 +19,13 @@ struct Origin {
 
 }  // namespace
 
+bool Graph::begin_run(std::size_t workers) noexcept {
+  if (std::exchange(ran_, true)) return false;
+  begun_ns_.store(to_ns(clock_.now()), std::memory_order_relaxed);
+  workers_.store(workers, std::memory_order_release);
+  return true;
+}
+
 bool Graph::may_connect(const InBase& in) {
   if (!in.connected()) return true;
   build_errors_.push_back("input " + port_name(in.owner(), in.name()) + " is connected twice");

@@ -41,8 +41,16 @@ class Waker {
   std::shared_ptr<Signal> signal_;
 };
 
+/// Where a stage's time went since the run began, ns.
+struct StageTimes {
+  std::int64_t running = 0;
+  std::int64_t waiting = 0;  ///< for input
+  std::int64_t blocked = 0;  ///< no room in an edge behind it
+  std::int64_t ready = 0;    ///< for a worker
+};
 struct StageSnapshot {
   std::string name;
+  bool is_source = false;
   StageState state = StageState::kIdle;
   std::uint64_t in = 0;
   std::uint64_t out = 0;
@@ -52,18 +60,29 @@ struct StageSnapshot {
   std::uint64_t last_id = 0;
   std::vector<std::pair<std::string, std::uint64_t>> rejected;  ///< tombstones this stage gave first, by reason
   LogHistogram::Summary service_ns;
+  StageTimes time_ns;
 };
 struct EdgeSnapshot {
   std::string name;  ///< "fuse.view -> register.model"
+  std::string from, to;
+  std::size_t capacity = 0;  ///< items; 1 for an edge that keeps the latest
+  bool is_lossless = true;
+  std::size_t delay = 0;    ///< > 0: feedback
+  std::uint64_t depth = 0;  ///< items in it now
   std::uint64_t pushed = 0;
   std::uint64_t popped = 0;
   std::uint64_t dropped = 0;
   std::int64_t high_water = 0;
+  std::int64_t awaited_ns = 0;  ///< its consumer waited for it
+  std::int64_t blocked_ns = 0;  ///< its producer waited for room in it
 };
 struct GraphSnapshot {
+  std::int64_t elapsed_ns = 0;  ///< since the run began, until it ended
+  std::size_t workers = 0;
   std::vector<StageSnapshot> stages;  ///< in order of add()
   std::vector<EdgeSnapshot> edges;    ///< in order of connect()
 };
+/// Times in ms and shares of the run, with what each stage waits for most and which is the bottleneck.
 [[nodiscard]] std::string to_json(const GraphSnapshot& snapshot);
 
 class Graph {
@@ -129,8 +148,6 @@ class Graph {
   /// user.
   [[nodiscard]] Result<void> validate() const;
 
-  /// Mermaid flowchart.
-  [[nodiscard]] std::string mermaid() const;
   /// From any thread, also while the graph runs.
   [[nodiscard]] GraphSnapshot snapshot() const;
   [[nodiscard]] Waker waker() const { return Waker(signal_); }
@@ -140,7 +157,8 @@ class Graph {
   [[nodiscard]] const Clock& clock() const noexcept { return clock_; }
   [[nodiscard]] Signal& signal() const noexcept { return *signal_; }
   /// A graph runs once: edges and stages keep their end. False from the second call on.
-  [[nodiscard]] bool begin_run() noexcept { return !std::exchange(ran_, true); }
+  [[nodiscard]] bool begin_run(std::size_t workers) noexcept;
+  void end_run() noexcept { ended_ns_.store(to_ns(clock_.now()), std::memory_order_release); }
 
  private:
   template <class T>
@@ -165,6 +183,10 @@ class Graph {
   std::vector<std::unique_ptr<EdgeBase>> edges_;
   std::vector<std::string> build_errors_;
   bool ran_ = false;
+  // Read by snapshot() from any thread.
+  std::atomic<std::size_t> workers_{0};  ///< 0: not begun
+  std::atomic<std::int64_t> begun_ns_{0};
+  std::atomic<std::int64_t> ended_ns_{-1};  ///< -1: not yet
 };
 
 }  // namespace enamel::flow

@@ -26,6 +26,7 @@ class InBase {
 
   [[nodiscard]] virtual bool connected() const noexcept = 0;
   [[nodiscard]] virtual const ItemHead* head() = 0;  ///< of the next item; null: none now
+  [[nodiscard]] virtual EdgeBase& next_edge() = 0;   ///< that the next item comes from
   [[nodiscard]] virtual bool ended() = 0;
   virtual void discard() = 0;  ///< takes the next item away
 
@@ -55,7 +56,7 @@ class OutBase {
   [[nodiscard]] Stage& owner() const noexcept { return owner_; }
 
   [[nodiscard]] virtual bool connected() const noexcept = 0;
-  [[nodiscard]] virtual bool writable() noexcept = 0;
+  [[nodiscard]] virtual EdgeBase* full_edge() noexcept = 0;  ///< that has no room for the next item; null: none
   virtual void emit_rejected(const ItemHead& head, const char* reason) = 0;
   virtual void close() noexcept = 0;
   /// Declares that nobody needs this output.
@@ -112,6 +113,7 @@ class In final : public InBase {
   }
   [[nodiscard]] bool connected() const noexcept override { return !lanes_.empty(); }
   [[nodiscard]] const ItemHead* head() override { return lane().front(); }
+  [[nodiscard]] EdgeBase& next_edge() override { return lane(); }
   [[nodiscard]] bool ended() override { return lane().ended(); }
   void discard() override { static_cast<void>(take()); }
 
@@ -137,11 +139,12 @@ class Out final : public OutBase {
   /// One link a consumer; its lanes are fed in turn: one, unless the consumer is replicated.
   void attach(std::vector<Edge<T>*> lanes) { links_.push_back(std::move(lanes)); }
   [[nodiscard]] bool connected() const noexcept override { return !links_.empty(); }
-  [[nodiscard]] bool writable() noexcept override {
+  [[nodiscard]] EdgeBase* full_edge() noexcept override {
     for (const auto& lanes : links_) {
-      if (!lanes[turn_ % lanes.size()]->writable()) return false;
+      Edge<T>* lane = lanes[turn_ % lanes.size()];
+      if (!lane->writable()) return lane;
     }
-    return true;
+    return nullptr;
   }
   void emit_rejected(const ItemHead& head, const char* reason) override { emit(make_rejected<T>(head, reason)); }
   void close() noexcept override {

@@ -17,6 +17,8 @@ std::string_view to_string(StageState s) noexcept {
       return "waiting_input";
     case StageState::kBlockedOutput:
       return "blocked_output";
+    case StageState::kReady:
+      return "ready";
     case StageState::kRunning:
       return "running";
     case StageState::kDone:

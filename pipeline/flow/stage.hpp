@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -23,7 +24,15 @@ enum class OnError : std::uint8_t {
   kDegrade,  ///< as kSkip, and everything the stage emits from now on is marked degraded; it has switched to a fallback
 };
 
-enum class StageState : std::uint8_t { kIdle, kWaitingInput, kBlockedOutput, kRunning, kDone };
+enum class StageState : std::uint8_t {
+  kIdle,           ///< not looked at yet
+  kWaitingInput,   ///< some In is empty; a source: nothing to emit
+  kBlockedOutput,  ///< some edge behind an Out is full
+  kReady,          ///< could run, but no worker is free
+  kRunning,
+  kDone,
+};
+inline constexpr std::size_t kStageStates = 6;
 [[nodiscard]] std::string_view to_string(StageState s) noexcept;
 
 /// Tombstones that a stage gave first, by reason. One writer; up to 15 reasons, further ones under "other".
@@ -50,6 +59,8 @@ struct StageStats {
   RejectCounters rejected;
   LogHistogram service_ns;
   std::atomic<StageState> state{StageState::kIdle};
+  std::atomic<std::int64_t> since_ns{0};         ///< when it entered `state`, on the graph's clock
+  std::array<Counter, kStageStates> time_in_ns;  ///< spent in each state before
   std::atomic<std::uint64_t> last_id{0};
 };
 

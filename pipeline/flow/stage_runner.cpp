@@ -28,9 +28,38 @@ bool StageRunner::advance() {
   return false;
 }
 
-bool StageRunner::outs_writable() {
-  const auto& outs = stage_.outs();
-  return std::all_of(outs.begin(), outs.end(), [](OutBase* o) { return o->writable(); });
+void StageRunner::look() {
+  if (phase_ == Phase::kActive) enter(readiness(), run_.graph.clock().now());
+}
+
+StageRunner::Readiness StageRunner::readiness() {
+  if (stage_.as_source() != nullptr && source_parked()) return {StageState::kWaitingInput, nullptr};
+  for (InBase* in : stage_.ins()) {
+    if (in->head() == nullptr) return {StageState::kWaitingInput, &in->next_edge()};
+  }
+  for (OutBase* out : stage_.outs()) {
+    if (EdgeBase* full = out->full_edge()) return {StageState::kBlockedOutput, full};
+  }
+  return {StageState::kReady, nullptr};
+}
+
+bool StageRunner::source_parked() const noexcept {
+  return parked_ && run_.graph.signal().notifications.load(std::memory_order_acquire) == parked_at_;
+}
+
+void StageRunner::enter(const Readiness& next, HostTime now) {
+  StageStats& stats = stage_.stats();
+  const StageState before = stats.state.load(std::memory_order_relaxed);
+  if (before == next.state && held_by_ == next.edge) return;
+  const std::int64_t lasted = to_ns(now) - stats.since_ns.load(std::memory_order_relaxed);
+  const std::uint64_t ns =
+      before == StageState::kIdle ? 0 : static_cast<std::uint64_t>(std::max<std::int64_t>(lasted, 0));
+  stats.time_in_ns[static_cast<std::size_t>(before)].add(ns);
+  if (before == StageState::kWaitingInput && held_by_ != nullptr) held_by_->note_awaited(ns);
+  if (before == StageState::kBlockedOutput) held_by_->note_blocked(ns);
+  held_by_ = next.edge;
+  stats.since_ns.store(to_ns(now), std::memory_order_relaxed);
+  stats.state.store(next.state, std::memory_order_relaxed);
 }
 
 bool StageRunner::advance_source() {
@@ -40,12 +69,8 @@ bool StageRunner::advance_source() {
   }
   // Read before the pull: a notification during it changes the count and the source is asked again.
   const std::uint32_t notifications = run_.graph.signal().notifications.load(std::memory_order_acquire);
-  if (parked_ && notifications == parked_at_) {
-    stage_.stats().state.store(StageState::kWaitingInput, std::memory_order_relaxed);
-    return false;
-  }
-  if (!outs_writable()) {
-    stage_.stats().state.store(StageState::kBlockedOutput, std::memory_order_relaxed);
+  if (const Readiness r = readiness(); r.state != StageState::kReady) {
+    enter(r, run_.graph.clock().now());
     return false;
   }
   parked_ = false;
@@ -60,27 +85,29 @@ bool StageRunner::advance_stage() {
     end();
     return true;
   }
-  if (!std::all_of(ins.begin(), ins.end(), [](InBase* i) { return i->head() != nullptr; })) {
-    stage_.stats().state.store(StageState::kWaitingInput, std::memory_order_relaxed);
-    return false;
-  }
-  if (!outs_writable()) {
-    stage_.stats().state.store(StageState::kBlockedOutput, std::memory_order_relaxed);
+  if (const Readiness r = readiness(); r.state != StageState::kReady) {
+    enter(r, run_.graph.clock().now());
     return false;
   }
   do_step();
   return true;
 }
 
-void StageRunner::begin_step(bool degraded) {
-  stage_.stats().state.store(StageState::kRunning, std::memory_order_relaxed);
+void StageRunner::begin_step(bool degraded, HostTime now) {
+  enter({StageState::kRunning, nullptr}, now);
   for (InBase* in : stage_.ins()) in->begin_step();
   for (OutBase* out : stage_.outs()) out->begin_step(degraded);
 }
 
+void StageRunner::end_step(HostTime begun) {
+  const HostTime now = run_.graph.clock().now();
+  stage_.stats().service_ns.record((now - begun).count());
+  enter({StageState::kReady, nullptr}, now);
+}
+
 void StageRunner::do_pull(Source& source) {
-  begin_step(degraded_);
   const HostTime begun = run_.graph.clock().now();
+  begin_step(degraded_, begun);
   Result<Pull> pulled = Pull::kEnd;
   try {
     pulled = source.pull();
@@ -108,23 +135,23 @@ void StageRunner::do_pull(Source& source) {
   if (last_id_ && !(*last_id_ < head.id)) return break_contract("emitted burst ids that do not increase");
   last_id_ = head.id;
   if (!took_and_emitted_one(head)) return;
-  stage_.stats().service_ns.record((run_.graph.clock().now() - begun).count());
+  end_step(begun);
   count_output(ItemHead{});
 }
 
 void StageRunner::do_step() {
   ItemHead head;
   if (!inputs_agree(head)) return;
-  begin_step(degraded_ || head.degraded);
+  const HostTime begun = run_.graph.clock().now();
+  begin_step(degraded_ || head.degraded, begun);
   stage_.stats().in.add();
   stage_.stats().last_id.store(head.id.value, std::memory_order_relaxed);
   if (!head.ok() && !stage_.handles_rejected()) {
     forward_rejected(head);
     return;
   }
-  const HostTime begun = run_.graph.clock().now();
   const Result<void> done = guarded_step();
-  stage_.stats().service_ns.record((run_.graph.clock().now() - begun).count());
+  end_step(begun);
   if (!done) return handle_error(done.error(), head);
   if (took_and_emitted_one(head)) count_output(head);
 }
@@ -225,6 +252,7 @@ void StageRunner::end() {
   for (OutBase* out : stage_.outs()) out->close();
   parked_ = false;
   phase_ = Phase::kDiscarding;
+  enter({StageState::kDone, nullptr}, run_.graph.clock().now());
   static_cast<void>(discard_inputs());
 }
 
@@ -248,7 +276,6 @@ bool StageRunner::discard_inputs() {
 
 void StageRunner::finish() {
   phase_ = Phase::kDone;
-  stage_.stats().state.store(StageState::kDone, std::memory_order_relaxed);
   run_.unfinished.fetch_sub(1, std::memory_order_acq_rel);
 }
 

@@ -42,6 +42,8 @@ class StageRunner {
 
   /// Does the one thing that can be done now: a step, a pull, ending. False: nothing.
   [[nodiscard]] bool advance();
+  /// Notes what the stage waits for, so that its times say so even when no worker is free to try it.
+  void look();
   [[nodiscard]] Stage& stage() const noexcept { return stage_; }
   /// A source that waits for its Waker.
   [[nodiscard]] bool parked() const noexcept { return parked_; }
@@ -63,8 +65,16 @@ class StageRunner {
   [[nodiscard]] bool inputs_agree(ItemHead& head);
   [[nodiscard]] bool took_and_emitted_one(const ItemHead& head);
   void count_output(const ItemHead& in);
-  [[nodiscard]] bool outs_writable();
-  void begin_step(bool degraded);
+  /// kWaitingInput, kBlockedOutput or kReady, and the edge that makes it so.
+  struct Readiness {
+    StageState state = StageState::kReady;
+    EdgeBase* edge = nullptr;
+  };
+  [[nodiscard]] Readiness readiness();
+  [[nodiscard]] bool source_parked() const noexcept;
+  void enter(const Readiness& next, HostTime now);
+  void begin_step(bool degraded, HostTime now);
+  void end_step(HostTime begun);
 
   Stage& stage_;
   RunState& run_;
@@ -73,6 +83,7 @@ class StageRunner {
   bool degraded_ = false;
   bool parked_ = false;
   std::uint32_t parked_at_ = 0;
+  EdgeBase* held_by_ = nullptr;  ///< of the present state
   std::optional<BurstId> last_id_;
 };
 

@@ -1,4 +1,4 @@
-// What validate() refuses, how a graph prints itself, what it counts.
+// What validate() refuses, what a graph counts.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -122,23 +122,6 @@ TEST(Validate, RefusesAStageThatOnlyFeedbackPaces) {
   auto& pass = g.add<MapStage>("self", same);
   g.connect_feedback(pass.out, pass.in, 1, make_rejected<Number>({}, "none"));
   EXPECT_THAT(g.validate().error().detail, HasSubstr("nothing paces it"));
-}
-
-TEST(Print, MermaidShowsStagesEdgesAndPolicies) {
-  EXPECT_EQ(ToyPipeline(1).graph.mermaid(), R"(flowchart LR
-  s0([source])
-  s1[decode]
-  s2[register]
-  s3[fuse]
-  s4([sink])
-  s5([viewer])
-  s0 -- "out, 2" --> s1
-  s1 -- "out, 2" --> s2
-  s2 -- "out, 2" --> s3
-  s3 -. "view, delay 2" .-> s2
-  s3 -- "out, 2" --> s4
-  s3 -. "out, latest" .-> s5
-)");
 }
 
 TEST(Metrics, ServiceTimeComesFromTheInjectedClock) {

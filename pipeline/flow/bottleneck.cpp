@@ -1,0 +1,111 @@
+#include "pipeline/flow/bottleneck.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+namespace enamel::flow {
+namespace {
+
+// What is worth a word in one line for a person: chosen for reading, decides nothing else.
+constexpr double kWorthTelling = 0.2;
+// Sources that wait for bursts more than half of the run set its rate.
+constexpr double kStarved = 0.5;
+
+double share(std::int64_t ns, const GraphSnapshot& s) {
+  return s.elapsed_ns > 0 ? static_cast<double>(ns) / static_cast<double>(s.elapsed_ns) : 0;
+}
+
+const EdgeSnapshot* longest(const GraphSnapshot& s, const std::string& stage, std::string EdgeSnapshot::*end,
+                            std::int64_t EdgeSnapshot::*ns) {
+  const EdgeSnapshot* out = nullptr;
+  for (const EdgeSnapshot& e : s.edges) {
+    if (e.*end == stage && e.*ns > 0 && (out == nullptr || e.*ns > out->*ns)) out = &e;
+  }
+  return out;
+}
+
+std::string waits_for(const StageSnapshot& stage, const GraphSnapshot& s) {
+  const StageTimes& t = stage.time_ns;
+  const std::int64_t most = std::max({t.waiting, t.blocked, t.ready});
+  if (most <= 0) return {};
+  if (most == t.ready) return "a worker";
+  if (most == t.blocked) {
+    const EdgeSnapshot* e = longest(s, stage.name, &EdgeSnapshot::from, &EdgeSnapshot::blocked_ns);
+    return e != nullptr ? "room in " + e->to : "room";
+  }
+  const EdgeSnapshot* e = longest(s, stage.name, &EdgeSnapshot::to, &EdgeSnapshot::awaited_ns);
+  return e != nullptr ? e->from : "bursts";
+}
+
+/// "its input is full", "fuse waits for it": what the neighbours' times say of a stage that sets the rate.
+std::vector<std::string> effects_of(const std::string& stage, const GraphSnapshot& s) {
+  std::vector<std::string> out, waiting;
+  double full = 0;
+  for (const EdgeSnapshot& e : s.edges) {
+    if (e.delay > 0) continue;
+    if (e.to == stage) full = std::max(full, share(e.blocked_ns, s));
+    if (e.from == stage && e.is_lossless && share(e.awaited_ns, s) > kWorthTelling) waiting.push_back(e.to);
+  }
+  if (full > kWorthTelling) out.emplace_back("its input is full");
+  if (!waiting.empty())
+    out.push_back(fmt::format("{} {} for it", fmt::join(waiting, " and "), waiting.size() > 1 ? "wait" : "waits"));
+  return out;
+}
+
+}  // namespace
+
+std::vector<StageLoad> loads_of(const GraphSnapshot& s) {
+  std::vector<StageLoad> loads;
+  for (const StageSnapshot& stage : s.stages) {
+    const StageTimes& t = stage.time_ns;
+    StageLoad load{
+        .name = stage.name,
+        .rate_hz = s.elapsed_ns > 0 ? static_cast<double>(stage.out) / (1e-9 * static_cast<double>(s.elapsed_ns)) : 0,
+        .busy = share(t.running, s),
+        .waits_input = share(t.waiting, s),
+        .waits_room = share(t.blocked, s),
+        .waits_worker = share(t.ready, s),
+        .waits_for = waits_for(stage, s)};
+    for (const EdgeSnapshot& e : s.edges) {
+      if (e.to != stage.name || e.delay > 0 || !e.is_lossless) continue;
+      load.queue_depth += e.depth;
+      load.queue_high_water += static_cast<std::uint64_t>(std::max<std::int64_t>(e.high_water, 0));
+      load.queue_capacity += e.capacity;
+    }
+    loads.push_back(std::move(load));
+  }
+  return loads;
+}
+
+Bottleneck bottleneck_of(const GraphSnapshot& s) {
+  const StageSnapshot* busiest = nullptr;
+  std::int64_t worked_ns = 0, starved_ns = 0;
+  for (const StageSnapshot& stage : s.stages) {
+    worked_ns += stage.time_ns.running;
+    if (stage.is_source) starved_ns = std::max(starved_ns, stage.time_ns.waiting);
+    if (!stage.is_source && (busiest == nullptr || stage.time_ns.running > busiest->time_ns.running)) busiest = &stage;
+  }
+  if (busiest == nullptr || s.elapsed_ns <= 0 || s.workers == 0) return {{}, "none: nothing has run yet"};
+  const double busy = share(busiest->time_ns.running, s);
+  const double starved = share(starved_ns, s);
+  if (starved > kStarved) {
+    return {{},
+            fmt::format("none: the stages wait for bursts {:.0f} % of the time; the busiest is {} with {:.0f} %",
+                        100 * starved, busiest->name, 100 * busy)};
+  }
+  const double workers = share(worked_ns, s) / static_cast<double>(s.workers);
+  if (workers >= busy) {
+    return {"workers",
+            fmt::format("workers: all {} are busy {:.0f} % of the time, most of it with {} ({:.0f} % of one)",
+                        s.workers, 100 * workers, busiest->name, 100 * busy)};
+  }
+  std::vector<std::string> parts{fmt::format("busy {:.0f} % of the time", 100 * busy)};
+  for (std::string& effect : effects_of(busiest->name, s)) parts.push_back(std::move(effect));
+  return {busiest->name, fmt::format("{}: {}", busiest->name, fmt::join(parts, ", "))};
+}
+
+}  // namespace enamel::flow
