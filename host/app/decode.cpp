@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "calib/model/pattern.hpp"
 #include "host/app/calibration.hpp"
 #include "host/app/command.hpp"
 #include "host/app/input.hpp"
@@ -57,7 +58,7 @@ Result<int> run_decode(const DecodeOptions& o) {
   ENAMEL_TRY_ASSIGN(const auto decoder, pipeline::BurstDecoder::make(calib::rig_at(rig, burst.temp_centi_c / 100.0),
                                                                      config.pipeline.decode));
 
-  pipeline::DecodeReport report{.burst = o.burst, .mode = rig.patterns.mode, .stage_ms = {}};
+  pipeline::DecodeReport report{.burst = o.burst, .mode = calib::mode_name(rig.patterns)};
   pipeline::DecodeWorkspace workspace;
   HostTime last = clock.now();
   workspace.on_step = [&](const char* step) {
@@ -69,6 +70,7 @@ Result<int> run_decode(const DecodeOptions& o) {
   std::vector<pipeline::BurstView> views;
   for (const proto::Burst& was : before) views.push_back(stage::view_of(was));
   decoder.decode(stage::view_of(burst), workspace, decoded, views);
+  report.figures = decoder.figures(decoded.diagnostics);
   ENAMEL_TRY(pipeline::write_decode_maps(decoded, report, o.run.out));
   std::fputs(pipeline::decode_json(decoded, report).c_str(), stdout);
   if (decoded.accepted()) return 0;

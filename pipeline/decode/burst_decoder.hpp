@@ -54,6 +54,10 @@ class BurstDecoder {
   /// The same with fresh memory.
   [[nodiscard]] DecodedBurst decode(const BurstView& view) const;
 
+  /// What the rig's pattern mode has to say of a burst, beside what is told in every mode.
+  [[nodiscard]] std::vector<Figure> figures(const DecodeDiagnostics& diagnostics) const {
+    return strategy_->figures(diagnostics);
+  }
   [[nodiscard]] const RayDepth& rays() const noexcept { return *rays_; }
   [[nodiscard]] std::shared_ptr<const RayDepth> shared_rays() const noexcept { return rays_; }
   [[nodiscard]] const DecodeConfig& config() const noexcept { return config_; }

@@ -1,7 +1,6 @@
 #include "pipeline/decode/decode_maps.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +9,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
 
-#include "calib/model/pattern.hpp"
 #include "protocol/base/file.hpp"
 
 namespace enamel::pipeline {
@@ -53,28 +51,28 @@ Map<std::uint8_t> reject_picture(const Map<PixelReject>& reject) {
   return out;
 }
 
-/// Figures that the verdict rests on, those of the other modes' steps left out.
-std::string diagnostics_json(const DecodeDiagnostics& d, calib::PatternMode mode) {
-  const char* noise_from = d.noise.source == NoiseSource::kRig ? "rig" : "closure";
-  if (mode == calib::PatternMode::kMicro) {
-    return fmt::format(
-        "\"repeated_share\": {:.5f}, \"linked_share\": {:.5f}, \"direction_share\": {:.5f}, "
-        "\"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, "
-        "\"code_turn_rad\": {:.6f}, \"motion_rad\": {:.6f}, \"third_rad\": {:.6f}, \"noise_from\": \"{}\",\n"
-        "  \"shift_mm_per_frame\": [{:.6f}], \"turn_rad_per_frame\": [{:.7f}]",
-        d.repeated_share, d.linked_share, d.direction_share, d.code_agreement, d.torn_share, d.code_turn_rad,
-        d.motion_rad, d.third_rad, noise_from, fmt::join(d.rigid.shift_mm, ", "), fmt::join(d.rigid.turn_rad, ", "));
-  }
-  return fmt::format(
-      "\"repeated_share\": {:.5f}, \"linked_share\": {:.5f}, \"closure_share\": {:.5f}, "
-      "\"code_agreement\": {:.5f}, \"torn_share\": {:.5f}, \"odd_shift_rad\": {:.5f}, \"unrest\": {:.5f}, "
-      "\"motion_rad\": {:.6f}, \"harmonic\": {:.6f}, \"noise_from\": \"{}\",\n"
-      "  \"ripple_cosine_rad\": [{:.6f}], \"ripple_sine_rad\": [{:.6f}], "
-      "\"ripple_by_depth_rad\": {:.6f},\n"
-      "  \"shift_mm_per_frame\": [{:.6f}], \"turn_rad_per_frame\": [{:.7f}]",
-      d.repeated_share, d.linked_share, d.closure_share, d.code_agreement, d.torn_share, d.odd_shift_rad, d.unrest,
-      d.motion_rad, d.harmonic, noise_from, fmt::join(d.ripple.cosine, ", "), fmt::join(d.ripple.sine, ", "),
-      d.ripple_by_depth_rad, fmt::join(d.rigid.shift_mm, ", "), fmt::join(d.rigid.turn_rad, ", "));
+std::string figure_json(const Figure& figure) {
+  std::string values;
+  for (const double v : figure.values) values += fmt::format("{}{:.{}f}", values.empty() ? "" : ", ", v, figure.digits);
+  if (figure.is_list) values = "[" + values + "]";
+  return fmt::format("\"{}\": {}", figure.name, values);
+}
+
+/// Figures that the verdict rests on: of every mode, then of the burst's.
+std::string diagnostics_json(const DecodeDiagnostics& d, const std::vector<Figure>& of_mode) {
+  std::vector<Figure> all = {
+      {"repeated_share", 5, {d.repeated_share}},
+      {"linked_share", 5, {d.linked_share}},
+      {"code_agreement", 5, {d.code_agreement}},
+      {"torn_share", 5, {d.torn_share}},
+      {"motion_rad", 6, {static_cast<double>(d.motion_rad)}},
+      {"shift_mm_per_frame", 6, {d.rigid.shift_mm.begin(), d.rigid.shift_mm.end()}, true},
+      {"turn_rad_per_frame", 7, {d.rigid.turn_rad.begin(), d.rigid.turn_rad.end()}, true},
+  };
+  all.insert(all.end(), of_mode.begin(), of_mode.end());
+  std::string out = fmt::format("\"noise_from\": \"{}\"", d.noise.source == NoiseSource::kRig ? "rig" : "closure");
+  for (const Figure& figure : all) out += ",\n  " + figure_json(figure);
+  return out;
 }
 
 }  // namespace
@@ -116,9 +114,9 @@ std::string decode_json(const DecodedBurst& burst, const DecodeReport& report) {
       "{{\"burst\": {}, \"mode\": \"{}\", \"verdict\": \"{}\", \"valid_px\": {}, \"undecided_px\": {},\n"
       " \"rejected_px\": {{{}}},\n \"sigma_um_median\": {:.3f},\n \"diagnostics\": {{{}}},\n"
       " \"stage_ms\": {{{}}}}}\n",
-      report.burst, calib::name_of(report.mode), name_of(burst.verdict), burst.patch.valid_px,
+      report.burst, report.mode, name_of(burst.verdict), burst.patch.valid_px,
       burst.counts[static_cast<std::size_t>(PixelReject::kRelative)], rejected, median_sigma_um(burst.patch),
-      diagnostics_json(burst.diagnostics, report.mode), stages);
+      diagnostics_json(burst.diagnostics, report.figures), stages);
 }
 
 Result<void> write_decode_maps(const DecodedBurst& burst, const DecodeReport& report, const std::string& folder) {

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "calib/model/rig.hpp"
 #include "pipeline/decode/steps/decoded_burst.hpp"
 #include "protocol/base/result.hpp"
 
@@ -14,7 +14,8 @@ namespace enamel::pipeline {
 
 struct DecodeReport {
   std::uint64_t burst = 0;
-  calib::PatternMode mode = calib::PatternMode::kPolarity;
+  std::string_view mode;                                 ///< as rig.json says it
+  std::vector<Figure> figures;                           ///< BurstDecoder::figures
   std::vector<std::pair<std::string, double>> stage_ms;  ///< in order of execution
 };
 

@@ -108,6 +108,13 @@ bool MicroMode::trusts_orders(const DecodeDiagnostics& diagnostics) const {
   return follows_code(diagnostics, common_.code);
 }
 
+std::vector<Figure> MicroMode::figures(const DecodeDiagnostics& d) const {
+  const auto of = [](float value) { return std::vector{static_cast<double>(value)}; };
+  return {{"direction_share", 5, {d.direction_share}},
+          {"code_turn_rad", 6, of(d.code_turn_rad)},
+          {"third_rad", 6, of(d.third_rad)}};
+}
+
 bool MicroMode::explains_frames(const DecodeDiagnostics& diagnostics) const {
   return !common_.correct_closure || diagnostics.closure_share >= config_.explained.min_share;
 }

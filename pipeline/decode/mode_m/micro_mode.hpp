@@ -49,6 +49,7 @@ class MicroMode final : public PatternStrategy {
   [[nodiscard]] RefinedPhase refine(const FringeOrders& orders, const RelativeSurface& relative, Work& work,
                                     const StepHook& hook, DecodeDiagnostics& diagnostics,
                                     PhaseMaps& phase) const override;
+  [[nodiscard]] std::vector<Figure> figures(const DecodeDiagnostics& diagnostics) const override;
   [[nodiscard]] bool explains_frames(const DecodeDiagnostics& diagnostics) const override;
 
  private:

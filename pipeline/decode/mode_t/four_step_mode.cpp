@@ -61,6 +61,17 @@ BurstVerdict FourStepMode::why_unplaced(const PhaseMaps& phase, const Work& work
   return torn ? BurstVerdict::kPatternMismatch : BurstVerdict::kNoCode;
 }
 
+std::vector<Figure> FourStepMode::figures(const DecodeDiagnostics& d) const {
+  const auto of = [](float value) { return std::vector{static_cast<double>(value)}; };
+  return {{"closure_share", 5, {d.closure_share}},
+          {"odd_shift_rad", 5, of(d.odd_shift_rad)},
+          {"unrest", 5, of(d.unrest)},
+          {"harmonic", 6, of(d.harmonic)},
+          {"ripple_cosine_rad", 6, {d.ripple.cosine.begin(), d.ripple.cosine.end()}, true},
+          {"ripple_sine_rad", 6, {d.ripple.sine.begin(), d.ripple.sine.end()}, true},
+          {"ripple_by_depth_rad", 6, {d.ripple_by_depth_rad}}};
+}
+
 bool FourStepMode::trusts_orders(const DecodeDiagnostics& diagnostics) const {
   return follows_code(diagnostics, common_.code);
 }

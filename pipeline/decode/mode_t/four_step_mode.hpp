@@ -53,6 +53,7 @@ class FourStepMode : public PatternStrategy {
   [[nodiscard]] RefinedPhase refine(const FringeOrders& orders, const RelativeSurface& relative, Work& work,
                                     const StepHook& hook, DecodeDiagnostics& diagnostics,
                                     PhaseMaps& phase) const override;
+  [[nodiscard]] std::vector<Figure> figures(const DecodeDiagnostics& diagnostics) const override;
 
  protected:
   struct Memory;

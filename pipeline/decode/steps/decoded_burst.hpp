@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "pipeline/decode/motion/rigid_motion.hpp"
 #include "pipeline/decode/phase/noise_model.hpp"
@@ -57,6 +58,14 @@ struct DecodeDiagnostics {
   float code_shift_rad = 0;  ///< mode M: phase by which the code frame alone is off the other three, motion undone
   float code_turn_rad = 0;   ///< mode M: mean angle of the code against its orders
   NoiseModel noise;
+};
+
+/// A figure of the diagnostics as reports print it.
+struct Figure {
+  std::string_view name;
+  int digits = 0;  ///< behind the point
+  std::vector<double> values;
+  bool is_list = false;  ///< printed as a list, however many
 };
 
 struct DecodedBurst {

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "pipeline/decode/phase/burst_view.hpp"
 #include "pipeline/decode/phase/noise_model.hpp"
@@ -75,6 +76,8 @@ class PatternStrategy {
   [[nodiscard]] virtual RefinedPhase refine(const FringeOrders& orders, const RelativeSurface& relative, Work& work,
                                             const StepHook& hook, DecodeDiagnostics& diagnostics,
                                             PhaseMaps& phase) const = 0;
+  /// What this mode's steps have to say of a burst, beside what is told in every mode.
+  [[nodiscard]] virtual std::vector<Figure> figures(const DecodeDiagnostics& diagnostics) const = 0;
   /// Whether the four frames are explained by one surface and its motion.
   [[nodiscard]] virtual bool explains_frames(const DecodeDiagnostics&) const { return true; }
 };

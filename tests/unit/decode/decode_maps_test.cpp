@@ -38,7 +38,7 @@ TEST(DecodeMaps, writes_every_promised_file) {
   ASSERT_TRUE(burst.accepted());
   const std::string folder = testing::TempDir() + "enamel_decode_maps";
   std::filesystem::remove_all(folder);
-  const DecodeReport report{7, calib::PatternMode::kPolarity, {{"phase", 1.5}, {"unwrap", 2.0}}};
+  const DecodeReport report{7, "T", {{"unrest", 3, {0.5}}}, {{"phase", 1.5}, {"unwrap", 2.0}}};
   ASSERT_TRUE(write_decode_maps(burst, report, folder));
   for (const char* name : {"phase.pfm", "modulation.pfm", "order.png", "reject.png", "depth.pfm", "sigma.pfm",
                            "points.ply", "decode.json"})
@@ -49,6 +49,7 @@ TEST(DecodeMaps, writes_every_promised_file) {
     for (int u = 0; u < 320; ++u) ASSERT_EQ(order.at<std::uint8_t>(v, u), burst.order(u, v));
   const std::string json = read_file(folder + "/decode.json").value();
   EXPECT_THAT(json, testing::HasSubstr("\"burst\": 7, \"mode\": \"T\""));
+  EXPECT_THAT(json, testing::HasSubstr("\"unrest\": 0.500"));
   EXPECT_THAT(json, testing::HasSubstr("\"valid_px\": " + std::to_string(burst.patch.valid_px)));
   EXPECT_THAT(json, testing::HasSubstr("\"stage_ms\": {\"phase\": 1.500, \"unwrap\": 2.000}"));
   const std::string ply = read_file(folder + "/points.ply").value();
