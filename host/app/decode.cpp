@@ -58,7 +58,8 @@ Result<int> run_decode(const DecodeOptions& o) {
   ENAMEL_TRY_ASSIGN(const auto decoder, pipeline::BurstDecoder::make(calib::rig_at(rig, burst.temp_centi_c / 100.0),
                                                                      config.pipeline.decode));
 
-  pipeline::DecodeReport report{.burst = o.burst, .mode = calib::mode_name(rig.patterns)};
+  pipeline::DecodeReport report{
+      .burst = o.burst, .mode = calib::mode_name(rig.patterns), .figures = {}, .stage_ms = {}};
   pipeline::DecodeWorkspace workspace;
   HostTime last = clock.now();
   workspace.on_step = [&](const char* step) {
