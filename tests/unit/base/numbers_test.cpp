@@ -6,7 +6,6 @@
 #include <thread>
 
 #include "protocol/base/metrics.hpp"
-#include "protocol/base/reduce.hpp"
 #include "protocol/base/rng.hpp"
 
 namespace enamel {
@@ -64,45 +63,6 @@ TEST(Rng, BelowStaysBelowAndReachesEveryValue) {
   std::array<int, 6> seen{};
   for (int i = 0; i < 6'000; ++i) ++seen.at(r.below(6));
   for (const int n : seen) EXPECT_NEAR(n, 1000, 5 * 28.9);
-}
-
-/// Calls tasks in reverse from several threads: the worst order there is.
-class ReverseThreads final : public Workers {
- public:
-  void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
-    std::vector<std::jthread> threads;
-    for (std::size_t i = count; i > 0; --i) threads.emplace_back([&task, i] { task(i - 1); });
-  }
-};
-
-float summed(Workers& w, std::size_t chunk) {
-  return parallel_reduce(
-      w, 1001, chunk, 0.F,
-      [](std::size_t begin, std::size_t end) {
-        float s = 0.F;
-        for (std::size_t i = begin; i < end; ++i) s += 1.F / static_cast<float>(i + 1);
-        return s;
-      },
-      [](float a, float b) { return a + b; });
-}
-TEST(Reduce, SameBitsInAnyOrderOfExecution) {
-  ReverseThreads reverse;
-  EXPECT_EQ(std::bit_cast<std::uint32_t>(summed(InlineWorkers::shared(), 100)),
-            std::bit_cast<std::uint32_t>(summed(reverse, 100)));
-}
-TEST(Reduce, ChunkSizeChangesTheBits) {  // why the chunk may not follow the thread count
-  EXPECT_NE(std::bit_cast<std::uint32_t>(summed(InlineWorkers::shared(), 100)),
-            std::bit_cast<std::uint32_t>(summed(InlineWorkers::shared(), 1001)));
-}
-TEST(Reduce, ForVisitsEveryIndexOnce) {
-  ReverseThreads reverse;
-  for (const std::size_t n : {0U, 1U, 9U, 10U, 11U}) {
-    std::vector<int> seen(n);
-    parallel_for(reverse, n, 5, [&](std::size_t b, std::size_t e) {
-      for (std::size_t i = b; i < e; ++i) ++seen[i];
-    });
-    EXPECT_THAT(seen, ::testing::Each(1)) << n;
-  }
 }
 
 TEST(LogHistogram, PercentilesAreWithinOneSixteenth) {
