@@ -3,7 +3,6 @@
 #include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "protocol/base/metrics.hpp"
 #include "protocol/base/rng.hpp"
