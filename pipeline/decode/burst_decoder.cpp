@@ -13,7 +13,8 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr double kMostFringes = 100;  ///< of a depth range at one pixel; probes have about 5
+/// chosen: by judgement. Of a depth range at one pixel; probes have about 5.
+constexpr double kMostFringes = 100;
 
 /// Largest number of fringes that the depth range spans at a pixel.
 double span_fringes(const RayDepth& rays) {

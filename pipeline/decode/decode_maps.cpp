@@ -44,7 +44,7 @@ Result<std::string> png_bytes(const Map<std::uint8_t>& map, const char* name) {
 
 /// Grey levels far enough apart to be told by eye: 0 = measured, then 32 a reason in the order of pixel_reject.hpp.
 Map<std::uint8_t> reject_picture(const Map<PixelReject>& reject) {
-  constexpr int kLevels = 32;
+  constexpr int kLevels = 32;  // layout: grey levels a reason
   Map<std::uint8_t> out(reject.width(), reject.height());
   for (std::size_t i = 0; i < out.size(); ++i)
     out[i] = static_cast<std::uint8_t>(static_cast<int>(reject[i]) * kLevels);

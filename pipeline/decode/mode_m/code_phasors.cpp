@@ -13,10 +13,11 @@ HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
 /// Spread of z about kCodeGain exp(2 pi i k/L), each way: that of the gain, and motion of 0.2 rad a frame, which turns
-/// z by 0.16.
+/// z by 0.16. chosen: by judgement.
 constexpr double kSpread = 0.15;
-constexpr double kRidge = 1e-2;              ///< z is unknown to within 10 before the segment is seen
-constexpr float kLogOutlierArea = 0.11778F;  ///< a lying z is anywhere within 1.5 of 0: ln(pi 1.5^2/(2 pi))
+constexpr double kRidge = 1e-2;  ///< z is unknown to within 10 before the segment is seen
+/// derived: a lying z is anywhere within 1.5 of 0: ln(pi 1.5^2/(2 pi)).
+constexpr float kLogOutlierArea = 0.11778F;
 
 void phasor_loop(const CodeSumRow& sums, float outlier_cost, CodePhasors& phasors) {
   const float* __restrict xx = sums.xx.data(), * __restrict xy = sums.xy.data(), * __restrict yy = sums.yy.data();

@@ -8,8 +8,9 @@
 namespace enamel::pipeline {
 namespace {
 
+/// derived: half of the code ratio of 7, rounded down: a jump of more orders looks like one of these.
 constexpr int kMostOrders = 3;
-constexpr float kNoJump = 1e30F;
+constexpr float kNoJump = 1e30F;  ///< layout: above any misfit
 
 /// Half the squares that a jump at the border left of u leaves unexplained; kNoJump unless the jump is a better
 /// explanation than none by `cost`.

@@ -6,6 +6,7 @@
 namespace enamel::pipeline {
 namespace {
 
+/// chosen: by judgement; strips as a whole were judged on rows of teeth (docs/notes/decode-attempts.md, orders).
 constexpr std::int32_t kDrift_px = 2;  ///< that an edge may move from row to row
 constexpr float kMemory = 0.9F;        ///< of the rows above and below: a strip is about as wide ten rows on
 

@@ -38,7 +38,8 @@ class CodeStrips {
   std::size_t withdraw(float evidence, Map<PixelReject>& reject);
 
  private:
-  static constexpr std::size_t kMost_px = 8;  ///< width of a strip; wider ones are found by code_steps.hpp
+  /// chosen: by judgement. Width of a strip; wider ones are found by code_steps.hpp.
+  static constexpr std::size_t kMost_px = 8;
 
   struct End {
     std::int32_t column, length_px;  ///< outermost pixel of the run, and all of them

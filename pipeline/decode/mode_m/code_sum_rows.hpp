@@ -6,9 +6,10 @@
 namespace enamel::pipeline {
 
 /// Borders of a row are asked whether the code jumps there: pixels left out on either side, and pixels fitted beyond.
+/// chosen: by judgement. Blur mixes one pixel.
 inline constexpr std::size_t kStepGap_px = 1, kStepWindow_px = 4, kStepReach_px = kStepGap_px + kStepWindow_px;
 
-/// Keeps two fits from dividing by 0 where pixels have no code.
+/// layout: keeps two fits from dividing by 0 where pixels have no code.
 inline constexpr float kStepRidge = 1e-2F;
 
 /// Reduction of the sum of squares by the best z: h N^-1 h.

@@ -10,12 +10,12 @@
 namespace enamel::pipeline {
 namespace {
 
-/// Least angle between the codes of two orders, rad: a phase moving by 0.2 rad a frame turns the code by 0.16, and the
-/// nearer of two orders must still be the right one.
+/// Least angle between the codes of two orders, rad. chosen: by judgement, above twice the 0.16 by which a phase moving
+/// by 0.2 rad a frame turns the code: the nearer of two orders must still be the right one.
 constexpr double kLeastTurn_rad = 0.35;
 
 int repeats_after(double code_ratio, int orders) {
-  constexpr double kSameTurn = 1e-6;  // of a whole one
+  constexpr double kSameTurn = 1e-6;  // layout: of a whole one; for rounding
   for (int k = 1; k < orders; ++k)
     if (std::abs(std::remainder(k / code_ratio, 1.0)) < kSameTurn) return k;
   return 0;

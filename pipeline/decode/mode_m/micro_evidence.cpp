@@ -8,9 +8,11 @@
 namespace enamel::pipeline {
 namespace {
 
+/// chosen: by judgement. Lengths of z that a gain may have; of the step to the next order, below its half; of a run's
+/// end, where a few pixels already tell: one that blur mixes, one to spare.
 constexpr float kShortest = 0.4F, kLongest = 1.6F;
 constexpr float kStepShare = 1.0F / 3;
-constexpr std::int32_t kEndTrim_px = 2;  ///< a few pixels already tell: one that blur mixes, one to spare
+constexpr std::int32_t kEndTrim_px = 2;
 
 /// Of pixels [begin, end). Every second one by itself: a sum waits for the one before.
 CodeSums sum_over(const CodeSumRow& row, std::int32_t begin, std::int32_t end) {

@@ -16,9 +16,12 @@ namespace {
 using Matrix = Eigen::Matrix<double, kOddColumns, kOddColumns>;
 using Vector = Eigen::Matrix<double, kOddColumns, 1>;
 
-constexpr int kRowStep = 8, kBlock_px = 64;
-constexpr double kInformed_rad = 0.05;  ///< sigma of a block's phase of the code frame that is asked
+constexpr int kRowStep = 8;  ///< layout: stride over rows
+/// chosen: by judgement. Side of a block; sigma of its phase of the code frame that is asked.
+constexpr int kBlock_px = 64;
+constexpr double kInformed_rad = 0.05;
 /// Spread of the unknowns, in the order of kOddColumns: phases anywhere, what blocks leave of motion, light and gain.
+/// chosen: by judgement.
 const Vector kSpread = (Vector() << 1, 1, 0.3, 0.3, 0.1).finished();
 
 struct Equations {

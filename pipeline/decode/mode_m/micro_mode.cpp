@@ -11,7 +11,8 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr float kBeyondRange = 0.15F;  ///< of the ends of the depth range: surfaces run on beyond it
+/// chosen: by judgement. Of the ends of the depth range: surfaces run on beyond it.
+constexpr float kBeyondRange = 0.15F;
 
 /// The motion that turns the code by an angle against the three phase frames, which were taken 2/3 of an interval
 /// later.

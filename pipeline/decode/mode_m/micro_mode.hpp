@@ -10,6 +10,8 @@ namespace enamel::pipeline {
 
 /// Whether the phase runs as the carrier does, before any order is known.
 struct DirectionGate {
+  /// chosen: by judgement, below the 0.87 that noise at the mask's limit leaves (micro_gates.hpp), and above the 0.4
+  /// that two frames of passing fringes have alike (frame_gates.hpp).
   double min_share = 0.65;             ///< of neighbours whose phase changes in the carrier's direction
   double min_unplaced_share = 0.8;     ///< with less and no order found, the frames are to blame, not the code, ...
   double max_unplaced_repeated = 0.6;  ///< ... as they are with more of two frames alike
@@ -17,13 +19,15 @@ struct DirectionGate {
 
 /// Whether the orders have to be asked again without the motion, which turns the code.
 struct MotionOfCodeGate {
+  /// chosen: by judgement; asking again was judged on three quadrants of the twin (docs/notes/decode-attempts.md,
+  /// motion).
   float harmless_motion_rad = 0.05F;  ///< with more a frame interval
   double clear_agreement = 0.97;      ///< with less; then without the light that passed by as well
 };
 
 /// Whether the code frame is what the other three predict under one motion.
 struct ExplainedGate {
-  double min_share = 0.65;  ///< of placed pixels
+  double min_share = 0.65;  ///< of placed pixels. chosen: by judgement
 };
 
 struct MicroConfig {

@@ -9,8 +9,9 @@
 namespace enamel::pipeline {
 namespace {
 
+/// chosen: by judgement. First order leaves a1^2; the standard error of a1, (2/3)/sqrt(2 n), is 0.007 rad at most.
 constexpr float kLargestResidue_rad = 0.2F;
-constexpr double kMinPixels = 5000;  ///< standard error of a1 at most 0.007 rad
+constexpr double kMinPixels = 5000;
 
 }  // namespace
 

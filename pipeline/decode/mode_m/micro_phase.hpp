@@ -31,7 +31,7 @@ struct ThirdHarmonic {
 };
 [[nodiscard]] ThirdHarmonic estimate_third_harmonic(std::span<const CellSpan> spans, const PhaseMaps& maps);
 
-/// In a map of wrap counts: of a surface whose order is unknown; of none.
+/// layout: in a map of wrap counts: of a surface whose order is unknown; of none.
 inline constexpr std::int16_t kUnplacedWraps = -1000, kNoWraps = -2000;
 
 /// Phi = phase_rad + 2 pi wraps in the spans, kUnplacedWraps in those of unknown order, kNoWraps elsewhere.

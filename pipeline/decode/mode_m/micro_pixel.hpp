@@ -7,12 +7,13 @@
 
 namespace enamel::pipeline {
 
+/// layout: weights of three frames; frame intervals after mid-burst.
 inline constexpr float kHalfRoot3 = 0.8660254F, kInvRoot3 = 0.57735027F, kThird = 1.0F / 3;
 inline constexpr float kFirstTime = -1.5F, kSecondTime = 0.5F, kThirdTime = 1.5F;
 /// What motion and a common phase leave of phases that each of the three frames has for itself: at right angles to
-/// both.
+/// both. derived: (1, -3, 2)/sqrt(14).
 inline constexpr float kFirstSkew = 0.26726124F, kSecondSkew = -0.80178373F, kThirdSkew = 0.53452248F;
-inline constexpr Turn kThirdTurn{-0.5F, kHalfRoot3};
+inline constexpr Turn kThirdTurn{-0.5F, kHalfRoot3};  ///< layout: by 2 pi/3
 
 /// |a| <= pi and a little: by the half angle, which the polynomials cover.
 [[gnu::always_inline]] inline Turn turn_of(float a) {
@@ -73,7 +74,7 @@ struct CodeModel {
 
 /// x less its nearest whole number, |x| < 2^22.
 [[gnu::always_inline]] inline float fraction(float x) {
-  constexpr float kWhole = 12582912;  // 1.5 * 2^23: the sum has no digits behind the point
+  constexpr float kWhole = 12582912;  // physical: 1.5 * 2^23: the sum has no digits behind the point
   return x - ((x + kWhole) - kWhole);
 }
 

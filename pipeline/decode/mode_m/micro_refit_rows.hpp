@@ -39,7 +39,7 @@ struct CodeRow {
   bool steady = false;  ///< light and both changes are 0
 };
 
-inline constexpr std::size_t kRefitSums = 5;  ///< gg, gm, mm, gR, mR with the slopes g = dR/dgain, m = dR/deps
+inline constexpr std::size_t kRefitSums = 5;  ///< layout: gg, gm, mm, gR, mR with the slopes g = dR/dgain, m = dR/deps
 
 /// Adds the row's normal equations to sums[k * width + u], weighted by 1/variance of R.
 void add_refit_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width, float* sums);
@@ -51,8 +51,8 @@ struct ResidualRow {
 };
 void code_residual_row(const CodeRow& row, std::size_t count, const ResidualRow& out);
 
-/// Unknowns of the odd frame: phase of the code frame alone, skew of the other three, and beside them motion, light and
-/// gain as far as they differ from what `row` says.
+/// layout: unknowns of the odd frame: phase of the code frame alone, skew of the other three, and beside them motion,
+/// light and gain as far as they differ from what `row` says.
 inline constexpr std::size_t kOddColumns = 5;
 inline constexpr std::size_t kMicroOddSums = kOddColumns * (kOddColumns + 3) / 2 + 2;
 

@@ -14,7 +14,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
-/// Variance of R over that of a frame: the code frame, A/3, and 2/3 each of the parts of B cos and B sin, on average.
+/// derived: variance of R over that of a frame: the code frame, A/3, and 2/3 each of the parts of B cos and B sin, on
+/// average: 1 + 1/3 + 1/3 (1 + r^2) with r = 1 + 1/7.
 constexpr float kResidualVariance = 2.1F;
 
 /// A row's pixels, in each loop's own copy, which cannot alias what it writes.

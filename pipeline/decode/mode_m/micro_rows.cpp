@@ -17,7 +17,7 @@ HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
 void solve_micro(const BurstView& view, const NoiseModel& noise, const PhaseConfig& config, PhaseMaps& maps) {
-  constexpr float kThird = 1.0F / 3, kInvRoot3 = 0.57735027F;
+  constexpr float kThird = 1.0F / 3, kInvRoot3 = 0.57735027F;  // layout: weights of the frames
   solve_burst(view, noise, config, {0, 2, 3, 1}, maps, [](float i0, float i2, float i3, const NoiseModel& n) {
     const float a = kThird * (i0 + i2 + i3);
     const float c = kThird * (2 * i0 - i2 - i3);

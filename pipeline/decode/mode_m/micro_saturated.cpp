@@ -15,14 +15,16 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+/// layout: of the four frames, the code frame second.
 constexpr double kTwoPi = 2 * std::numbers::pi, kHalfRoot3 = 0.86602540378443865;
 constexpr std::array<float, 4> kTimes = {-1.5F, -0.5F, 0.5F, 1.5F};
 constexpr std::array<double, 4> kShifts = {0, 0, kTwoPi / 3, -kTwoPi / 3};
+/// chosen: by judgement.
 constexpr float kLargestBend_rad = 1.0F;  ///< of the step across a run against the carrier's
 constexpr double kLargestOff_rad = 0.5;   ///< of a solution against the straight line across the run
 constexpr double kLeastShare = 0.6;       ///< of A and B against those of the neighbours, or the inverse
 constexpr int kIterations = 8;
-constexpr double kConverged_rad = 1e-5;
+constexpr double kConverged_rad = 1e-5;  ///< far below noise
 
 struct Wave {
   double value = 0, slope = 0;  ///< cos x + h cos 2x, and its derivative
@@ -92,7 +94,8 @@ class Pixel {
   }
 
  private:
-  static constexpr double kRounding_dn = 0.01;  ///< of frames made anew from A, C and S
+  /// chosen: by judgement. Of frames made anew from A, C and S.
+  static constexpr double kRounding_dn = 0.01;
 
   /// Frames less the model, and the model's slopes over A, B, Phi.
   Vector3d residual(const Unknowns& x, Matrix3d& slopes) const {

@@ -42,8 +42,8 @@ class Gathered {
   }
 
  private:
-  static constexpr std::size_t kSources = 11, kPerNode = kNode_px / kPixelStep;
-  std::vector<int> first_;  ///< of each node's pixels
+  static constexpr std::size_t kSources = 11, kPerNode = kNode_px / kPixelStep;  ///< layout: rows
+  std::vector<int> first_;                                                       ///< of each node's pixels
   std::vector<float> values_;
 };
 

@@ -9,7 +9,8 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kLongestAlike = 2;  ///< half fringes: patches of one fringe may be ambiguous, larger ones not
+/// chosen: by judgement. Half fringes: patches of one fringe may be ambiguous, larger ones not.
+constexpr int kLongestAlike = 2;
 
 /// A window of the code that is repeated `fringes` further on.
 struct Repeat {

@@ -17,7 +17,7 @@ struct Pair {
   double motion = 0, harmonic = 0;
 };
 
-constexpr double kVarianceOfResidual = 4;  ///< in those of one frame, of which four are summed
+constexpr double kVarianceOfResidual = 4;  ///< derived: in those of one frame, of which four are summed
 
 /// (X'X + diag(p1, p2)) theta = X'y + diag(p1, p2) prior.
 Pair solve(const double* s, double p1, double p2, Pair prior) {

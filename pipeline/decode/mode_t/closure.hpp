@@ -26,6 +26,7 @@
 namespace enamel::pipeline {
 
 struct ClosureConfig {
+  /// chosen: by judgement.
   int block_px = 32;               ///< at least one fringe wide, or the two terms are not told apart
   float max_residual = 0.6F;       ///< of B; beyond it the pixel sees an edge or a glint, not motion
   float motion_prior_rad = 0.03F;  ///< spread of a block's eps about the burst's

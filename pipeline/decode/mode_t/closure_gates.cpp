@@ -12,9 +12,10 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr float kTolerance = 0.25F;  ///< of B: motion of 0.1 rad a frame with a flip's blur stays below
-constexpr float kNoiseSigmas = 6;    ///< 3 sigma of the residual, whose std is 2 sigma
-constexpr std::size_t kRowStep = 4;  ///< gates on the whole burst need not ask every pixel
+/// chosen: by judgement. Of B: motion of 0.1 rad a frame with a flip's blur stays below.
+constexpr float kTolerance = 0.25F;
+constexpr float kNoiseSigmas = 6;    ///< derived: 3 sigma of the residual, whose std is 2 sigma
+constexpr std::size_t kRowStep = 4;  ///< layout: gates on the whole burst need not ask every pixel
 
 }  // namespace
 

@@ -220,7 +220,7 @@ PixelRow SparsePixels::row(ErrorRows& errors, int v) const {
 }
 
 RowErrors GatheredErrors::of(const RowErrors& all, const float* weight, const GatheredRuns& runs) {
-  constexpr std::size_t kRows = 5;
+  constexpr std::size_t kRows = 5;  // layout: gathered ones
   RowErrors out = all;
   values_.resize(kRows * runs.pixels());
   float* next = values_.data();

@@ -10,8 +10,8 @@
 
 namespace enamel::pipeline {
 
-/// x1x1 x1x2 x2x2 x1y x2y x1x1v, with x1 the motion's and x2 the harmonic's column of the residual y and v the variance
-/// of one frame there.
+/// layout: x1x1 x1x2 x2x2 x1y x2y x1x1v, with x1 the motion's and x2 the harmonic's column of the residual y and v the
+/// variance of one frame there.
 inline constexpr std::size_t kClosureSums = 6;
 
 /// Adds one image row to kClosureSums rows of per-column sums: the order of additions is fixed. limit: of |y|/B.

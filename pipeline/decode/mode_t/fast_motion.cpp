@@ -8,12 +8,15 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kBlock_px = 64, kRowStep = 4, kColumnStep = 2;
+constexpr int kRowStep = 4, kColumnStep = 2;  ///< layout: strides
+/// chosen: by judgement.
+constexpr int kBlock_px = 64;
 constexpr int kSteps = 16;           ///< to either side of rest
-constexpr double kStep_rad = 0.05;   ///< half of it turns frame 3 by 0.04 rad: a sixth of the tolerance
 constexpr float kTolerance = 0.25F;  ///< of B, as for bursts at rest
 constexpr int kLeastPixels = 100;    ///< of a block that has a say
-constexpr std::size_t kMotions = 2 * kSteps + 1;
+/// derived: half of it turns frame 3, 3/2 intervals after mid-burst, by 0.04 rad: a sixth of the tolerance.
+constexpr double kStep_rad = 0.05;
+constexpr std::size_t kMotions = 2 * kSteps + 1;  ///< layout: asked
 
 /// Frame 3 less the measured A, from the measured C and S: of_c C + of_s S +- (sign_c C + sign_s S).
 struct Prediction {

@@ -9,7 +9,7 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kFlipRowStep = 4;  ///< a quarter of the pixels gives a block's sigma to 5 %
+constexpr int kFlipRowStep = 4;  ///< layout: a quarter of the pixels gives a block's sigma to 5 %
 
 struct FlipBlock {
   double rounding = 0, modulation = 0, noise = 0, pixels = 0;

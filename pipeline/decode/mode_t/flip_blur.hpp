@@ -16,12 +16,15 @@
 namespace enamel::pipeline {
 
 struct FlipBlurConfig {
-  int block_px = 64;                ///< blur follows depth
-  float drop_sigmas = 1.0F;         ///< frame 3 is not used nearer to a flip: rounded by 0.17 sigma, ...
-  float full_sigmas = 1.75F;        ///< ... and counts fully from here on: 0.03 sigma
-  float least_sigma_rad = 0.1F;     ///< of any projector and camera
-  float largest_sigma_rad = 0.52F;  ///< what is rounded further is not seen whole within T
-  float prior_pixels = 200;         ///< that the burst's own mean counts for in a block
+  /// chosen: by judgement.
+  int block_px = 64;             ///< blur follows depth
+  float drop_sigmas = 1.0F;      ///< frame 3 is not used nearer to a flip: rounded by 0.17 sigma, ...
+  float full_sigmas = 1.75F;     ///< ... and counts fully from here on: 0.03 sigma
+  float least_sigma_rad = 0.1F;  ///< of any projector and camera
+  /// derived: T/2, half of PolarityConfig::flip_full_rad. What is rounded further is not seen whole within T.
+  float largest_sigma_rad = 0.52F;
+  /// chosen: by judgement. That the burst's own mean counts for in a block.
+  float prior_pixels = 200;
 };
 
 /// Sigma at the nodes of a grid over the image.

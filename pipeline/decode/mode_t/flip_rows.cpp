@@ -13,8 +13,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
-constexpr float kFull = 0.999F;        ///< weights above it are those of pixels away from flips
-constexpr float kMostResidual = 0.6F;  ///< of B; beyond it the pixel sees an edge or a glint
+constexpr float kFull = 0.999F;  ///< layout: 1 less rounding; weights above it are those of pixels away from flips
+/// chosen: by judgement, as ClosureConfig::max_residual. Of B; beyond it the pixel sees an edge or a glint.
+constexpr float kMostResidual = 0.6F;
 
 /// B sin of the phase at frame 3's exposure, from what three frames made of it, to second order in eps.
 [[gnu::always_inline]] inline float sine_of_frame3(float c, float s3, float eps) {

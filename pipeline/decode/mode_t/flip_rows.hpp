@@ -5,7 +5,7 @@
 
 namespace enamel::pipeline {
 
-/// What rounds the kink, B, B sigma_phi^2 and the number of pixels.
+/// layout: what rounds the kink, B, B sigma_phi^2 and the number of pixels.
 inline constexpr std::size_t kFlipSums = 4;
 
 /// Adds one image row to kFlipSums rows of per-column sums: of pixels within flip_full_rad of a flip.

@@ -12,6 +12,7 @@
 namespace enamel::pipeline {
 namespace {
 
+/// chosen: by judgement, the captured plaster in view (docs/notes/decode-attempts.md, ripple).
 constexpr int kRobustRounds = 3;       ///< each leaves out what the round before could not explain: texture and edges
 constexpr double kOutlierSigmas = 3;   ///< ... by so much
 constexpr double kLeastFilled = 0.75;  ///< of the fringe around a pixel: the mean of less is no fringe's

@@ -25,6 +25,7 @@ struct FrameErrors {
 };
 
 struct FrameErrorConfig {
+  /// chosen: by judgement, the captured plaster in view (docs/notes/decode-attempts.md, ripple).
   int rounds = 4;  ///< the model is first order; each round takes what the one before left
   double min_pixels = 5000;
 };

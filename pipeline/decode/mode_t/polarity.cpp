@@ -30,7 +30,7 @@ class RowState {
   [[nodiscard]] PolarityRow row() const { return {cell_.data(), wraps_.data()}; }
 
  private:
-  static constexpr std::int32_t kStep = 16;
+  static constexpr std::int32_t kStep = 16;  ///< layout: a store
 
   void fill(std::int32_t begin, std::int32_t end, int bits, int wraps) {
     for (std::int32_t u = begin; u < end; u += kStep) {

@@ -13,8 +13,10 @@
 namespace enamel::pipeline {
 
 struct PolarityConfig {
-  float flip_drop_rad = 0.7854F;  ///< frame 3 is not used nearer to a flip: two sigma of a blur of 1.5 px in 24
-  float flip_full_rad = 1.0472F;  ///< and counts fully from here on
+  /// Frame 3 is not used nearer to a flip. derived: two sigma of a blur of 1.5 px in a period of 24, 2 * 2 pi 1.5/24.
+  float flip_drop_rad = 0.7854F;
+  /// chosen: by judgement. And counts fully from here on.
+  float flip_full_rad = 1.0472F;
 };
 
 /// Per-pixel state that the correction steps need beside the phase.

@@ -19,7 +19,7 @@ namespace enamel::pipeline::HWY_NAMESPACE {
 /// ln x for normal x > 0, error <= 1e-6 (1 + |ln x|): exponent, and 2 artanh((m - 1)/(m + 1)) of the mantissa m,
 /// brought to sqrt(1/2) … sqrt(2).
 [[gnu::always_inline]] inline float log_poly(float x) {
-  constexpr std::uint32_t kRootHalf = 0x3F3504F3U, kMantissa = 0x007FFFFFU;
+  constexpr std::uint32_t kRootHalf = 0x3F3504F3U, kMantissa = 0x007FFFFFU;  // layout: bits of a float
   const std::uint32_t shifted = std::bit_cast<std::uint32_t>(x) - kRootHalf;
   const auto exponent = static_cast<float>(static_cast<std::int32_t>(shifted) >> 23);
   const float m = std::bit_cast<float>((shifted & kMantissa) + kRootHalf);
@@ -45,7 +45,7 @@ void columns_loop(const PhaseMaps& m, const NoiseModel& model, std::size_t at, s
 }
 
 void price_loop(float outlier_cost, std::size_t count, PolaritySaid* said) {
-  constexpr float kLogWidth = 0.17967F;  // ln(3 / sqrt(2 pi))
+  constexpr float kLogWidth = 0.17967F;  // derived: ln(3/sqrt(2 pi)), T of a lying segment being within 1.5 of 0
   ENAMEL_INDEPENDENT
   for (std::size_t k = 0; k < count; ++k) {
     const float variance = said[k].variance;

@@ -5,10 +5,14 @@
 namespace enamel::pipeline {
 namespace {
 
-/// Projector blur rounds the kink of frame 3 at a flip by up to this share of B (blur of 1.9 px in a period of 24).
+/// chosen: by judgement. Projector blur rounds the kink of frame 3 at a flip by up to this share of B (blur of 1.9 px
+/// in a period of 24).
 constexpr float kBlurError = 0.2F;
-constexpr float kNoiseOfCode = 3;  ///< var(D -+ S3) is 4 sigma^2 for b = +1, 2 sigma^2 for b = -1
+/// derived: in the middle, while b is unknown: var(D -+ S3) is 4 sigma^2 for b = +1, 2 sigma^2 for b = -1.
+constexpr float kNoiseOfCode = 3;
+/// chosen: by judgement. T of +-1 is two of its sigmas from 0 then.
 constexpr float kFaintVariance = 0.25F;
+/// chosen: by judgement. Blur mixes the pixels at a run's end with what lies beyond.
 constexpr std::int32_t kEndTrim_px = 3;
 
 PolaritySaid say(const PolarityColumn* columns, SegmentCore core) {

@@ -27,7 +27,7 @@ void join_frame(const NoiseModel& model, const PolarityConfig& config, std::size
                 Stretch& stretch, PhaseMaps& m, PolarityMaps& out) {
   const NoiseModel noise = model;  // a copy cannot alias what is written
   const float drop = config.flip_drop_rad, ramp = 1.0F / (config.flip_full_rad - config.flip_drop_rad);
-  constexpr float kFar = 10, kUseless = -100;  // rad, beside distances of up to pi
+  constexpr float kFar = 10, kUseless = -100;  // layout: rad, beside distances of up to pi
   const std::int32_t* __restrict cell = stretch.cell.data();
   float* __restrict variance = stretch.variance_b4.data();
   const float* __restrict mean = &m.mean_dn[at], * __restrict cosine = &m.cosine_dn[at];

@@ -7,6 +7,7 @@ namespace {
 struct Weights {
   Frames mean, cosine, sine;
 };
+/// derived: the equations of the three frames that are left, solved; and which these are.
 constexpr std::array<Weights, 4> kWithout = {{{{0, 0.5F, 0, 0.5F}, {0, 0.5F, -1, 0.5F}, {0, -0.5F, 0, 0.5F}},
                                               {{0.5F, 0, 0.5F, 0}, {0.5F, 0, -0.5F, 0}, {-0.5F, 0, -0.5F, 1}},
                                               {{0, 0.5F, 0, 0.5F}, {1, -0.5F, 0, -0.5F}, {0, -0.5F, 0, 0.5F}},

@@ -11,8 +11,9 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kBehind = 3;            ///< pixels that a line goes through
-constexpr float kClearOfFlip = 0.4F;  ///< |sin phi|; nearer to a flip blur rounds frame 3
+constexpr int kBehind = 3;  ///< layout: pixels that a line goes through, whose weights are made for it
+/// chosen: by judgement. Of |sin phi|; nearer to a flip blur rounds frame 3.
+constexpr float kClearOfFlip = 0.4F;
 
 /// To a pixel's neighbours in a picture `width` wide.
 using Steps = std::array<std::ptrdiff_t, 8>;

@@ -26,11 +26,16 @@ namespace enamel::pipeline {
 
 struct TornConfig {
   float sigmas = kTornSigmas;  ///< of the closure residual
-  int reach_px = 3;            ///< from pixels that hold; at 2 px a frame an edge is 3 px off its place at mid-burst
-  float continues_sigmas = 3;  ///< a phase may be off the line through the three pixels beside it by
-  float most_turn_rad = 0.3F;  ///< ... and no more than this
-  float same_light = 0.1F;     ///< A may differ by this share from the pixel beside it, B by half as much again
-  float mixed_rad = 0.07F;     ///< joins sigma: so much of another surface's light turns the phase by this, rms
+  /// From pixels that hold. derived: at 2 px a frame an edge is 3 px off its place at mid-burst, 3/2 intervals away.
+  int reach_px = 3;
+  /// A phase may be off the line through the three pixels beside it by. derived: noise alone loses 0.3 % by it.
+  float continues_sigmas = 3;
+  /// chosen: by judgement. The phase may be off by no more than this, and A differ by this share from the pixel beside
+  /// it, B by half as much again.
+  float most_turn_rad = 0.3F;
+  float same_light = 0.1F;
+  /// Joins sigma. derived: same_light/sqrt(2), by which so much of another surface's light turns the phase, rms.
+  float mixed_rad = 0.07F;
 };
 
 /// One burst's; keeps its memory between bursts. Not thread-safe.

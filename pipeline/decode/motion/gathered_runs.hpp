@@ -7,9 +7,8 @@
 
 namespace enamel::pipeline {
 
-inline constexpr std::size_t kSparseStep = 2;  ///< where not every pixel of a row is asked, every second one is
-
-inline constexpr std::size_t kGatheredRun = 4;
+inline constexpr std::size_t kSparseStep = 2;  ///< layout: where not every pixel of a row is asked, every second one is
+inline constexpr std::size_t kGatheredRun = 4;  ///< layout: pixels of a run
 
 /// Some pixels of a row: `count` runs of kGatheredRun pixels, each kSparseStep columns from the one before; the first
 /// run begins at column `first`, the others each `pitch` columns from the one before. Column 7 of a run exists.

@@ -10,7 +10,7 @@
 namespace enamel::pipeline {
 namespace {
 
-/// Places of the fine nodes about a coarse one, in pixels of the images: the middles of its cell's quarters.
+/// layout: places of the fine nodes about a coarse one, in pixels of the images: the middles of its cell's quarters.
 constexpr std::array<std::pair<int, int>, 4> kPlaces = {{{-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
 
 DetailMotion motion_in_floats(const RigidMotion& motion, const RayDepth& rays) {

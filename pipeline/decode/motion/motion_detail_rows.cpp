@@ -18,10 +18,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
-constexpr float kSteepest = 3.7F;        ///< dz/dx of 75 degrees, the steepest that counts as one surface
-constexpr float kLeastDet = 4000;        ///< of the 2x2 normal equations: a fortieth of a full window's
-constexpr float kLeastLitCosine = 0.2F;  ///< of the light's incidence; beyond, slopes are known too badly to tell it
-constexpr float kMostChange = 0.3F;      ///< of light, per frame interval
+/// derived: dz/dx of 75 degrees, the steepest that counts as one surface (LinkConfig).
+constexpr float kSteepest = 3.7F;
+/// chosen: by judgement. Of the 2x2 normal equations: a fortieth of a full window's.
+constexpr float kLeastDet = 4000;
+/// chosen: by judgement. Of the light's incidence; beyond, slopes are known too badly to tell it.
+constexpr float kLeastLitCosine = 0.2F;
+/// chosen: by judgement. Of light, per frame interval.
+constexpr float kMostChange = 0.3F;
 
 using DetailLanes = std::array<float, kNodeLanes>;
 

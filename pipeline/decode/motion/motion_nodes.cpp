@@ -10,11 +10,14 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr float kMinDet = 4000;    ///< of the 2x2 normal equations: about a quarter of a full window's
-constexpr float kMaxSlope = 3.7F;  ///< dz/dx of 75 degrees, the steepest that counts as one surface
-/// Of the incidence; slopes of steeper surface are known too badly to judge the motion by.
+/// chosen: by judgement. Of the 2x2 normal equations: about a quarter of a full window's.
+constexpr float kMinDet = 4000;
+/// derived: dz/dx of 75 degrees, the steepest that counts as one surface (LinkConfig).
+constexpr float kMaxSlope = 3.7F;
+/// chosen: by judgement. Of the incidence; slopes of steeper surface are known too badly to judge the motion by.
 constexpr float kMinCosine = 0.6F;
-constexpr float kMinLitCosine = 0.2F;  ///< of the light's incidence; beyond, slopes are known too badly to tell it
+/// chosen: by judgement. Of the light's incidence; beyond, slopes are known too badly to tell it.
+constexpr float kMinLitCosine = 0.2F;
 
 /// How a point's own light changes, as share of it: by its motion U q, and by the turn of its surface.
 struct Shading {

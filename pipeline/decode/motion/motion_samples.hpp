@@ -11,6 +11,7 @@
 
 namespace enamel::pipeline {
 
+/// layout: samples lie so in memory.
 inline constexpr std::size_t kNodePixels = 16;
 inline constexpr std::size_t kNodeLanes = 8;  ///< nodes are padded to a multiple of it by ones without pixels
 
@@ -29,7 +30,7 @@ struct MotionSamples {
   }
 };
 
-inline constexpr int kPixelStep = 2;  ///< pixel p of a node: of each row kNode_px / kPixelStep
+inline constexpr int kPixelStep = 2;  ///< layout: pixel p of a node: of each row kNode_px / kPixelStep
 
 /// Column of a node at which its pixels in image row v begin: rows take turns.
 [[nodiscard]] constexpr int first_column(int v) noexcept { return v / kPixelStep % kPixelStep; }
@@ -71,7 +72,7 @@ struct MotionColumns {
   std::vector<float> rate, light, counts;
   std::vector<float> by_node;  ///< the same columns, [2 * kColumnLanes * n + k] of eps, kColumnLanes further on of dA/A
 };
-inline constexpr std::size_t kColumnLanes = 8;  ///< six and two of 0
+inline constexpr std::size_t kColumnLanes = 8;  ///< layout: six and two of 0
 
 struct MotionEquations {
   std::array<std::array<double, 8>, 7> left{};  ///< upper triangle and some more; column 7 unused

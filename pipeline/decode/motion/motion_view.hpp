@@ -13,7 +13,7 @@
 
 namespace enamel::pipeline {
 
-/// Sigma of a block's eps beyond which that block tells nothing.
+/// Sigma of a block's eps beyond which that block tells nothing. chosen: by judgement.
 inline constexpr float kInformed_rad = 0.005F;
 
 /// Motion at the nodes of a grid over the image, per frame interval.

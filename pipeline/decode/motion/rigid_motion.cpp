@@ -11,9 +11,11 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr float kMostGrowth = 0.3F;  ///< of light, per frame interval; more is no surface sliding by
-constexpr int kRounds = 3;           ///< each leaves out what the round before could not explain
-constexpr int kUnknowns = 7;         ///< V, W, and what all pixels share
+/// chosen: by judgement. Of light, per frame interval; more is no surface sliding by.
+constexpr float kMostGrowth = 0.3F;
+/// chosen: by judgement. Each leaves out what the round before could not explain.
+constexpr int kRounds = 3;
+constexpr int kUnknowns = 7;  ///< layout: V, W, and what all pixels share
 using Vector7 = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix7 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Theta = std::array<double, kUnknowns>;
@@ -152,6 +154,7 @@ class Pass {
 
 bool stands_still(std::span<const float> block_motion_rad, std::span<const float> block_sigma_rad,
                   float negligible_rad) {
+  // derived: noise alone takes 5 % of the blocks so far, and a quarter of them is asked for.
   constexpr float kSignificantSigmas = 2;
   std::size_t seen = 0, moving = 0;
   for (std::size_t k = 0; k < block_motion_rad.size(); ++k) {

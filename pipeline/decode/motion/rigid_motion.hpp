@@ -28,15 +28,21 @@
 namespace enamel::pipeline {
 
 struct RigidMotionConfig {
-  float max_residual = 0.6F;      ///< of B; beyond it the pixel sees an edge or a glint, not motion
-  float outlier_sigmas = 4;       ///< second round: residuals beyond this many rms are left out
-  double shift_prior_mm = 0.12;   ///< spread of a hand's shift per frame: 30 mm/s at 4 ms
-  double turn_prior_rad = 0.004;  ///< and of its turn: 1 rad/s
-  double shared_prior = 0.05;     ///< spread of the projector's B2/B, in mode M of the code frame's gain
-  bool dense = true;              ///< mode T: the motion found is taken off by nodes twice as dense (motion_detail.hpp)
-  std::size_t min_pixels = 600;   ///< of those asked, one in eight; fewer say nothing about six unknowns
-  int passes = 2;                 ///< the second sees slopes without the ripple that the first took off; 0: none
-  float negligible_rad = 0.002F;  ///< a burst in which under a quarter of the blocks change faster counts as still
+  /// chosen: by judgement. Of B; beyond it the pixel sees an edge or a glint, not motion.
+  float max_residual = 0.6F;
+  /// Second round: residuals beyond this many rms are left out. derived: noise alone loses one pixel in 16 000 by it.
+  float outlier_sigmas = 4;
+  double shift_prior_mm = 0.12;   ///< spread of a hand's shift per frame. physical: 30 mm/s at 4 ms
+  double turn_prior_rad = 0.004;  ///< and of its turn. physical: 1 rad/s at 4 ms
+  /// chosen: by judgement. Spread of the projector's B2/B, in mode M of the code frame's gain.
+  double shared_prior = 0.05;
+  bool dense = true;  ///< mode T: the motion found is taken off by nodes twice as dense (motion_detail.hpp)
+  /// chosen: by judgement. Of those asked, one in eight; fewer say nothing about six unknowns.
+  std::size_t min_pixels = 600;
+  /// chosen: by judgement. The second sees slopes without the ripple that the first took off; 0: none.
+  int passes = 2;
+  /// chosen: by judgement. A burst in which under a quarter of the blocks change faster counts as still.
+  float negligible_rad = 0.002F;
 };
 
 struct RigidMotion {

@@ -6,7 +6,8 @@
 
 namespace enamel::pipeline {
 
-inline constexpr float kCodeTime = -0.5F;  ///< of slot 1, mode M's code frame, frame intervals after mid-burst
+/// layout: of slot 1, mode M's code frame, frame intervals after mid-burst.
+inline constexpr float kCodeTime = -0.5F;
 
 /// Of one pixel, per frame interval: eps and its change, dA/A and d2A/A.
 struct PixelChange {

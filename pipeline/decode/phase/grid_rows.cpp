@@ -31,6 +31,7 @@ void mix_loop(const float* low, const float* high, float share, std::size_t widt
 /// Ramps of cells of a size known to the compiler, which makes vectors of them.
 template <std::size_t kCell, std::size_t kStep>
 void ramps(const float* nodes, std::size_t count, std::size_t first, std::size_t width, float* row) {
+  // layout: of a ramp.
   constexpr std::size_t kPixels = kCell / kStep, kBefore = kCell / 2 / kStep;
   constexpr float kShare = 1.0F / static_cast<float>(static_cast<int>(kCell));
   const float* __restrict node = nodes;

@@ -12,8 +12,9 @@ namespace enamel::pipeline {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kEnoughPixels = 60000;  ///< for an amplitude to 1.4e-3 rad if phases were random
-constexpr std::int32_t kMostRowStep = 3;
+/// chosen: by judgement. Enough for an amplitude to 1.4e-3 rad, 1/(2 sqrt(2 n)), if phases were random.
+constexpr double kEnoughPixels = 60000;
+constexpr std::int32_t kMostRowStep = 3;  ///< layout: stride over rows
 
 /// Of so many rows one is asked: as few as give enough pixels.
 std::int32_t row_step(std::span<const CellSpan> spans) {
@@ -154,7 +155,7 @@ PhaseRipple shrink(const PhaseRipple& ripple, const PhaseMoments& moments) {
 
 void correct_phase(const PhaseRipple& ripple, std::span<float> phase_rad) {
   // The error is smooth: a table of 1024 steps over the fold and straight lines between keep it to 1e-5 of itself.
-  constexpr std::size_t kSteps = 1024;
+  constexpr std::size_t kSteps = 1024;  // layout: of the table
   std::vector<float> table(kSteps + 1);
   const double fold = 2 * std::numbers::pi / ripple.steps;
   for (std::size_t k = 0; k <= kSteps; ++k)

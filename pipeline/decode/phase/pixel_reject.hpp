@@ -18,7 +18,7 @@ enum class PixelReject : std::uint8_t {
   kEdge,        ///< beside a depth edge: the pixel sees both sides
   kSpeck,       ///< too small a region to trust
 };
-inline constexpr std::size_t kPixelRejects = 8;
+inline constexpr std::size_t kPixelRejects = 8;  ///< layout: number of them
 
 inline constexpr std::array<std::string_view, kPixelRejects> kPixelRejectNames = {
     "valid", "dark", "saturated", "noisy", "undecided", "out_of_range", "edge", "speck"};

@@ -10,7 +10,8 @@
 
 namespace enamel::pipeline {
 
-inline constexpr std::size_t kPolarStretch = 256;  ///< pixels between the loops: they stay in the first-level cache
+/// layout: pixels between the loops: they stay in the first-level cache.
+inline constexpr std::size_t kPolarStretch = 256;
 
 struct PolarIn {
   const float *cosine, *sine;

@@ -15,6 +15,7 @@
 
 namespace enamel::pipeline {
 
+/// layout: numbers of mathematics.
 inline constexpr float kPiF = 3.14159265358979F;
 inline constexpr float kTwoPiF = 6.28318530717959F;
 
@@ -83,7 +84,7 @@ inline constexpr float kTwoPiF = 6.28318530717959F;
 /// Natural logarithm of a normal x > 0, error <= 2e-7 of the larger of it and 1 (tested): the exponent, and a minimax
 /// polynomial of the rest, 1 + f in [sqrt(1/2), sqrt(2)).
 [[nodiscard]] inline float log_poly(float x) noexcept {
-  constexpr std::int32_t kRootHalf = 0x3F3504F3;
+  constexpr std::int32_t kRootHalf = 0x3F3504F3;  // layout: bits of sqrt(1/2)
   const std::int32_t bits = std::bit_cast<std::int32_t>(x), exponent = (bits - kRootHalf) >> 23;
   const float f = std::bit_cast<float>(bits - exponent * (1 << 23)) - 1;
   float p = -0.10224198965860097F;

@@ -8,7 +8,8 @@
 
 namespace enamel::pipeline {
 
-inline constexpr std::size_t kMomentLanes = 16;  ///< pixels apart by as many share a sum: the order of adding is fixed
+/// layout: pixels apart by as many share a sum: the order of adding is fixed.
+inline constexpr std::size_t kMomentLanes = 16;
 
 struct MomentLanes {
   using Terms = std::array<std::array<float, kMomentLanes>, kRippleTerms>;

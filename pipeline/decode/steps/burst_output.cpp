@@ -70,7 +70,8 @@ void withdraw_surface(DecodedBurst& out) {
 }
 
 std::size_t count_of(const Map<PixelReject>& reject, PixelReject reason) noexcept {
-  constexpr std::size_t kLanes = 32, kMostSteps = 255;  // what a byte counts up to: sums of bytes fill whole registers
+  // layout: what a byte counts up to; sums of bytes fill whole registers.
+  constexpr std::size_t kLanes = 32, kMostSteps = 255;
   const PixelReject* __restrict pixels = reject.pixels().data();
   std::size_t total = 0, i = 0;
   while (i + kLanes <= reject.size()) {

@@ -14,35 +14,44 @@ namespace enamel::pipeline {
 
 /// Whether enough pixels are lit, and what spoils a burst whose frames do not go together.
 struct LightGate {
-  std::size_t min_points = 1000;     ///< fewer cannot be registered
-  double max_saturated_share = 0.2;  ///< of lit pixels; beyond it, clipping is what spoils the burst
+  /// chosen: by judgement. Fewer cannot be registered.
+  std::size_t min_points = 1000;
+  /// chosen: by judgement. Of lit pixels; beyond it, clipping is what spoils the burst.
+  double max_saturated_share = 0.2;
 };
 
 /// Whether the four pictures can be those of one burst.
 struct FramesGate {
-  double max_repeated_share = 0.9;  ///< of lit pixels at which two frames are the same picture
+  /// Of lit pixels at which two frames are the same picture. chosen: by judgement, between 0.4 at most where fringes
+  /// pass and 1 where a frame was sent twice (frame_gates.hpp).
+  double max_repeated_share = 0.9;
 };
 
 /// Whether neighbours follow the rig's fringe carrier.
 struct LinkGate {
-  double min_linked_share = 0.75;
+  double min_linked_share = 0.75;  ///< chosen: by judgement
 };
 
 /// Whether the code that the orders rest on is the rig's.
 struct CodeGate {
-  double min_agreement = 0.95;  ///< five times the share of lying cells that order.hpp expects
-  double max_torn_share = 0.1;  ///< a foreign code can only be followed by jumping every few cells; surfaces do not
+  /// chosen: by judgement. Five times the share of lying cells that order.hpp expects.
+  double min_agreement = 0.95;
+  /// chosen: by judgement. A foreign code can only be followed by jumping every few cells; surfaces do not.
+  double max_torn_share = 0.1;
 };
 
 /// Whether one frame is of another time than the others: bends the phase by a quarter of its shift.
 struct OddFrameGate {
+  /// chosen: on rendered sets, slow and turning, and on frames left over within them (docs/notes/decode-attempts.md,
+  /// frames that do not belong together). The second: it stands out from what light and texture did during the burst.
   float max_shift_rad = 0.1F;
-  float max_over_unrest = 2.0F;  ///< it stands out from what light and texture did during the burst
+  float max_over_unrest = 2.0F;
 };
 
 /// Whether the surface moved by less of a fringe than can be undone.
 struct MotionGate {
-  double max_motion_rad = 0.32;  ///< mean of a burst, a frame interval: 0.3 (docs/decode.md §8) and its own error
+  /// chosen: by judgement. Mean of a burst, a frame interval: 0.3 and its own error (docs/decode.md §8).
+  double max_motion_rad = 0.32;
 };
 
 [[nodiscard]] std::size_t count_of(const PhaseMaps& maps, PixelReject reason) noexcept;

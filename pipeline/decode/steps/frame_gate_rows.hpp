@@ -9,7 +9,7 @@
 
 namespace enamel::pipeline {
 
-inline constexpr std::size_t kFramePairs = 6;  ///< 01 02 03 12 13 23
+inline constexpr std::size_t kFramePairs = 6;  ///< layout: 01 02 03 12 13 23
 
 struct RepeatCount {
   std::uint32_t seen = 0;

@@ -16,9 +16,9 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr std::size_t kRowStep = 4;  ///< gates on the whole burst need not ask every pixel
-constexpr std::size_t kFrames = 4;
-constexpr float kSameSigmas = 5.7F;  ///< 4 sigma of a difference
+constexpr std::size_t kRowStep = 4;  ///< layout: gates on the whole burst need not ask every pixel
+constexpr std::size_t kFrames = 4;   ///< layout: of a burst
+constexpr float kSameSigmas = 5.7F;  ///< derived: 4 sigma of a difference, 4 sqrt(2)
 
 }  // namespace
 
@@ -55,6 +55,7 @@ bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept {
 }
 
 bool has_blank_frame(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise) {
+  // chosen: by judgement. What varies by its noise alone has 1.
   constexpr double kBlankSigmas = 2, kPictureSigmas = 6;
   const auto width = static_cast<std::size_t>(view.width);
   FrameRows rows;

@@ -14,8 +14,8 @@ namespace enamel::pipeline {
 /// either way.
 [[nodiscard]] double repeated_share(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise);
 
-/// Bursts whose frames may come up again: a camera's ring of buffers is no longer than their 32 frames, and what was
-/// left over in a buffer is as old as the ring is long.
+/// Bursts whose frames may come up again. physical: a camera's ring of buffers is no longer than their 32 frames, and
+/// what was left over in a buffer is as old as the ring is long.
 inline constexpr std::size_t kBurstsRemembered = 8;
 
 /// Whether some frames of a burst, but not all, are a frame of one burst before it, byte for byte: left over in a

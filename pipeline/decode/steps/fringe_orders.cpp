@@ -38,7 +38,9 @@ void reject_undecided(const FringeOrders& o, Map<PixelReject>& reject) {
 }
 
 void reject_beside_jumps(const FringeOrders& o, Map<PixelReject>& reject) {
-  constexpr std::int32_t kMixed_px = 2;  // one that blur mixes, one that the code may be off by
+  // chosen: on 50 rows of teeth (docs/notes/decode-attempts.md, orders). One that blur mixes, one that the code may be
+  // off by.
+  constexpr std::int32_t kMixed_px = 2;
   const auto& segments = o.segments.segments;
   for (std::size_t k = 1; k < segments.size(); ++k) {
     const Segment &before = segments[k - 1], &p = segments[k];

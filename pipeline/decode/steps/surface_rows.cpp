@@ -29,8 +29,8 @@ namespace enamel::pipeline::HWY_NAMESPACE {
   return cos4 * c1 - c2 + sin4 * s1;
 }
 
-/// Of a row, kStretch pixels at a time: what is narrower than a float is widened before and narrowed after. A loop that
-/// mixes widths is unrolled until its values no longer fit the registers.
+/// layout: of a row, kStretch pixels at a time: what is narrower than a float is widened before and narrowed after. A
+/// loop that mixes widths is unrolled until its values no longer fit the registers.
 constexpr std::size_t kStretch = 256;
 struct Stretch {
   std::array<std::int32_t, kStretch> wraps, reject, order;

@@ -15,7 +15,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
-constexpr std::size_t kStretch = 256;  ///< widened before the loop that computes, which mixed widths would slow down
+/// layout: widened before the loop that computes, which mixed widths would slow down.
+constexpr std::size_t kStretch = 256;
 
 void inverse_loop(const SparseRow& row, const InverseDepthRange& limits, std::size_t count, float* inverse_depth) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();

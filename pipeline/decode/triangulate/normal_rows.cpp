@@ -17,7 +17,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
-constexpr float kMinDet = 8;  ///< the weakest usable pairs (1,0),(0,1) give 16
+/// derived: half of what the weakest usable pairs (1,0),(0,1) give, 4 * 4; pairs along one line give 0.
+constexpr float kMinDet = 8;
 
 /// 2x2 normal equations of the plane 1/z = q + qu u + qv v. The squares of the distances are small whole numbers, the
 /// same for all pixels: one sum holds all three, in quarters, uu in bits 0-7, vv in bits 8-15 and uv, signed, above.
@@ -33,6 +34,7 @@ struct Sums {
 /// Adds the pixels at +-(kDu, kDv), unless the step between them is too high for one surface.
 template <int kDu, int kDv>
 [[gnu::always_inline]] inline void add_pair(const float* below, const float* above, int x, float limit, Sums& s) {
+  // layout: sides, square and length of the pair, 2 sqrt(kSquare).
   constexpr float kU = 2 * kDu, kV = 2 * kDv;
   constexpr int kSquare = kDu * kDu + kDv * kDv;
   constexpr float kLength = kSquare == 1 ? 2 : kSquare == 9 ? 6 : kSquare == 8 ? 5.656854249F : 6.324555320F;
@@ -40,14 +42,15 @@ template <int kDu, int kDv>
   const float d = below[x + kDu] - above[x - kDu];
   const bool same = std::abs(d) < limit * kLength;  // false for NaN
   const float e = select(same, d, 0);
+  // layout: of Sums::squares.
   constexpr std::int32_t kSquares = kDu * kDu + kDv * kDv * 256 + kDu * kDv * 65536;
   s.squares += same ? kSquares : 0;
   if constexpr (kDu != 0) s.u += kU * e;
   if constexpr (kDv != 0) s.v += kV * e;
 }
 
-/// Between the loops over a row, a stretch of it at a time: a processor looks some 200 instructions ahead, so a long
-/// loop that ends in division and root would wait for them in every turn.
+/// layout: between the loops over a row, a stretch of it at a time: a processor looks some 200 instructions ahead, so a
+/// long loop that ends in division and root would wait for them in every turn.
 constexpr int kStretch = 256;
 struct Stretch {
   std::array<float, kStretch> uu, uv, vv, u, v;

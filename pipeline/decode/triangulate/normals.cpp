@@ -12,7 +12,7 @@ namespace enamel::pipeline {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr int kRows = 2 * kNormalReach_px + 1;
+constexpr int kRows = 2 * kNormalReach_px + 1;  ///< layout: of a window
 
 }  // namespace
 

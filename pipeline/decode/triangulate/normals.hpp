@@ -11,7 +11,9 @@
 namespace enamel::pipeline {
 
 struct NormalConfig {
-  float max_slope_deg = 75;  ///< a steeper step between two pixels is a depth edge: the pair is left out
+  /// chosen: by judgement, as LinkConfig::max_slope_deg. A steeper step between two pixels is a depth edge: the pair is
+  /// left out.
+  float max_slope_deg = 75;
 };
 
 /// Normals of a map that is made row by row, each row solved as soon as those that it looks at are there: they are

@@ -10,7 +10,7 @@ namespace enamel::pipeline {
 
 static_assert(std::endian::native == std::endian::little, "the first byte in memory is a word's lowest");
 
-inline constexpr std::size_t kRunPadding = 8;  ///< readable bytes behind a row; the first must end every run
+inline constexpr std::size_t kRunPadding = 8;  ///< layout: readable bytes behind a row; the first must end every run
 
 /// Index of the first byte from `from` on that is not `value`.
 [[nodiscard]] inline std::size_t end_of_run(const std::uint8_t* bytes, std::size_t from, std::uint8_t value) noexcept {

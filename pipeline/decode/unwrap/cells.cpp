@@ -10,7 +10,8 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr float kRangeSlack = 0.25F;  ///< fringes: the bounds are taken at a segment's middle, its ends reach that far
+/// derived: fringes; the bounds are taken at a segment's middle, and the ends of half a fringe reach that far.
+constexpr float kRangeSlack = 0.25F;
 
 void measure_bounds(const Map<float>& phi, const PhaseBounds& bounds, std::size_t at, Segment& p) {
   const std::size_t i = at + static_cast<std::size_t>((p.begin + p.end) / 2);
@@ -71,7 +72,8 @@ class Linker {
 /// Between pixel `last` and pixel `next` of a row that begins at `at`.
 Gap measure_gap(const PhaseMaps& phase, const Map<float>& phi, std::size_t at, std::int32_t last, std::int32_t next,
                 std::int8_t rise) {
-  constexpr float kBack = 0.08F, kOn = 0.22F;  // fringes: noise; pixels lost to blur at both ends and noise
+  // chosen: by judgement. Fringes: noise; pixels lost to blur at both ends and noise. More dark pixels than blur makes.
+  constexpr float kBack = 0.08F, kOn = 0.22F;
   constexpr int kDarkPixels = 2;
   int dark = 0;
   for (std::size_t i = at + static_cast<std::size_t>(last) + 1; i < at + static_cast<std::size_t>(next); ++i)
@@ -133,7 +135,7 @@ void mark_pixels(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps&
 }
 
 void prepare(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, SegmentList& out) {
-  constexpr std::uint8_t kSentinel = 255;
+  constexpr std::uint8_t kSentinel = 255;  // layout: ends every run
   const int w = phase.phase_rad.width(), h = phase.phase_rad.height();
   const auto width = static_cast<std::size_t>(w);
   auto& work = out.work;
@@ -162,7 +164,7 @@ SegmentCore core_of(const std::vector<Segment>& segments, std::size_t k, std::in
 
 void find_segments(const PhaseMaps& phase, const LinkMaps& links, const FloodMaps& flood, const PhaseBounds& bounds,
                    const Map<std::uint8_t>& cuts, SegmentList& out) {
-  constexpr int kContext_px = 5;
+  constexpr int kContext_px = 5;  // layout: rows that border_row reaches
   prepare(phase, links, flood, out);
   auto& segments = out.segments;
   const Map<float>& phi = out.work.unwrapped;

@@ -11,15 +11,18 @@
 namespace enamel::pipeline {
 
 struct CutConfig {
-  /// Links on one surface for every link across a jump: the only prior. Cliffs of a crown's length cross about one link
-  /// in a thousand of a burst.
+  /// Links on one surface for every link across a jump: the only prior. chosen: on crowns, whose cliffs cross about one
+  /// link in a thousand of a burst.
   float links_per_jump = 1000;
-  float curvature_rad = 0.03F;  ///< rms change of slope from pixel to pixel: radii down to a quarter millimetre
-  float max_slope_rad = 1;      ///< steeper differences to the next pixel but one say nothing of the slope here
+  /// chosen: by judgement. Rms change of slope from pixel to pixel: radii down to a quarter millimetre.
+  float curvature_rad = 0.03F;
+  /// chosen: by judgement. Steeper differences to the next pixel but one say nothing of the slope here.
+  float max_slope_rad = 1;
 };
 
-inline constexpr int kCostPerNat = 8;
-inline constexpr int kLeastCost = 1;  ///< of any cut between valid pixels: among equals the shorter one is better
+inline constexpr int kCostPerNat = 8;  ///< layout: costs are bytes
+/// layout: of any cut between valid pixels: among equals the shorter one is better.
+inline constexpr int kLeastCost = 1;
 
 /// Maps with a margin of one pixel all round, valid = 0 there: every pixel of the image has four neighbours and four
 /// quads. Index of pixel (u, v): (v + 1) stride + u + 1.

@@ -9,7 +9,7 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);  ///< the carrier is not finite round about
+constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);  ///< layout: the carrier is not finite round about
 
 }  // namespace
 
@@ -49,7 +49,7 @@ void CutFlow::prepare(const CutCosts& costs) {
 }
 
 void CutFlow::find_residues() {
-  constexpr std::uint8_t kSentinel = 255;
+  constexpr std::uint8_t kSentinel = 255;  // layout: ends every run
   const std::size_t stride = costs_->stride, count = stride - 1;
   row_.assign(count + kRunPadding, kSentinel);
   sources_.clear();

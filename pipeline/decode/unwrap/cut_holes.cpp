@@ -42,7 +42,7 @@ void CutHoles::list_quads(const CutCosts& costs) {
 }
 
 void CutHoles::find(const CutCosts& costs) {
-  constexpr std::uint8_t kSentinel = 255;
+  constexpr std::uint8_t kSentinel = 255;  // layout: ends every run
   const std::size_t n = costs.stride * costs.rows;
   stride_ = costs.stride;
   valid_ = costs.valid.data();

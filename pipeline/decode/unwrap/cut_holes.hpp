@@ -13,7 +13,7 @@ namespace enamel::pipeline {
 
 class CutHoles {
  public:
-  static constexpr std::int32_t kOutside = 0;  ///< the hole that the image's border belongs to
+  static constexpr std::int32_t kOutside = 0;  ///< layout: the hole that the image's border belongs to
 
   /// O(pixels). `torn`: 1 at every quad (of the pixel at its upper left) with an invalid pixel.
   void find(const CutCosts& costs);

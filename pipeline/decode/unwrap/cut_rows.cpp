@@ -16,6 +16,7 @@ namespace enamel::pipeline::HWY_NAMESPACE {
 
 /// ln x for normal x > 0 within 0.06: exponent and mantissa as one straight line an octave. Costs need no more.
 [[gnu::always_inline]] inline float rough_log(float x) {
+  // layout: coefficients of that line.
   constexpr float kLog2 = 0.69314718F, kPerStep = kLog2 / 8388608.0F, kBias = 127 * kLog2 - 0.03F;
   return static_cast<float>(static_cast<std::int32_t>(std::bit_cast<std::uint32_t>(x))) * kPerStep - kBias;
 }
@@ -90,7 +91,7 @@ HWY_EXPORT(segment_loop);
 
 void cut_cost_row(const PixelRow& r, std::ptrdiff_t step, std::size_t count, const LineOfDifferences& line, float slope,
                   const CutConfig& config, std::uint8_t* cost) {
-  constexpr float kHalfLogTwoPi = 0.91893853F;
+  constexpr float kHalfLogTwoPi = 0.91893853F;  // derived: ln(2 pi/sqrt(2 pi)), of cut_costs.hpp
   const float odds = kHalfLogTwoPi + std::log(config.links_per_jump);
   HWY_DYNAMIC_DISPATCH(cost_loop)(r, step, count, line, slope, config, odds, cost);
 }

@@ -9,13 +9,13 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr std::int32_t kNil = -1;
+constexpr std::int32_t kNil = -1;  ///< layout: no run, no joint
 
 class Joiner {
  public:
   Joiner(const Map<float>& phase, const LinkMaps& links, FloodMaps& out)
       : phase_(phase), links_(links), out_(out), work_(out.work), width_(static_cast<std::size_t>(phase.width())) {
-    constexpr std::uint8_t kSentinel = 255;
+    constexpr std::uint8_t kSentinel = 255;  // layout: ends every run
     work_.runs.clear();
     work_.joints.clear();
     work_.head.fill(kNil);
@@ -98,12 +98,13 @@ class Joiner {
   }
 
   int weight(std::size_t i, std::size_t j) const {
-    constexpr int kLevel = kCleanQuality - 1;
+    constexpr int kLevel = kCleanQuality - 1;  // layout: bits of the level
     return std::min(links_.quality[i] & kLevel, links_.quality[j] & kLevel);
   }
 
   void add(FloodMaps::Joint joint, int weight) {
-    constexpr int kWeightPerBucket = 16;  // half a good pixel's: single pixels come last, 128 good ones first
+    // chosen: by judgement. Half a good pixel's: single pixels come last, 128 good ones first.
+    constexpr int kWeightPerBucket = 16;
     const auto bucket = static_cast<std::size_t>(std::min(weight / kWeightPerBucket, 255));
     joint.next = std::exchange(work_.head[bucket], static_cast<std::int32_t>(work_.joints.size()));
     work_.joints.push_back(joint);

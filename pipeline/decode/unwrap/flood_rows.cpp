@@ -29,7 +29,7 @@ void mark_loop(const float* phase, const std::uint8_t* links, const std::uint8_t
 
 void compare_loop(const RunRow& upper, const RunRow& lower, const std::uint8_t* links, std::size_t width,
                   const RunBorder& border) {
-  constexpr int kLevel = kCleanQuality - 1;
+  constexpr int kLevel = kCleanQuality - 1;  // layout: bits of the level
   const float* __restrict p = upper.phase, * __restrict q = lower.phase;
   const std::int16_t* __restrict from = upper.wraps, * __restrict to = lower.wraps;
   const std::int32_t* __restrict a = upper.run, * __restrict b = lower.run;

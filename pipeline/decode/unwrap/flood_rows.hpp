@@ -15,7 +15,7 @@ enum RunMark : std::uint8_t {
 
 /// Turns that a phase gains over its neighbour's where it wraps between them: 1, 0, -1.
 [[nodiscard]] constexpr int wraps_between(float from, float to) noexcept {
-  constexpr float kHalfTurn_rad = 3.14159265358979F;
+  constexpr float kHalfTurn_rad = 3.14159265358979F;  // layout: pi
   const float d = to - from;
   return static_cast<int>(d < -kHalfTurn_rad) - static_cast<int>(d > kHalfTurn_rad);
 }

@@ -13,7 +13,7 @@ class Assembler {
  public:
   Assembler(LeastCutsWork& work, FloodMaps& out)
       : costs_(work.costs), flow_(work.flow), runs_(work.runs), marks_(work.marks), out_(out) {
-    constexpr std::uint8_t kSentinel = 255;
+    constexpr std::uint8_t kSentinel = 255;  // layout: ends every run
     runs_.clear();
     marks_.assign(costs_.stride + kRunPadding, kSentinel);
   }
@@ -121,7 +121,7 @@ class Assembler {
 
   /// Components in row order, and the wrap counts of their runs.
   void number() {
-    constexpr std::int32_t kNone = -1;
+    constexpr std::int32_t kNone = -1;  // layout: no component
     std::fill(out_.component.pixels().begin(), out_.component.pixels().end(), kNone);
     out_.components = 0;
     for (std::size_t k = 0; k < runs_.size(); ++k) {

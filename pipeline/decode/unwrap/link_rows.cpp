@@ -15,7 +15,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
-constexpr float kLaplaceSigmas = 3 * 4.4721360F;  // 3 sqrt(20): a noise-free smooth place keeps its quality
+/// derived: 3 sigma of the Laplacian, which has sqrt(20) sigma: a smooth place keeps its quality.
+constexpr float kLaplaceSigmas = 3 * 4.4721360F;
 
 void difference_loop(const PixelRow& r, std::ptrdiff_t step, std::size_t count, float* __restrict out) {
   const float* __restrict p = r.phase, * __restrict q = r.phase + step;

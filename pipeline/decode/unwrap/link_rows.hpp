@@ -5,7 +5,7 @@
 
 namespace enamel::pipeline {
 
-inline constexpr float kInvalidDifference = 10;  ///< any wrapped difference is below pi
+inline constexpr float kInvalidDifference = 10;  ///< layout: any wrapped difference is below pi
 
 struct PixelRow {
   const float* phase;

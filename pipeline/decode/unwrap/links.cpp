@@ -17,7 +17,8 @@ std::size_t index(std::ptrdiff_t i) { return static_cast<std::size_t>(i); }
 /// Whether a pixel beside a cut still sees its own surface only: its phase and its modulation go on from the two pixels
 /// behind it. A fifth of the light from the other side turns the phase by up to 0.2 rad or takes as much modulation.
 struct Inland {
-  static constexpr float kSigmas = 3 * 2.4494897F;  ///< of a - 2b + c: sqrt(6) sigma
+  static constexpr float kSigmas = 3 * 2.4494897F;  ///< derived: 3 sigma of a - 2b + c, which has sqrt(6) sigma
+  /// chosen: by judgement, with the fifth of the light above in mind.
   static constexpr float kMostTurn_rad = 0.3F;
   static constexpr float kLeastModulation = 0.85F;
 
@@ -88,7 +89,7 @@ void compute_links(const PhaseMaps& phase, const Carrier& carrier, const LinkCon
 }
 
 void reject_edges(LinkMaps& links, PhaseMaps& phase) {
-  constexpr std::uint8_t kSentinel = 255;
+  constexpr std::uint8_t kSentinel = 255;  // layout: ends every run
   const auto width = static_cast<std::ptrdiff_t>(phase.reject.width()), n = width * phase.reject.height();
   const Inland inland{phase, links};
   const auto cut = [&](std::ptrdiff_t i, std::ptrdiff_t step, bool room_before, bool room_after) {
@@ -125,7 +126,7 @@ void reject_edges(LinkMaps& links, PhaseMaps& phase) {
 }
 
 void reject_half_lit(const Map<float>& modulation_dn, Map<PixelReject>& reject) {
-  constexpr std::ptrdiff_t kStep_px = 2;
+  constexpr std::ptrdiff_t kStep_px = 2;  // chosen: by judgement, beyond the pixel that blur mixes
   const std::ptrdiff_t w = reject.width(), h = reject.height();
   if (w <= 2 * kStep_px) return;
   for (std::ptrdiff_t v = 0; v < h; ++v) {

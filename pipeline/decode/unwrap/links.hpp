@@ -10,9 +10,12 @@
 namespace enamel::pipeline {
 
 struct LinkConfig {
-  float max_slope_deg = 75;     ///< steepest surface that counts as continuous between two pixels
-  float noise_sigmas = 4;       ///< allowed on top, in sigma of the difference
-  float max_deviation_rad = 1;  ///< never link beyond this, however noisy
+  /// chosen: by judgement. Steepest surface that counts as continuous between two pixels.
+  float max_slope_deg = 75;
+  /// Allowed on top, in sigma of the difference. derived: noise alone cuts one link in 16 000 by it.
+  float noise_sigmas = 4;
+  /// chosen: by judgement. Never link beyond this, however noisy.
+  float max_deviation_rad = 1;
 };
 
 /// What a continuous surface looks like in phase, from the rig: per-pixel phase at mid-range (its differences are the
@@ -22,7 +25,7 @@ struct Carrier {
   float slope_u_rad = 0, slope_v_rad = 0;
 };
 
-inline constexpr int kCleanQuality = 128;
+inline constexpr int kCleanQuality = 128;  ///< layout: a bit of LinkMaps::quality
 
 struct LinkMaps {
   Map<std::uint8_t> east, south;  ///< 1: pixel and its right / lower neighbour are valid and on one surface

@@ -9,8 +9,10 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr std::int32_t kPerCell = 4, kPerFringe = 2 * kPerCell;  ///< columns are told apart by eighths of a fringe
-constexpr float kEnds_rad = 0.2F;  ///< of a segment's columns: blur and noise may have taken them from its neighbour
+/// layout: columns are told apart by eighths of a fringe.
+constexpr std::int32_t kPerCell = 4, kPerFringe = 2 * kPerCell;
+/// chosen: by judgement. Of a segment's columns: blur and noise may have taken them from its neighbour.
+constexpr float kEnds_rad = 0.2F;
 
 /// Eighths first … last, none if last < first; of the flood's Phi, or of the projector's with shift * kPerFringe added.
 struct Eighths {

@@ -30,7 +30,9 @@ class Solver {
  private:
   using Zone = OrderResult::Work::Zone;
 
-  static constexpr std::int32_t kBroad_px = 2;  ///< more than the one pixel that blur mixes
+  /// More than the one pixel that blur mixes. chosen: on 60 rows of teeth (docs/notes/decode-attempts.md, orders).
+  static constexpr std::int32_t kBroad_px = 2;
+  /// layout: in place of a shift.
   static constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max(), kSeveral = kUnknown - 1;
 
   /// A zone of undecided segments that borders on decided ones of one shift only continues that surface: plain

@@ -24,18 +24,25 @@ struct LitColumn {
 
 /// All costs are negative log probabilities.
 struct OrderConfig {
+  /// chosen: by judgement, as round odds, and kept by what rows of teeth and steps showed
+  /// (docs/notes/decode-attempts.md, orders).
   float outlier_cost = 4.6F;      ///< 1 % of the segments lie (edges, glints): their code may be anything
   float unseen_jump_cost = 6.9F;  ///< a 2 pi jump inside a linked surface: one in a thousand neighbours
   float kink_jump_cost = 2.3F;    ///< at a step in the phase: it may be that step, or that and 2 pi; one in ten
   float shade_jump_cost = 2.3F;   ///< at a step of the modulation: texture, or a surface at another depth; one in ten
   float fold_cost = 2.3F;         ///< projector columns come in the other order beyond a gap: only behind thin things
-  float missed_contact_cost = 3.0F;  ///< a dark gap whose ends could lie on one ray of light, and do not
-  float lit_twice_cost = 6.9F;       ///< columns that light another segment of the row: one in a thousand, by blur
-  float least_claim = 2.3F;     ///< a segment that is less sure of its columns keeps them from no other: ten to one
+  /// A dark gap whose ends could lie on one ray of light, and do not. chosen: on teeth and steps, where 95 % and more,
+  /// and two thirds to all of such gaps are contacts (docs/notes/decode-attempts.md, orders).
+  float missed_contact_cost = 3.0F;
+  /// chosen: by judgement. Columns that light another segment of the row: one in a thousand, by blur.
+  float lit_twice_cost = 6.9F;
+  /// A segment that is less sure of its columns keeps them from no other: ten to one. chosen: on steps and on frames
+  /// left over, which less would let pass (docs/notes/decode-attempts.md, orders).
+  float least_claim = 2.3F;
+  /// chosen: by judgement.
   float decided_margin = 4.6F;  ///< second-best must be this much dearer: 1 % risk
-  float beyond_range_cost =
-      1;                      ///< a segment and order: surfaces do run on beyond the range, and must not be folded back
-  float row_memory = 0.85F;   ///< weight of the rows before in the running mean: about 7 rows
+  float beyond_range_cost = 1;  ///< a segment and order: surfaces run on beyond the range, and must not be folded back
+  float row_memory = 0.85F;     ///< weight of the rows before in the running mean: about 7 rows
   float inherit_cost = 2.3F;  ///< an undecided segment takes its surroundings' shift unless its code is 10 : 1 against
   int min_region_px = 64;     ///< smaller regions of one shift are specks
 };

@@ -17,7 +17,7 @@ using Cost = std::int16_t;
   return static_cast<Cost>((static_cast<std::int32_t>(nats * 128) + 1) / 2);
 }
 
-/// Shifts of a segment, from its base on (order_windows.hpp).
+/// layout: shifts of a segment, from its base on (order_windows.hpp).
 inline constexpr std::size_t kOrderStates = 16;
 inline constexpr auto kStates = static_cast<std::int32_t>(kOrderStates);  ///< the same, as shifts count
 struct OrderCosts {
@@ -98,7 +98,7 @@ struct Choice {
   Cost least, margin;
 };
 
-inline constexpr float kImpossibleNats = 60;
+inline constexpr float kImpossibleNats = 60;  ///< layout: in place of a cost, above any that is one
 inline constexpr Cost kImpossible = to_cost(kImpossibleNats);
 
 [[nodiscard, gnu::always_inline]] inline Choice cheapest(CostPair costs) noexcept {

@@ -42,7 +42,7 @@ class Rows {
     }
   }
 
-  static constexpr std::size_t kBatch = 16;
+  static constexpr std::size_t kBatch = 16;  ///< layout: segments asked before they are priced
 
   /// What the code says about a segment's shifts first ... last; state 0 is shift `base`.
   struct Asked {

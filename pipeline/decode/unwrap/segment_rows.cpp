@@ -15,7 +15,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
-constexpr std::size_t kKinkContext_px = 6;
+constexpr std::size_t kKinkContext_px = 6;  ///< layout: that the loops reach to either side
 
 /// Height of a step as excess over the slopes beside it; blur spreads a step over three pixels. One-sided at the end of
 /// a surface; NaN where there is nothing to compare.
@@ -71,8 +71,10 @@ void kink_loop(const float* phi, const float* noise, std::size_t width, float* h
 }
 
 void shade_loop(const ShadeRows& rows, std::size_t width, float* means, float* steps, std::uint8_t* marks) {
-  constexpr float kLeastShade = 0.2F;   // ripple of motion, 0.1 rad a frame, makes half of it
-  constexpr float kNoiseSigmas = 9.5F;  // five sigma of the steps' combination of six samples, sqrt(3.5) sigma
+  // chosen: by judgement. Ripple of motion, 0.1 rad a frame, makes half of it.
+  constexpr float kLeastShade = 0.2F;
+  // chosen: by judgement. 4.2 sigma of the step, which is sqrt(5) sigma of a mean: 1.5, 1.5, 0.5 and 0.5 of four.
+  constexpr float kNoiseSigmas = 9.5F;
   float* __restrict height = steps;
   std::uint8_t* __restrict borders = marks;
   for (std::size_t u = 0; u < width; ++u) height[u] = 0;

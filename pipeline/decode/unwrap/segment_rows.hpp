@@ -36,7 +36,8 @@ void unwrap_row(const FloodRow& row, std::size_t width, float* phi);
 /// kinks: 1 where a step lies between a pixel and the one before it, once, where it is highest. heights: scratch.
 void kink_row(const float* phi, const float* sigma, std::size_t width, float* heights, std::uint8_t* kinks);
 
-inline constexpr int kShadeReach_px = 2;  ///< rows above and below, where the picture has them
+/// chosen: by judgement. Rows above and below, where the picture has them.
+inline constexpr int kShadeReach_px = 2;
 
 /// A row among its neighbours: pointers to its first pixel, which rows `above` of it and `below` of it must exist
 /// around.
@@ -73,7 +74,8 @@ void border_row(const float* phi, const float* sigma, const std::uint8_t* south,
   return whole - static_cast<std::int32_t>(static_cast<float>(whole) > x);
 }
 
-inline constexpr float kLeastStep = 0.1F;  ///< rad; ripple of the three-frame phase
+/// chosen: by judgement. Rad; ripple of the three-frame phase.
+inline constexpr float kLeastStep = 0.1F;
 
 /// Smallest step that is neither noise (4 sigma of six samples' combination) nor ripple of the three-frame phase.
 [[nodiscard]] inline float step_threshold(float sigma, float samples) noexcept {
