@@ -7,11 +7,12 @@ namespace {
 struct Weights {
   Frames mean, cosine, sine;
 };
-/// derived: the equations of the three frames that are left, solved; and which these are.
+/// derived: the equations of the three frames that are left, solved.
 constexpr std::array<Weights, 4> kWithout = {{{{0, 0.5F, 0, 0.5F}, {0, 0.5F, -1, 0.5F}, {0, -0.5F, 0, 0.5F}},
                                               {{0.5F, 0, 0.5F, 0}, {0.5F, 0, -0.5F, 0}, {-0.5F, 0, -0.5F, 1}},
                                               {{0, 0.5F, 0, 0.5F}, {1, -0.5F, 0, -0.5F}, {0, -0.5F, 0, 0.5F}},
                                               {{0.5F, 0, 0.5F, 0}, {0.5F, 0, -0.5F, 0}, {0.5F, -1, 0.5F, 0}}}};
+/// layout: the frames that are left.
 constexpr std::array<std::array<std::size_t, 3>, 4> kOthers = {{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
 
 float dot(const Frames& w, const Frames& x) { return w[0] * x[0] + w[1] * x[1] + w[2] * x[2] + w[3] * x[3]; }
