@@ -8,7 +8,8 @@ them. The comment behind or right above one has a clause that begins with its ki
   chosen:    followed by `on` and the data, or by `by judgement` where nothing tells the origin
   layout:    no threshold: lanes, strides, sizes, sentinels, units, coefficients
 Statements in a row without a line between them share a `chosen` or `layout` above the first; laws and derivations are
-each constant's own. --count prints how many there are of each kind.
+each constant's own. What is chosen stands together: in a configuration, or in chosen.hpp of its folder. --count prints
+how many there are of each kind.
 """
 import collections
 import re
@@ -20,7 +21,7 @@ from lint_common import CPP, Finding, ROOT, blank_comments_and_strings, code_fil
 HOME = "pipeline/decode/"
 KINDS = ("physical", "derived", "chosen", "layout")
 SHARED = ("chosen", "layout")
-RULE = "constant_kind"
+RULES = {"constant_kind", "constant_home"}
 
 CLAUSE = re.compile(r"(?:^|[.;] )(" + "|".join(KINDS) + r"): (\S[^.;]*)")
 ORIGIN = re.compile(r"on |by judgement\b")
@@ -124,7 +125,14 @@ def constants(text: str):
 def check(path: str, text: str) -> list[Finding]:
     if not path.startswith(HOME):
         return []
-    return [Finding(path, c.line, RULE, f"'{c.name}': {c.advice}") for c in constants(text) if len(c.kinds) != 1]
+    found = []
+    in_folder = "/" in path.removeprefix(HOME)
+    for c in constants(text):
+        if len(c.kinds) != 1:
+            found.append(Finding(path, c.line, "constant_kind", f"'{c.name}': {c.advice}"))
+        elif c.kinds == ["chosen"] and re.match("k[A-Z]", c.name) and in_folder and not path.endswith("/chosen.hpp"):
+            found.append(Finding(path, c.line, "constant_home", f"'{c.name}' is chosen: its place is chosen.hpp"))
+    return found
 
 
 def files() -> list[str]:
@@ -147,4 +155,4 @@ def print_count() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(print_count() if sys.argv[1:] == ["--count"] else main(__doc__, "constants", {RULE}, files, check))
+    sys.exit(print_count() if sys.argv[1:] == ["--count"] else main(__doc__, "constants", RULES, files, check))

@@ -12,10 +12,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
-/// Spread of z about kCodeGain exp(2 pi i k/L), each way: that of the gain, and motion of 0.2 rad a frame, which turns
-/// z by 0.16. chosen: by judgement.
-constexpr double kSpread = 0.15;
-constexpr double kRidge = 1e-2;  ///< z is unknown to within 10 before the segment is seen
 /// derived: a lying z is anywhere within 1.5 of 0: ln(pi 1.5^2/(2 pi)).
 constexpr float kLogOutlierArea = 0.11778F;
 
@@ -25,13 +21,13 @@ void phasor_loop(const CodeSumRow& sums, float outlier_cost, CodePhasors& phasor
   float* __restrict p = phasors.p.data(), * __restrict q = phasors.q.data(), * __restrict wpp = phasors.wpp.data();
   float* __restrict wpq = phasors.wpq.data(), * __restrict wqq = phasors.wqq.data();
   float* __restrict most = phasors.most.data(), * __restrict sharp = phasors.sharp.data();
-  constexpr double kSpread2 = kSpread * kSpread;
+  constexpr double kSpread2 = kCodeSpread * kCodeSpread;
   const float unseen = outlier_cost + kLogOutlierArea;
   const std::size_t count = sums.xx.size();
   ENAMEL_INDEPENDENT
   for (std::size_t k = 0; k < count; ++k) {
-    const double a = static_cast<double>(xx[k]) + kRidge, b = static_cast<double>(xy[k]),
-                 d = static_cast<double>(yy[k]) + kRidge;
+    const double a = static_cast<double>(xx[k]) + kCodeRidge, b = static_cast<double>(xy[k]),
+                 d = static_cast<double>(yy[k]) + kCodeRidge;
     const double h1 = static_cast<double>(xd[k]), h2 = static_cast<double>(yd[k]);
     const double det = a * d - b * b, least_det = 1e-9 * a * d;
     const float known = det > least_det ? 1.0F : 0.0F;

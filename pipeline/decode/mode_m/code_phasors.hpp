@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/mode_m/micro_code.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 
@@ -49,10 +50,6 @@ struct CodePhasors {
 
 /// One of each of the sums; no code, no phasor: all zeros. outlier_cost: of a segment whose code may be anything.
 void find_phasors(const CodeSumRow& sums, float outlier_cost, CodePhasors& out);
-
-/// Of the code frame's modulation to B. chosen: by judgement, within what blur leaves: from 1 without blur down to 0.72
-/// where a Gaussian blur leaves 0.4 of B (its share at frequency f (1 + 1/6) is that at f to the power 1.36).
-inline constexpr float kCodeGain = 0.9F;
 
 /// Negative log probability of the phasor if its pixels had an order with this cosine and sine of the code's turn.
 [[nodiscard, gnu::always_inline]] inline float cost_of_turn(const CodePhasor& z, float cosine, float sine) noexcept {

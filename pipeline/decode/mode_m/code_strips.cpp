@@ -6,10 +6,6 @@
 namespace enamel::pipeline {
 namespace {
 
-/// chosen: by judgement; strips as a whole were judged on rows of teeth (docs/notes/decode-attempts.md, orders).
-constexpr std::int32_t kDrift_px = 2;  ///< that an edge may move from row to row
-constexpr float kMemory = 0.9F;        ///< of the rows above and below: a strip is about as wide ten rows on
-
 /// Pixels from the end inwards that are best taken out, and what speaks for that.
 struct Cut {
   std::size_t px = 0;
@@ -59,8 +55,8 @@ void CodeStrips::link(Side& side) {
     const std::size_t stop = side.first_of_row[row];
     for (std::size_t k = stop; k < side.first_of_row[row + 1]; ++k) {
       End& end = side.ends[k];
-      while (o < stop && side.ends[o].column < end.column - kDrift_px) ++o;
-      if (o < stop && side.ends[o].column <= end.column + kDrift_px) end.above = static_cast<std::int32_t>(o);
+      while (o < stop && side.ends[o].column < end.column - kEdgeDrift_px) ++o;
+      if (o < stop && side.ends[o].column <= end.column + kEdgeDrift_px) end.above = static_cast<std::int32_t>(o);
     }
   }
 }
@@ -70,7 +66,7 @@ void CodeStrips::take_row(int v, const OrderDoubt& doubt) {
   for (Side& side : sides_) {
     for (std::size_t k = side.first_of_row[row]; k < side.first_of_row[row + 1]; ++k) {
       const End& end = side.ends[k];
-      const auto count = std::min(kMost_px, static_cast<std::size_t>(end.length_px));
+      const auto count = std::min(kMostStrip_px, static_cast<std::size_t>(end.length_px));
       for (std::size_t j = 0; j < count; ++j) {
         const std::ptrdiff_t u = end.column + side.step * static_cast<std::ptrdiff_t>(j);
         side.seen[k][0][j] = doubt.one_more[u], side.seen[k][1][j] = doubt.one_less[u];
@@ -79,11 +75,11 @@ void CodeStrips::take_row(int v, const OrderDoubt& doubt) {
   }
 }
 
-/// Every row's own doubts and those of the rows above and below, each row further off by kMemory less.
+/// Every row's own doubts and those of the rows above and below, each row further off by kEdgeMemory less.
 void CodeStrips::sum_along_edges(Side& side) {
   const auto add = [](const Doubts& from, Doubts& to) {
     for (std::size_t s = 0; s < from.size(); ++s)
-      for (std::size_t j = 0; j < kMost_px; ++j) to[s][j] += kMemory * from[s][j];
+      for (std::size_t j = 0; j < kMostStrip_px; ++j) to[s][j] += kEdgeMemory * from[s][j];
   };
   std::vector<Doubts>& down = side.summed;
   down = side.seen;
@@ -94,7 +90,7 @@ void CodeStrips::sum_along_edges(Side& side) {
     Doubts below = up[k];
     if (side.ends[k].above >= 0) add(below, up[static_cast<std::size_t>(side.ends[k].above)]);
     for (std::size_t s = 0; s < below.size(); ++s)
-      for (std::size_t j = 0; j < kMost_px; ++j) down[k][s][j] += below[s][j];
+      for (std::size_t j = 0; j < kMostStrip_px; ++j) down[k][s][j] += below[s][j];
   }
 }
 
@@ -104,7 +100,7 @@ std::size_t CodeStrips::withdraw(float evidence, Map<PixelReject>& reject) {
     sum_along_edges(side);
     for (std::size_t k = 0, row = 0; k < side.ends.size(); ++k) {
       while (side.first_of_row[row + 1] <= k) ++row;
-      const auto count = std::min(kMost_px, static_cast<std::size_t>(side.ends[k].length_px));
+      const auto count = std::min(kMostStrip_px, static_cast<std::size_t>(side.ends[k].length_px));
       std::size_t strip_px = 0;
       for (const auto& doubts : side.summed[k]) {
         const Cut cut = best_cut({doubts.data(), count});

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/phase/cell_span.hpp"
 #include "pipeline/decode/phase/pixel_reject.hpp"
 #include "pipeline/types/map.hpp"
@@ -38,14 +39,11 @@ class CodeStrips {
   std::size_t withdraw(float evidence, Map<PixelReject>& reject);
 
  private:
-  /// chosen: by judgement. Width of a strip; wider ones are found by code_steps.hpp.
-  static constexpr std::size_t kMost_px = 8;
-
   struct End {
     std::int32_t column, length_px;  ///< outermost pixel of the run, and all of them
     std::int32_t above;              ///< the same edge in the row above, or -1
   };
-  using Doubts = std::array<std::array<float, kMost_px>, 2>;  ///< of one order more and less; from the end inwards
+  using Doubts = std::array<std::array<float, kMostStrip_px>, 2>;  ///< of one order more and less; from the end inwards
 
   /// Ends on one side of the runs: step is +1 on the left, where the run goes on to the right, or -1.
   struct Side {

@@ -1,13 +1,13 @@
 // The loops of micro_evidence.hpp and code_steps.hpp over one row. Private to pipeline/decode.
 #pragma once
 
+#include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/mode_m/micro_evidence.hpp"
 
 namespace enamel::pipeline {
 
-/// Borders of a row are asked whether the code jumps there: pixels left out on either side, and pixels fitted beyond.
-/// chosen: by judgement. Blur mixes one pixel.
-inline constexpr std::size_t kStepGap_px = 1, kStepWindow_px = 4, kStepReach_px = kStepGap_px + kStepWindow_px;
+/// Pixels that are looked at on either side of a border.
+inline constexpr std::size_t kStepReach_px = kStepGap_px + kStepWindow_px;
 
 /// layout: keeps two fits from dividing by 0 where pixels have no code.
 inline constexpr float kStepRidge = 1e-2F;

@@ -5,14 +5,11 @@
 #include <numbers>
 #include <string>
 
+#include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 
 namespace enamel::pipeline {
 namespace {
-
-/// Least angle between the codes of two orders, rad. chosen: by judgement, above twice the 0.16 by which a phase moving
-/// by 0.2 rad a frame turns the code: the nearer of two orders must still be the right one.
-constexpr double kLeastTurn_rad = 0.35;
 
 int repeats_after(double code_ratio, int orders) {
   constexpr double kSameTurn = 1e-6;  // layout: of a whole one; for rounding

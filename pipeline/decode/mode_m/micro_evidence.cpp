@@ -2,17 +2,12 @@
 
 #include <cmath>
 
+#include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/phase/cell_span.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 
 namespace enamel::pipeline {
 namespace {
-
-/// chosen: by judgement. Lengths of z that a gain may have; of the step to the next order, below its half; of a run's
-/// end, where a few pixels already tell: one that blur mixes, one to spare.
-constexpr float kShortest = 0.4F, kLongest = 1.6F;
-constexpr float kStepShare = 1.0F / 3;
-constexpr std::int32_t kEndTrim_px = 2;
 
 /// Of pixels [begin, end). Every second one by itself: a sum waits for the one before.
 CodeSums sum_over(const CodeSumRow& row, std::int32_t begin, std::int32_t end) {
@@ -39,7 +34,7 @@ void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, con
       row = segments[k].row;
       code_sums_of_row(phase, noise, code, static_cast<std::size_t>(row), row_);
     }
-    const SegmentCore core = core_of(segments, k, kEndTrim_px, phase.phase_rad.width());
+    const SegmentCore core = core_of(segments, k, kMicroEndTrim_px, phase.phase_rad.width());
     segments_.put(k, sum_over(row_, core.begin, core.end));
   }
   find_phasors(segments_, outlier_cost, said_);
@@ -84,7 +79,7 @@ Stance MicroEvidence::stance(std::size_t segment, std::int32_t cell) const {
   const float across = z.across * mean_.along - z.along * mean_.across;
   const float most_rad = kStepShare * kTwoPiF * code_->inverse_ratio;  // well below pi/2
   const bool near = std::abs(across) * cos_poly(most_rad) < along * sin_poly(most_rad);
-  const bool long_enough = length2 > kShortest * kShortest && length2 < kLongest * kLongest;
+  const bool long_enough = length2 > kShortestCode * kShortestCode && length2 < kLongestCode * kLongestCode;
   return near && long_enough ? Stance::kAgrees : Stance::kContradicts;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/mode_m/micro_spans.hpp"
 #include "pipeline/decode/phase/median.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
@@ -17,12 +18,7 @@ using Matrix = Eigen::Matrix<double, kOddColumns, kOddColumns>;
 using Vector = Eigen::Matrix<double, kOddColumns, 1>;
 
 constexpr int kRowStep = 8;  ///< layout: stride over rows
-/// chosen: by judgement. Side of a block; sigma of its phase of the code frame that is asked.
-constexpr int kBlock_px = 64;
-constexpr double kInformed_rad = 0.05;
-/// Spread of the unknowns, in the order of kOddColumns: phases anywhere, what blocks leave of motion, light and gain.
-/// chosen: by judgement.
-const Vector kSpread = (Vector() << 1, 1, 0.3, 0.3, 0.1).finished();
+static_assert(kOddSpread.size() == kOddColumns);
 
 struct Equations {
   Matrix left = Matrix::Zero();
@@ -40,7 +36,7 @@ class Blocks {
     }
     asked_ += sums[0], explained_ += sums[1];
     all_.left += block.left, all_.right += block.right;
-    judge(block, kInformed_rad);
+    judge(block, kOddInformed_rad);
   }
 
   /// Of blocks that all say too little, their sum; over a whole image light excuses nothing.
@@ -56,7 +52,7 @@ class Blocks {
  private:
   void judge(const Equations& block, double informed_rad) {
     Matrix left = block.left;
-    left.diagonal() += kSpread.cwiseAbs2().cwiseInverse();
+    left.diagonal() += Vector(kOddSpread.data()).cwiseAbs2().cwiseInverse();
     const auto factors = left.ldlt();
     const Matrix covariance = factors.solve(Matrix::Identity());
     if (!(std::max(covariance(0, 0), covariance(1, 1)) < informed_rad * informed_rad)) return;
@@ -77,7 +73,7 @@ MicroOdd find_micro_odd(const MicroBurst& burst, const MicroMotion& motion, floa
   const Map<std::int16_t>& wraps = burst.wraps;
   std::vector<double> sums;
   std::vector<float> columns;
-  BlockSums<kMicroOddSums> block_sums(wraps.width(), wraps.height(), kBlock_px, columns, sums);
+  BlockSums<kMicroOddSums> block_sums(wraps.width(), wraps.height(), kOddBlock_px, columns, sums);
   CodeRows rows(motion, burst.maps, &wraps);
   rows.expect(burst.code, burst.third_rad);
   for (int v = 0; v < wraps.height(); v += kRowStep)

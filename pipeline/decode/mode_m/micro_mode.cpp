@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/mode_m/micro_gates.hpp"
 #include "pipeline/decode/mode_m/micro_memory.hpp"
 #include "pipeline/decode/mode_m/micro_phase.hpp"
@@ -10,9 +11,6 @@
 
 namespace enamel::pipeline {
 namespace {
-
-/// chosen: by judgement. Of the ends of the depth range: surfaces run on beyond it.
-constexpr float kBeyondRange = 0.15F;
 
 /// The motion that turns the code by an angle against the three phase frames, which were taken 2/3 of an interval
 /// later.

@@ -3,18 +3,11 @@
 #include <algorithm>
 #include <vector>
 
+#include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/mode_m/micro_phase_rows.hpp"
 #include "pipeline/decode/mode_m/micro_spans.hpp"
 
 namespace enamel::pipeline {
-namespace {
-
-/// chosen: by judgement. First order leaves a1^2; the standard error of a1, (2/3)/sqrt(2 n), is 0.007 rad at most.
-constexpr float kLargestResidue_rad = 0.2F;
-constexpr double kMinPixels = 5000;
-
-}  // namespace
-
 ThirdHarmonic estimate_third_harmonic(std::span<const CellSpan> spans, const PhaseMaps& maps) {
   ThirdHarmonic out;
   double sum = 0;
@@ -34,7 +27,7 @@ ThirdHarmonic estimate_third_harmonic(std::span<const CellSpan> spans, const Pha
     }
     sum += third_harmonic_row(maps, whole.data(), static_cast<std::size_t>(row) * width, width);
   }
-  const double a1 = out.pixels >= kMinPixels ? -2.0 / 3.0 * sum / out.pixels : 0;
+  const double a1 = out.pixels >= kMinHarmonicPixels ? -2.0 / 3.0 * sum / out.pixels : 0;
   out.a1_rad = static_cast<float>(std::abs(a1) <= static_cast<double>(kLargestResidue_rad) ? a1 : 0);
   return out;
 }

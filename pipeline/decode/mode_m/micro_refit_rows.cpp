@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/mode_m/micro_pixel.hpp"
 #include "pipeline/decode/phase/polar_rows.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
@@ -117,11 +118,9 @@ void at_code_loop(const CodeRow& row, std::size_t width, const MovedRow& out) {
 /// shows beyond gb cos, gb the light of the fringe there.
 [[gnu::always_inline]] inline float doubt_of(float off, float squares, float gb, Turn was, Turn now, float own,
                                              float slopes) {
-  // chosen: by judgement. A third of MicroRefitConfig::strip_evidence: no pixel decides alone.
-  constexpr float kMost = 4;
   const float left = off + gb * (was.cos - now.cos), slope = gb * now.sin;
   const float better = 0.5F * (squares - left * left / (own + slopes * slope * slope));
-  return smaller(larger(better, -kMost), kMost);
+  return smaller(larger(better, -kMostDoubt), kMostDoubt);
 }
 
 void join_loop(const CodeRow& in, const NoiseModel& model, const JoinLimits& limits, std::size_t width,

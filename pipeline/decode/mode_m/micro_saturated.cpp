@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/mode_m/micro_spans.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 
@@ -19,12 +20,6 @@ using Eigen::Vector3d;
 constexpr double kTwoPi = 2 * std::numbers::pi, kHalfRoot3 = 0.86602540378443865;
 constexpr std::array<float, 4> kTimes = {-1.5F, -0.5F, 0.5F, 1.5F};
 constexpr std::array<double, 4> kShifts = {0, 0, kTwoPi / 3, -kTwoPi / 3};
-/// chosen: by judgement.
-constexpr float kLargestBend_rad = 1.0F;  ///< of the step across a run against the carrier's
-constexpr double kLargestOff_rad = 0.5;   ///< of a solution against the straight line across the run
-constexpr double kLeastShare = 0.6;       ///< of A and B against those of the neighbours, or the inverse
-constexpr int kIterations = 8;
-constexpr double kConverged_rad = 1e-5;  ///< far below noise
 
 struct Wave {
   double value = 0, slope = 0;  ///< cos x + h cos 2x, and its derivative
@@ -58,7 +53,7 @@ class Pixel {
     const std::array<double, 4> dn = {a + c, a + static_cast<double>(m.code_dn[i]), a - 0.5 * c - kHalfRoot3 * s,
                                       a - 0.5 * c + kHalfRoot3 * s};
     for (std::size_t k = 0; k < dn.size(); ++k) {
-      if (!(dn[k] < saturated_dn - kRounding_dn)) continue;  // false for NaN: the code frame is saturated, too
+      if (!(dn[k] < saturated_dn - kRemadeRounding_dn)) continue;  // false for NaN: the code frame is saturated, too
       if (count_ < 3) frames_[count_] = k, dn_[count_] = dn[k];
       ++count_;
     }
@@ -69,7 +64,7 @@ class Pixel {
 
   /// Newton's iteration from `x`; false where it does not converge.
   bool solve(Unknowns& x) const {
-    for (int k = 0; k < kIterations; ++k) {
+    for (int k = 0; k < kMostIterations; ++k) {
       Matrix3d slopes;
       const Vector3d rest = residual(x, slopes);
       const Vector3d step = slopes.partialPivLu().solve(rest);
@@ -94,9 +89,6 @@ class Pixel {
   }
 
  private:
-  /// chosen: by judgement. Of frames made anew from A, C and S.
-  static constexpr double kRounding_dn = 0.01;
-
   /// Frames less the model, and the model's slopes over A, B, Phi.
   Vector3d residual(const Unknowns& x, Matrix3d& slopes) const {
     const double r = 1 + static_cast<double>(in_.code.inverse_ratio), h = -static_cast<double>(in_.third_rad);
@@ -159,7 +151,7 @@ class Solver {
     return {{seen_.motion_rad[u], seen_.motion_change_rad[u], seen_.light[u], seen_.light_change[u]}, seen_.gain[u]};
   }
 
-  static bool alike(double a, double b) { return a > kLeastShare * b && b > kLeastShare * a; }
+  static bool alike(double a, double b) { return a > kLeastAlike * b && b > kLeastAlike * a; }
 
   void solve_pixel(std::size_t i, const Unknowns& near) {
     const Pixel pixel(in_, maps_, seen_at(i), i, static_cast<double>(config_.saturation * in_.noise.full_scale_dn));

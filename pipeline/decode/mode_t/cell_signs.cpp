@@ -5,12 +5,10 @@
 #include <string>
 
 #include "calib/model/pattern.hpp"
+#include "pipeline/decode/mode_t/chosen.hpp"
 
 namespace enamel::pipeline {
 namespace {
-
-/// chosen: by judgement. Half fringes: patches of one fringe may be ambiguous, larger ones not.
-constexpr int kLongestAlike = 2;
 
 /// A window of the code that is repeated `fringes` further on.
 struct Repeat {

@@ -6,14 +6,13 @@
 #include <numeric>
 #include <vector>
 
+#include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/closure_gate_rows.hpp"
 #include "pipeline/decode/phase/median.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-/// chosen: by judgement. Of B: motion of 0.1 rad a frame with a flip's blur stays below.
-constexpr float kTolerance = 0.25F;
 constexpr float kNoiseSigmas = 6;    ///< derived: 3 sigma of the residual, whose std is 2 sigma
 constexpr std::size_t kRowStep = 4;  ///< layout: gates on the whole burst need not ask every pixel
 
@@ -23,7 +22,7 @@ double closure_share(const PhaseMaps& maps, const NoiseModel& noise) {
   std::size_t seen = 0, fits = 0;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   for (std::size_t at = 0; at < maps.phase_rad.size(); at += kRowStep * width) {
-    const ClosureCount row = count_closure_row(maps, noise, kTolerance, kNoiseSigmas, at, width);
+    const ClosureCount row = count_closure_row(maps, noise, kClosureTolerance, kNoiseSigmas, at, width);
     seen += row.seen;
     fits += row.fits;
   }

@@ -5,18 +5,15 @@
 #include <cmath>
 #include <vector>
 
+#include "pipeline/decode/mode_t/chosen.hpp"
+
 namespace enamel::pipeline {
 namespace {
 
 constexpr int kRowStep = 4, kColumnStep = 2;  ///< layout: strides
-/// chosen: by judgement.
-constexpr int kBlock_px = 64;
-constexpr int kSteps = 16;           ///< to either side of rest
-constexpr float kTolerance = 0.25F;  ///< of B, as for bursts at rest
-constexpr int kLeastPixels = 100;    ///< of a block that has a say
 /// derived: half of it turns frame 3, 3/2 intervals after mid-burst, by 0.04 rad: a sixth of the tolerance.
 constexpr double kStep_rad = 0.05;
-constexpr std::size_t kMotions = 2 * kSteps + 1;  ///< layout: asked
+constexpr std::size_t kMotions = 2 * kFastSteps + 1;  ///< layout: asked
 
 /// Frame 3 less the measured A, from the measured C and S: of_c C + of_s S +- (sign_c C + sign_s S).
 struct Prediction {
@@ -49,14 +46,14 @@ struct BlockCount {
 
 BlockCount count_block(const PhaseMaps& m, const std::array<Prediction, kMotions>& predictions, int left, int top) {
   BlockCount count;
-  const int right = std::min(left + kBlock_px, m.phase_rad.width());
-  const int bottom = std::min(top + kBlock_px, m.phase_rad.height());
+  const int right = std::min(left + kFastBlock_px, m.phase_rad.width());
+  const int bottom = std::min(top + kFastBlock_px, m.phase_rad.height());
   for (int v = top; v < bottom; v += kRowStep) {
     for (int u = left; u < right; u += kColumnStep) {
       const std::size_t i = m.phase_rad.index(u, v);
       if (m.reject[i] != PixelReject::kNone) continue;
       ++count.pixels;
-      const float c = m.cosine_dn[i], s = m.sine_dn[i], limit = kTolerance * m.modulation_dn[i];
+      const float c = m.cosine_dn[i], s = m.sine_dn[i], limit = kClosureTolerance * m.modulation_dn[i];
       for (std::size_t k = 0; k < kMotions; ++k) {
         const Prediction& p = predictions[k];
         const float rest = m.code_dn[i] - p.of_c * c - p.of_s * s, sign = p.sign_c * c + p.sign_s * s;
@@ -72,17 +69,17 @@ BlockCount count_block(const PhaseMaps& m, const std::array<Prediction, kMotions
 FastMotion explain_by_motion(const PhaseMaps& maps) {
   std::array<Prediction, kMotions> predictions{};
   for (std::size_t k = 0; k < kMotions; ++k)
-    predictions[k] = prediction_for(kStep_rad * (static_cast<int>(k) - kSteps));
+    predictions[k] = prediction_for(kStep_rad * (static_cast<int>(k) - kFastSteps));
   double seen = 0, closing = 0;
   std::vector<double> motions;
-  for (int top = 0; top < maps.phase_rad.height(); top += kBlock_px) {
-    for (int left = 0; left < maps.phase_rad.width(); left += kBlock_px) {
+  for (int top = 0; top < maps.phase_rad.height(); top += kFastBlock_px) {
+    for (int left = 0; left < maps.phase_rad.width(); left += kFastBlock_px) {
       const BlockCount count = count_block(maps, predictions, left, top);
-      if (count.pixels < kLeastPixels) continue;
+      if (count.pixels < kFastLeastPixels) continue;
       const auto best = std::max_element(count.closing.begin(), count.closing.end());
       seen += count.pixels;
       closing += *best;
-      motions.push_back(kStep_rad * static_cast<double>(best - count.closing.begin() - kSteps));
+      motions.push_back(kStep_rad * static_cast<double>(best - count.closing.begin() - kFastSteps));
     }
   }
   if (motions.empty()) return {};

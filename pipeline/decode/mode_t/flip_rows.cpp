@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
 
@@ -14,8 +15,6 @@ HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
 constexpr float kFull = 0.999F;  ///< layout: 1 less rounding; weights above it are those of pixels away from flips
-/// chosen: by judgement, as ClosureConfig::max_residual. Of B; beyond it the pixel sees an edge or a glint.
-constexpr float kMostResidual = 0.6F;
 
 /// B sin of the phase at frame 3's exposure, from what three frames made of it, to second order in eps.
 [[gnu::always_inline]] inline float sine_of_frame3(float c, float s3, float eps) {
@@ -47,7 +46,7 @@ void flip_loop(const PhaseMaps& m, const RowErrors& errors, std::size_t at, std:
     const float of_minus = -2 * e[u] * (c[u] - e[u] * s3) + 2 * light[u] * (own - s3);
     const float rest = r[u] - select(plus, of_plus, of_minus);
     const float near = std::abs(w[u]), size = std::abs(rest);
-    const bool used = (near < kFull) & (size < kMostResidual * b[u]) & (reject[u] == PixelReject::kNone);
+    const bool used = (near < kFull) & (size < kMostFlipResidual * b[u]) & (reject[u] == PixelReject::kNone);
     const float side = std::copysign(1.0F, s3), at_frame3 = sine_of_frame3(c[u], s3, e[u]);
     rounding[u] += select(used, side * (at_frame3 - rest) - std::abs(at_frame3), 0);
     modulation[u] += select(used, b[u], 0);

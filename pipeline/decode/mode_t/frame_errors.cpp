@@ -6,16 +6,12 @@
 #include <limits>
 #include <vector>
 
+#include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/fringe_means.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 
 namespace enamel::pipeline {
 namespace {
-
-/// chosen: by judgement, the captured plaster in view (docs/notes/decode-attempts.md, ripple).
-constexpr int kRobustRounds = 3;       ///< each leaves out what the round before could not explain: texture and edges
-constexpr double kOutlierSigmas = 3;   ///< ... by so much
-constexpr double kLeastFilled = 0.75;  ///< of the fringe around a pixel: the mean of less is no fringe's
 
 /// Half the length of a fringe along rows, px; 0 where no span is a whole cell.
 int half_fringe_px(std::span<const CellSpan> spans) {

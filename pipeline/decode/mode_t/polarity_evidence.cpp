@@ -1,19 +1,13 @@
 #include "pipeline/decode/mode_t/polarity_evidence.hpp"
 
+#include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/polarity_columns.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-/// chosen: by judgement. Projector blur rounds the kink of frame 3 at a flip by up to this share of B (blur of 1.9 px
-/// in a period of 24).
-constexpr float kBlurError = 0.2F;
 /// derived: in the middle, while b is unknown: var(D -+ S3) is 4 sigma^2 for b = +1, 2 sigma^2 for b = -1.
 constexpr float kNoiseOfCode = 3;
-/// chosen: by judgement. T of +-1 is two of its sigmas from 0 then.
-constexpr float kFaintVariance = 0.25F;
-/// chosen: by judgement. Blur mixes the pixels at a run's end with what lies beyond.
-constexpr std::int32_t kEndTrim_px = 3;
 
 PolaritySaid say(const PolarityColumn* columns, SegmentCore core) {
   PolarityColumn s;
@@ -43,7 +37,7 @@ void PolarityEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, 
       row = segments[k].row;
       polarity_columns(phase, noise, static_cast<std::size_t>(row) * width, width, columns_.data());
     }
-    said_[k] = say(columns_.data(), core_of(segments, k, kEndTrim_px, phase.phase_rad.width()));
+    said_[k] = say(columns_.data(), core_of(segments, k, kPolarityEndTrim_px, phase.phase_rad.width()));
   }
   if (signs.informative) price_polarity(outlier_cost, said_.size(), said_.data());
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/ripple_depth_rows.hpp"
 
 namespace enamel::pipeline {
@@ -12,10 +13,6 @@ namespace {
 /// Standard deviations of an amplitude's noise. derived: of the eight amplitudes noise alone takes one so far in one
 /// burst of 2000.
 constexpr double kClear = 4;
-/// chosen: by judgement.
-constexpr double kReach = 2;         ///< standard deviations of depth
-constexpr double kLeastSpread = 1;   ///< rad; a surface that spans less has one depth
-constexpr double kLeastRest = 1e-3;  ///< share of d^4 that P1 and a constant leave: below, d^2 says nothing new
 
 bool stands_clear(const PhaseRipple& ripple, double pixels) {
   for (std::size_t m = 0; m < kRippleTerms; ++m) {
@@ -32,13 +29,13 @@ DepthPolynomials orthonormal(const std::array<double, 5>& sums) {
   const double e2 = sums[2] / n, e3 = sums[3] / n, e4 = sums[4] / n;
   const double m2 = e2 - a * a, m3 = e3 - 3 * a * e2 + 2 * a * a * a;
   const double m4 = e4 - 4 * a * e3 + 6 * a * a * e2 - 3 * a * a * a * a;
-  if (!(m2 > kLeastSpread * kLeastSpread)) return p;
+  if (!(m2 > kLeastDepthSpread_rad * kLeastDepthSpread_rad)) return p;
   p.mean = a;
-  p.reach = kReach * std::sqrt(m2);
+  p.reach = kDepthReach * std::sqrt(m2);
   p.per_d = 1 / std::sqrt(m2);
   p.tilt = m3 / m2, p.level = m2;
   const double rest = m4 - m3 * m3 / m2 - m2 * m2;
-  if (rest > kLeastRest * m4) p.scale = 1 / std::sqrt(rest);
+  if (rest > kLeastDepthRest * m4) p.scale = 1 / std::sqrt(rest);
   return p;
 }
 

@@ -6,14 +6,13 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
 constexpr int kBehind = 3;  ///< layout: pixels that a line goes through, whose weights are made for it
-/// chosen: by judgement. Of |sin phi|; nearer to a flip blur rounds frame 3.
-constexpr float kClearOfFlip = 0.4F;
 
 /// To a pixel's neighbours in a picture `width` wide.
 using Steps = std::array<std::ptrdiff_t, 8>;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "pipeline/decode/motion/chosen.hpp"
 #include "pipeline/decode/motion/motion_samples.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
@@ -20,12 +21,6 @@ namespace enamel::pipeline::HWY_NAMESPACE {
 
 /// derived: dz/dx of 75 degrees, the steepest that counts as one surface (LinkConfig).
 constexpr float kSteepest = 3.7F;
-/// chosen: by judgement. Of the 2x2 normal equations: a fortieth of a full window's.
-constexpr float kLeastDet = 4000;
-/// chosen: by judgement. Of the light's incidence; beyond, slopes are known too badly to tell it.
-constexpr float kLeastLitCosine = 0.2F;
-/// chosen: by judgement. Of light, per frame interval.
-constexpr float kMostChange = 0.3F;
 
 using DetailLanes = std::array<float, kNodeLanes>;
 
@@ -63,7 +58,7 @@ using DetailLanes = std::array<float, kNodeLanes>;
     const float l_x = q * t.projector_mm[0] - x, l_y = q * t.projector_mm[1] - y, l_z = q * t.projector_mm[2] - 1;
     const float along = m_x * u_x + m_y * u_y + m_z * u_z;
     const float distance2 = l_x * l_x + l_y * l_y + l_z * l_z, m2 = m_x * m_x + m_y * m_y + m_z * m_z;
-    const float grazing = -kLeastLitCosine * root(m2 * distance2);
+    const float grazing = -kMinLitCosine * root(m2 * distance2);
     const float facing = smaller(m_x * l_x + m_y * l_y + m_z * l_z, grazing);
     const float falloff = 4 / (1 + x * x + y * y);
     const float passing =
@@ -75,9 +70,9 @@ using DetailLanes = std::array<float, kNodeLanes>;
                           t.turn_rad[2] * (m_x * l_y - m_y * l_x);
     const float change = passing + nearer + aside + (turning - along) / facing;
     const float steepness = std::abs(slope[j]);
-    const bool known = (q > 0) & (det > kLeastDet) & (light > 1) & (steepness > 0);
+    const bool known = (q > 0) & (det > kMinDetailDet) & (light > 1) & (steepness > 0);
     rate[j] = select(known, -along / slope[j], rate[j]);
-    growth[j] = select(known, smaller(larger(change, -kMostChange), kMostChange), growth[j]);
+    growth[j] = select(known, smaller(larger(change, -kMostGrowth), kMostGrowth), growth[j]);
   }
 }
 

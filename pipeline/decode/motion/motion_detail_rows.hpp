@@ -8,9 +8,6 @@
 
 namespace enamel::pipeline {
 
-/// Pixels of the images from a node to the end of its window. chosen: on the rendered sweep, in mode T; in mode M a
-/// flank in grazing light lost by it (docs/notes/decode-attempts.md, motion).
-inline constexpr int kDetailReach = 2;
 inline constexpr std::size_t kDetailInputs = 5;  ///< layout: arrays of a DetailRow that are filled before
 
 /// One value a node, of nodes at one place between those of the coarse grid.

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "pipeline/decode/motion/chosen.hpp"
+
 namespace enamel::pipeline {
 
 inline constexpr int kNode_px = 8;  ///< layout: of a grid of nodes over the image
-/// chosen: by judgement. Pixels of these images from a node to the end of its window: half a fringe in all.
-inline constexpr int kReach = 3;
 
 /// Pixel (x, y) is that at (2x, 2y). The pixels of one row lie by their place x % 4 between nodes, so that those of
 /// neighbouring nodes are neighbours.

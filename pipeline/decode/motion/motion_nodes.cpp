@@ -4,20 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/decode/motion/chosen.hpp"
 #include "pipeline/decode/motion/motion_rows.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-/// chosen: by judgement. Of the 2x2 normal equations: about a quarter of a full window's.
-constexpr float kMinDet = 4000;
 /// derived: dz/dx of 75 degrees, the steepest that counts as one surface (LinkConfig).
 constexpr float kMaxSlope = 3.7F;
-/// chosen: by judgement. Of the incidence; slopes of steeper surface are known too badly to judge the motion by.
-constexpr float kMinCosine = 0.6F;
-/// chosen: by judgement. Of the light's incidence; beyond, slopes are known too badly to tell it.
-constexpr float kMinLitCosine = 0.2F;
 
 /// How a point's own light changes, as share of it: by its motion U q, and by the turn of its surface.
 struct Shading {
@@ -80,7 +75,7 @@ class NodeFinder {
     const float phase = maps_.phase_rad[i] + kTwoPiF * static_cast<float>(wraps_[i]);
     const float slope = rays_.sparse.slope(sparse_pixel_of(column, row), phase),
                 light = images_.light.around(row, 0, 0)[column];
-    if (!(q > 0) || !(det > kMinDet) || !(std::abs(slope) > 0) || !(light > 1)) return;
+    if (!(q > 0) || !(det > kMinNodeDet) || !(std::abs(slope) > 0) || !(light > 1)) return;
     const float x = rays_.rays.x[i], y = rays_.rays.y[i];
     const float per_x = 1 / (rays_.rays.x[i + 1] - x), per_y = 1 / (rays_.rays.y[i + width] - y);
     const float a_u = slopes.a_u[column] / det * per_x, a_v = slopes.a_v[column] / det * per_y;  // per unit of r
@@ -105,7 +100,8 @@ class NodeFinder {
       out_.light[k * count + n] = q * of_light[axis];
       out_.light[(k + 3) * count + n] = turn_light[axis];
     }
-    out_.quality[n] = q > kMinCosine * std::sqrt(dot(m, m) * dot(r, r)) ? NodeQuality::kFits : NodeQuality::kTooSteep;
+    out_.quality[n] =
+        q > kMinNodeCosine * std::sqrt(dot(m, m) * dot(r, r)) ? NodeQuality::kFits : NodeQuality::kTooSteep;
   }
 
   /// Nodes at the image's border lack half their window: what the two next to them say goes on in a straight line.

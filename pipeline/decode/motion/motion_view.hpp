@@ -7,14 +7,12 @@
 
 #include <vector>
 
+#include "pipeline/decode/motion/chosen.hpp"
 #include "pipeline/decode/motion/motion_images.hpp"
 #include "pipeline/decode/motion/motion_samples.hpp"
 #include "pipeline/decode/phase/grid_rows.hpp"
 
 namespace enamel::pipeline {
-
-/// Sigma of a block's eps beyond which that block tells nothing. chosen: by judgement.
-inline constexpr float kInformed_rad = 0.005F;
 
 /// Motion at the nodes of a grid over the image, per frame interval.
 struct MotionField {

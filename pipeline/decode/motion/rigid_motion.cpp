@@ -6,15 +6,12 @@
 #include <limits>
 #include <optional>
 
+#include "pipeline/decode/motion/chosen.hpp"
 #include "pipeline/decode/motion/motion_rows.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-/// chosen: by judgement. Of light, per frame interval; more is no surface sliding by.
-constexpr float kMostGrowth = 0.3F;
-/// chosen: by judgement. Each leaves out what the round before could not explain.
-constexpr int kRounds = 3;
 constexpr int kUnknowns = 7;  ///< layout: V, W, and what all pixels share
 using Vector7 = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix7 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -132,7 +129,7 @@ class Pass {
   [[nodiscard]] std::optional<Theta> solve_robustly() const {
     Theta theta{};
     double limit = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kMotionRounds; ++round) {
       MotionEquations e;
       add_samples(work_.samples, work_.columns, theta, limit, e);
       if (e.pixels < static_cast<double>(config_.min_pixels)) return std::nullopt;

@@ -26,11 +26,11 @@ void Misfit::take_row(int v, const MisfitRow& row) {
     noise[u] += select(used, n, 0);
     pixels[u] += select(used, 1, 0);
   }
-  if ((v + 1) % kCell_px == 0 || v + 1 == height_) finish_cells();
+  if ((v + 1) % kMisfitCell_px == 0 || v + 1 == height_) finish_cells();
 }
 
 void Misfit::finish_cells() {
-  const auto width = static_cast<std::size_t>(width_), cell = static_cast<std::size_t>(kCell_px);
+  const auto width = static_cast<std::size_t>(width_), cell = static_cast<std::size_t>(kMisfitCell_px);
   for (std::size_t u = 0; u < width; u += cell) {
     for (std::size_t k = 0; k < kSums; ++k) {
       const float* of_pixel = column_sums_.data() + k * width;
@@ -54,8 +54,9 @@ void Misfit::add_to(Map<float>& sigma_rad, float phase_of_residual) {
   const float c2 = phase_of_residual * phase_of_residual;
   variance_.clear();
   for (std::size_t k = 0; k < cells_.size(); k += kSums) variance_.push_back(c2 * excess(&cells_[k]));
-  const int columns = (width_ + kCell_px - 1) / kCell_px, rows_of_cells = (height_ + kCell_px - 1) / kCell_px;
-  GridRows rows({variance_.data(), columns, rows_of_cells, kCell_px}, width_);
+  const int columns = (width_ + kMisfitCell_px - 1) / kMisfitCell_px,
+            rows_of_cells = (height_ + kMisfitCell_px - 1) / kMisfitCell_px;
+  GridRows rows({variance_.data(), columns, rows_of_cells, kMisfitCell_px}, width_);
   for (int v = 0; v < height_; ++v) {
     const float* __restrict beyond = rows.row(v);
     float* __restrict sigma = &sigma_rad(0, v);

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "pipeline/decode/phase/chosen.hpp"
 #include "pipeline/decode/phase/grid_rows.hpp"
 #include "pipeline/types/map.hpp"
 
@@ -18,12 +19,6 @@ namespace enamel::pipeline {
 
 /// derived: the largest c of each mode above, rounded up.
 inline constexpr float kPhaseOfClosure = 0.5F, kPhaseOfCode = 0.7F;
-/// Residual over its noise beyond which the four frames did not see one point of one surface: an edge passed by.
-/// chosen: on the rendered sets. With 5 depth is truer by 6 to 9 % and half a percent of the pixels is lost
-/// (docs/notes/decode-attempts.md, motion).
-inline constexpr float kTornSigmas = 8;
-/// chosen: by judgement. Of r/B; beyond it the pixel sees an edge or a glint, not motion.
-inline constexpr float kMostMisfit = 0.6F;
 
 /// Of a row's pixels: r^2 over its variance by noise, and that variance over B^2; 0 where a pixel says nothing.
 struct MisfitRow {
@@ -40,8 +35,6 @@ class Misfit {
   void add_to(Map<float>& sigma_rad, float phase_of_residual);
 
  private:
-  /// chosen: by judgement. 64 residuals a cell tell their mean square to 18 %.
-  static constexpr int kCell_px = 8;
   enum Sum : std::size_t { kSquares, kNoise, kPixels, kSums };
 
   void finish_cells();

@@ -6,13 +6,13 @@
 #include <cstring>
 #include <vector>
 
+#include "pipeline/decode/phase/chosen.hpp"
+
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kBins = 16;              // layout: of intensity
-constexpr std::size_t kSubsample = 7;  // layout: odd and not a divisor of usual widths: visits all columns
-// chosen: by judgement. The median's own error is 12 % then.
-constexpr std::size_t kMinBinPixels = 100;
+constexpr int kBins = 16;                   // layout: of intensity
+constexpr std::size_t kSubsample = 7;       // layout: odd and not a divisor of usual widths: visits all columns
 constexpr double kRounding_dn2 = 1.0 / 12;  // physical: variance of rounding to whole numbers
 constexpr float kMadToSigma = 1.4826F;      // derived: 1/0.6745, the upper quartile of a normal distribution
 

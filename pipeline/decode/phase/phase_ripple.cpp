@@ -12,8 +12,6 @@ namespace enamel::pipeline {
 namespace {
 
 using Complex = std::complex<double>;
-/// chosen: by judgement. Enough for an amplitude to 1.4e-3 rad, 1/(2 sqrt(2 n)), if phases were random.
-constexpr double kEnoughPixels = 60000;
 constexpr std::int32_t kMostRowStep = 3;  ///< layout: stride over rows
 
 /// Of so many rows one is asked: as few as give enough pixels.

@@ -14,13 +14,10 @@
 #include <span>
 
 #include "pipeline/decode/phase/cell_span.hpp"
+#include "pipeline/decode/phase/chosen.hpp"
 #include "pipeline/decode/phase/phase.hpp"
 
 namespace enamel::pipeline {
-
-/// Waveform harmonics up to 4N + 1; a bulb of blur leaves fewer. chosen: on drawn gammas up to 2.8, of which one term
-/// leaves 0.0028 rad and four 0.0003 (docs/notes/design-figures.md).
-inline constexpr std::size_t kRippleTerms = 4;
 
 /// Sums over any number of bursts of one projector and pitch; add what belongs together, in a fixed order.
 struct PhaseMoments {

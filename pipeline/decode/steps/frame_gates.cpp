@@ -11,6 +11,7 @@
 
 #include "pipeline/decode/phase/frame_rows.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
+#include "pipeline/decode/steps/chosen.hpp"
 #include "pipeline/decode/steps/frame_gate_rows.hpp"
 
 namespace enamel::pipeline {
@@ -55,8 +56,6 @@ bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept {
 }
 
 bool has_blank_frame(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise) {
-  // chosen: by judgement. What varies by its noise alone has 1.
-  constexpr double kBlankSigmas = 2, kPictureSigmas = 6;
   const auto width = static_cast<std::size_t>(view.width);
   FrameRows rows;
   for (auto& row : rows) row.resize(width);

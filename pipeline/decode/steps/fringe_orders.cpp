@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "pipeline/decode/steps/chosen.hpp"
+
 namespace enamel::pipeline {
 
 double FringeOrders::code_agreement() const noexcept {
@@ -38,9 +40,6 @@ void reject_undecided(const FringeOrders& o, Map<PixelReject>& reject) {
 }
 
 void reject_beside_jumps(const FringeOrders& o, Map<PixelReject>& reject) {
-  // chosen: on 50 rows of teeth (docs/notes/decode-attempts.md, orders). One that blur mixes, one that the code may be
-  // off by.
-  constexpr std::int32_t kMixed_px = 2;
   const auto& segments = o.segments.segments;
   for (std::size_t k = 1; k < segments.size(); ++k) {
     const Segment &before = segments[k - 1], &p = segments[k];

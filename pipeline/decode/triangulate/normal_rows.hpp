@@ -3,12 +3,10 @@
 
 #include <array>
 
+#include "pipeline/decode/triangulate/chosen.hpp"
 #include "pipeline/decode/triangulate/normals.hpp"
 
 namespace enamel::pipeline {
-
-/// chosen: by judgement. The ring of normal_rows.cpp, whose lever arm works against noise, is made for it.
-inline constexpr int kNormalReach_px = 3;
 
 /// Rows v-3 … v+3 of 1/z, each with kNormalReach_px readable floats before and behind: NaN there and in rows beyond
 /// the image.

@@ -6,23 +6,20 @@
 #include <numbers>
 #include <string>
 
+#include "pipeline/decode/triangulate/chosen.hpp"
+
 namespace enamel::pipeline {
 namespace {
 
-/// chosen: by judgement. Three more than the four unknowns of the cubic, which then is off the iteration by 0.007 um
-/// (docs/bench/decode.md).
-constexpr int kNodes = 7;
-/// chosen: by judgement. Less than a twelfth of a fringe over the whole range measures nothing.
-constexpr double kMinHalfRange_rad = 0.25;
-using Nodes = std::array<double, kNodes>;
+using Nodes = std::array<double, kDepthNodes>;
 
 /// Chebyshev nodes of 1/z, first and last exactly on the range's ends so that the fit is never extrapolated.
 Nodes inverse_depth_nodes(calib::DepthRange range) {
   const double low = 1 / range.far_mm, high = 1 / range.near_mm;
   Nodes q{};
-  for (int i = 0; i < kNodes; ++i) {
+  for (int i = 0; i < kDepthNodes; ++i) {
     q[static_cast<std::size_t>(i)] =
-        0.5 * (low + high) - 0.5 * (high - low) * std::cos(std::numbers::pi * i / (kNodes - 1));
+        0.5 * (low + high) - 0.5 * (high - low) * std::cos(std::numbers::pi * i / (kDepthNodes - 1));
   }
   return q;
 }
@@ -47,7 +44,7 @@ Cubic fit_pixel(const calib::Rig& rig, calib::PlanePoint pixel, calib::PlanePoin
                 double rad_per_px) {
   Cubic out;
   Nodes phase{};
-  for (std::size_t i = 0; i < kNodes; ++i) {
+  for (std::size_t i = 0; i < kDepthNodes; ++i) {
     if (!in_front(rig, ray, 1 / q[i])) return out;
     phase[i] = rad_per_px * calib::project_to_projector(rig, ray, 1 / q[i]).x;
     if (!std::isfinite(phase[i])) return out;
@@ -55,12 +52,12 @@ Cubic fit_pixel(const calib::Rig& rig, calib::PlanePoint pixel, calib::PlanePoin
   }
   out.far = phase.front();
   out.near = phase.back();
-  out.mid = phase[kNodes / 2];
+  out.mid = phase[kDepthNodes / 2];
   const double half = 0.5 * std::abs(out.near - out.far);
   if (!(half > kMinHalfRange_rad)) return out;
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
-  for (std::size_t i = 0; i < kNodes; ++i) {
+  for (std::size_t i = 0; i < kDepthNodes; ++i) {
     const double t = (phase[i] - out.mid) / half;
     const Eigen::Vector4d row(1, t, t * t, t * t * t);
     normal += row * row.transpose();

@@ -5,6 +5,7 @@
 
 #include "pipeline/decode/phase/poly_trig.hpp"
 #include "pipeline/decode/unwrap/byte_runs.hpp"
+#include "pipeline/decode/unwrap/chosen.hpp"
 #include "pipeline/decode/unwrap/segment_rows.hpp"
 
 namespace enamel::pipeline {
@@ -72,16 +73,13 @@ class Linker {
 /// Between pixel `last` and pixel `next` of a row that begins at `at`.
 Gap measure_gap(const PhaseMaps& phase, const Map<float>& phi, std::size_t at, std::int32_t last, std::int32_t next,
                 std::int8_t rise) {
-  // chosen: by judgement. Fringes: noise; pixels lost to blur at both ends and noise. More dark pixels than blur makes.
-  constexpr float kBack = 0.08F, kOn = 0.22F;
-  constexpr int kDarkPixels = 2;
   int dark = 0;
   for (std::size_t i = at + static_cast<std::size_t>(last) + 1; i < at + static_cast<std::size_t>(next); ++i)
     dark += phase.reject[i] == PixelReject::kDark || phase.reject[i] == PixelReject::kNoisy ? 1 : 0;
   const float step = phi[at + static_cast<std::size_t>(next)] - phi[at + static_cast<std::size_t>(last)];
   const float rising = static_cast<float>(rise) * step / kTwoPiF;
-  const float lean = std::ceil(-kBack - rising);
-  return {rise * static_cast<std::int32_t>(lean), rise, dark >= kDarkPixels && rising + lean <= kOn};
+  const float lean = std::ceil(-kGapBack - rising);
+  return {rise * static_cast<std::int32_t>(lean), rise, dark >= kDarkGap_px && rising + lean <= kGapOn};
 }
 
 /// Whether Phi of a surface that faces the camera rises along rows.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pipeline/decode/unwrap/byte_runs.hpp"
+#include "pipeline/decode/unwrap/chosen.hpp"
 #include "pipeline/decode/unwrap/flood_rows.hpp"
 
 namespace enamel::pipeline {
@@ -103,8 +104,6 @@ class Joiner {
   }
 
   void add(FloodMaps::Joint joint, int weight) {
-    // chosen: by judgement. Half a good pixel's: single pixels come last, 128 good ones first.
-    constexpr int kWeightPerBucket = 16;
     const auto bucket = static_cast<std::size_t>(std::min(weight / kWeightPerBucket, 255));
     joint.next = std::exchange(work_.head[bucket], static_cast<std::int32_t>(work_.joints.size()));
     work_.joints.push_back(joint);

@@ -7,6 +7,7 @@
 
 #include "pipeline/decode/phase/poly_trig.hpp"
 #include "pipeline/decode/unwrap/byte_runs.hpp"
+#include "pipeline/decode/unwrap/chosen.hpp"
 #include "pipeline/decode/unwrap/link_rows.hpp"
 
 namespace enamel::pipeline {
@@ -15,12 +16,9 @@ namespace {
 std::size_t index(std::ptrdiff_t i) { return static_cast<std::size_t>(i); }
 
 /// Whether a pixel beside a cut still sees its own surface only: its phase and its modulation go on from the two pixels
-/// behind it. A fifth of the light from the other side turns the phase by up to 0.2 rad or takes as much modulation.
+/// behind it.
 struct Inland {
   static constexpr float kSigmas = 3 * 2.4494897F;  ///< derived: 3 sigma of a - 2b + c, which has sqrt(6) sigma
-  /// chosen: by judgement, with the fifth of the light above in mind.
-  static constexpr float kMostTurn_rad = 0.3F;
-  static constexpr float kLeastModulation = 0.85F;
 
   const PhaseMaps& phase;
   const LinkMaps& links;
@@ -32,8 +30,8 @@ struct Inland {
     if (link[step > 0 ? near : here] == 0 || link[step > 0 ? far : near] == 0) return false;
     const float* p = phase.phase_rad.pixels().data();
     const float turn = wrap_once(wrap_once(p[here] - p[near]) - wrap_once(p[near] - p[far]));
-    return std::abs(turn) < smaller(kSigmas * phase.sigma_rad[here], kMostTurn_rad) &&
-           phase.modulation_dn[here] > kLeastModulation * phase.modulation_dn[near];
+    return std::abs(turn) < smaller(kSigmas * phase.sigma_rad[here], kMostInlandTurn_rad) &&
+           phase.modulation_dn[here] > kLeastInlandModulation * phase.modulation_dn[near];
   }
 };
 
@@ -126,13 +124,13 @@ void reject_edges(LinkMaps& links, PhaseMaps& phase) {
 }
 
 void reject_half_lit(const Map<float>& modulation_dn, Map<PixelReject>& reject) {
-  constexpr std::ptrdiff_t kStep_px = 2;  // chosen: by judgement, beyond the pixel that blur mixes
   const std::ptrdiff_t w = reject.width(), h = reject.height();
-  if (w <= 2 * kStep_px) return;
+  if (w <= 2 * kHalfLitStep_px) return;
   for (std::ptrdiff_t v = 0; v < h; ++v) {
-    const std::ptrdiff_t up = v >= kStep_px ? -kStep_px * w : 0, down = v + kStep_px < h ? kStep_px * w : 0;
-    const std::size_t first = index(v * w + kStep_px);
-    half_lit_row(&modulation_dn[first], kStep_px, up, down, index(w - 2 * kStep_px), &reject[first]);
+    const std::ptrdiff_t up = v >= kHalfLitStep_px ? -kHalfLitStep_px * w : 0,
+                         down = v + kHalfLitStep_px < h ? kHalfLitStep_px * w : 0;
+    const std::size_t first = index(v * w + kHalfLitStep_px);
+    half_lit_row(&modulation_dn[first], kHalfLitStep_px, up, down, index(w - 2 * kHalfLitStep_px), &reject[first]);
   }
 }
 

@@ -5,14 +5,13 @@
 #include <cstdint>
 
 #include "pipeline/decode/phase/poly_trig.hpp"
+#include "pipeline/decode/unwrap/chosen.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
 /// layout: columns are told apart by eighths of a fringe.
 constexpr std::int32_t kPerCell = 4, kPerFringe = 2 * kPerCell;
-/// chosen: by judgement. Of a segment's columns: blur and noise may have taken them from its neighbour.
-constexpr float kEnds_rad = 0.2F;
 
 /// Eighths first … last, none if last < first; of the flood's Phi, or of the projector's with shift * kPerFringe added.
 struct Eighths {
@@ -23,8 +22,8 @@ struct Eighths {
 /// Those whose middle a segment covers, its ends left out.
 Eighths covered_by(const Segment& p) {
   constexpr float kPerRad = static_cast<float>(kPerCell) / kPiF;
-  const float low = (smaller(p.first_rad, p.last_rad) + kEnds_rad) * kPerRad - 0.5F,
-              high = (larger(p.first_rad, p.last_rad) - kEnds_rad) * kPerRad - 0.5F;
+  const float low = (smaller(p.first_rad, p.last_rad) + kLitEnds_rad) * kPerRad - 0.5F,
+              high = (larger(p.first_rad, p.last_rad) - kLitEnds_rad) * kPerRad - 0.5F;
   return {-floor_of(-low), floor_of(high)};
 }
 

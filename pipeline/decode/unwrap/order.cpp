@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "pipeline/decode/unwrap/chosen.hpp"
 #include "pipeline/decode/unwrap/lit_columns.hpp"
 #include "pipeline/decode/unwrap/order_rows.hpp"
 #include "pipeline/decode/unwrap/segment_sets.hpp"
@@ -30,8 +31,6 @@ class Solver {
  private:
   using Zone = OrderResult::Work::Zone;
 
-  /// More than the one pixel that blur mixes. chosen: on 60 rows of teeth (docs/notes/decode-attempts.md, orders).
-  static constexpr std::int32_t kBroad_px = 2;
   /// layout: in place of a shift.
   static constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max(), kSeveral = kUnknown - 1;
 

@@ -4,13 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/decode/unwrap/chosen.hpp"
 #include "pipeline/decode/unwrap/order.hpp"
 
 namespace enamel::pipeline {
-
-/// Orders beyond the depth range that a surface is followed. chosen: by judgement; mode M's code ratio is made for it
-/// (docs/adr/0007-mode-m-becomes-the-default.md).
-inline constexpr std::int32_t kBeyond = 2;
 
 /// Fills work.base, the shift of each segment's first state: one for all segments of a component where their depth
 /// range and kBeyond on both sides fit. Where the flood leaked between surfaces many fringes apart they do not, and

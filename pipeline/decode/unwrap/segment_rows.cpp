@@ -5,6 +5,7 @@
 
 #include "pipeline/decode/phase/poly_trig.hpp"
 #define ENAMEL_NO_AVX512
+#include "pipeline/decode/unwrap/chosen.hpp"
 #include "pipeline/types/simd.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -71,10 +72,6 @@ void kink_loop(const float* phi, const float* noise, std::size_t width, float* h
 }
 
 void shade_loop(const ShadeRows& rows, std::size_t width, float* means, float* steps, std::uint8_t* marks) {
-  // chosen: by judgement. Ripple of motion, 0.1 rad a frame, makes half of it.
-  constexpr float kLeastShade = 0.2F;
-  // chosen: by judgement. 4.2 sigma of the step, which is sqrt(5) sigma of a mean: 1.5, 1.5, 0.5 and 0.5 of four.
-  constexpr float kNoiseSigmas = 9.5F;
   float* __restrict height = steps;
   std::uint8_t* __restrict borders = marks;
   for (std::size_t u = 0; u < width; ++u) height[u] = 0;
@@ -92,7 +89,7 @@ void shade_loop(const ShadeRows& rows, std::size_t width, float* means, float* s
     height[u] = select(step == step, std::abs(step) / mean[u], 0);
   }
   const float* __restrict sigma = rows.sigma;
-  const float noise = kNoiseSigmas / root(static_cast<float>(rows.above + rows.below + 1));
+  const float noise = kShadeSigmas / root(static_cast<float>(rows.above + rows.below + 1));
   for (std::size_t u = kKinkContext_px; u < end; ++u) {
     const bool step = height[u] > larger(noise * sigma[u], kLeastShade);
     const bool before = height[u - 1] > height[u], after = height[u + 1] >= height[u];

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "pipeline/decode/phase/poly_trig.hpp"
+#include "pipeline/decode/unwrap/chosen.hpp"
 #include "pipeline/decode/unwrap/flood.hpp"
 
 namespace enamel::pipeline {
@@ -35,9 +36,6 @@ void unwrap_row(const FloodRow& row, std::size_t width, float* phi);
 
 /// kinks: 1 where a step lies between a pixel and the one before it, once, where it is highest. heights: scratch.
 void kink_row(const float* phi, const float* sigma, std::size_t width, float* heights, std::uint8_t* kinks);
-
-/// chosen: by judgement. Rows above and below, where the picture has them.
-inline constexpr int kShadeReach_px = 2;
 
 /// A row among its neighbours: pointers to its first pixel, which rows `above` of it and `below` of it must exist
 /// around.
@@ -73,9 +71,6 @@ void border_row(const float* phi, const float* sigma, const std::uint8_t* south,
   const auto whole = static_cast<std::int32_t>(x);
   return whole - static_cast<std::int32_t>(static_cast<float>(whole) > x);
 }
-
-/// chosen: by judgement. Rad; ripple of the three-frame phase.
-inline constexpr float kLeastStep = 0.1F;
 
 /// Smallest step that is neither noise (4 sigma of six samples' combination) nor ripple of the three-frame phase.
 [[nodiscard]] inline float step_threshold(float sigma, float samples) noexcept {
