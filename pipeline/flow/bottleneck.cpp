@@ -4,8 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdlib>
+#include <set>
 
 namespace enamel::flow {
 namespace {
@@ -41,14 +40,39 @@ std::string waits_for(const StageSnapshot& stage, const GraphSnapshot& s) {
   return e != nullptr ? e->from : "bursts";
 }
 
-/// "its input is full", "fuse waits for it": what the neighbours' times say of a stage that sets the rate.
-std::vector<std::string> effects_of(const std::string& stage, const GraphSnapshot& s) {
-  std::vector<std::string> out, waiting;
+/// A stage, or the replicas of one.
+struct Family {
+  std::string name;
+  std::set<std::string> members;
+  std::int64_t worked_ns = 0;
+  /// Share of the time that each of them is busy.
+  [[nodiscard]] double busy(const GraphSnapshot& s) const {
+    return share(worked_ns, s) / static_cast<double>(members.size());
+  }
+};
+
+std::vector<Family> families_of(const GraphSnapshot& s) {
+  std::vector<Family> out;
+  for (const StageSnapshot& stage : s.stages) {
+    if (stage.is_source) continue;
+    auto at = std::find_if(out.begin(), out.end(), [&](const Family& f) { return f.name == stage.family; });
+    if (at == out.end()) at = out.insert(at, Family{.name = stage.family, .members = {}});
+    at->members.insert(stage.name);
+    at->worked_ns += stage.time_ns.running;
+  }
+  return out;
+}
+
+/// "its input is full", "fuse waits for it": what the neighbours' times say of the one that sets the rate.
+std::vector<std::string> effects_of(const Family& family, const GraphSnapshot& s) {
+  std::vector<std::string> out;
+  std::set<std::string> waiting;
   double full = 0;
   for (const EdgeSnapshot& e : s.edges) {
     if (e.delay > 0) continue;
-    if (e.to == stage) full = std::max(full, share(e.blocked_ns, s));
-    if (e.from == stage && e.is_lossless && share(e.awaited_ns, s) > kWorthTelling) waiting.push_back(e.to);
+    if (family.members.contains(e.to)) full = std::max(full, share(e.blocked_ns, s));
+    if (family.members.contains(e.from) && e.is_lossless && share(e.awaited_ns, s) > kWorthTelling)
+      waiting.insert(e.to);
   }
   if (full > kWorthTelling) out.emplace_back("its input is full");
   if (!waiting.empty())
@@ -82,30 +106,33 @@ std::vector<StageLoad> loads_of(const GraphSnapshot& s) {
 }
 
 Bottleneck bottleneck_of(const GraphSnapshot& s) {
-  const StageSnapshot* busiest = nullptr;
+  const std::vector<Family> families = families_of(s);
+  if (families.empty() || s.elapsed_ns <= 0 || s.workers == 0) return {{}, "none: nothing has run yet"};
+  const Family& busiest = *std::max_element(families.begin(), families.end(),
+                                            [&](const Family& a, const Family& b) { return a.busy(s) < b.busy(s); });
+  const Family& most = *std::max_element(families.begin(), families.end(),
+                                         [](const Family& a, const Family& b) { return a.worked_ns < b.worked_ns; });
   std::int64_t worked_ns = 0, starved_ns = 0;
   for (const StageSnapshot& stage : s.stages) {
     worked_ns += stage.time_ns.running;
     if (stage.is_source) starved_ns = std::max(starved_ns, stage.time_ns.waiting);
-    if (!stage.is_source && (busiest == nullptr || stage.time_ns.running > busiest->time_ns.running)) busiest = &stage;
   }
-  if (busiest == nullptr || s.elapsed_ns <= 0 || s.workers == 0) return {{}, "none: nothing has run yet"};
-  const double busy = share(busiest->time_ns.running, s);
-  const double starved = share(starved_ns, s);
-  if (starved > kStarved) {
+  const double busy = busiest.busy(s);
+  if (const double starved = share(starved_ns, s); starved > kStarved) {
     return {{},
             fmt::format("none: the stages wait for bursts {:.0f} % of the time; the busiest is {} with {:.0f} %",
-                        100 * starved, busiest->name, 100 * busy)};
+                        100 * starved, busiest.name, 100 * busy)};
   }
   const double workers = share(worked_ns, s) / static_cast<double>(s.workers);
   if (workers >= busy) {
+    const std::string each = s.workers > 1 ? fmt::format("all {} are", s.workers) : "the one is";
     return {"workers",
-            fmt::format("workers: all {} are busy {:.0f} % of the time, most of it with {} ({:.0f} % of one)",
-                        s.workers, 100 * workers, busiest->name, 100 * busy)};
+            fmt::format("workers: {} busy {:.0f} % of the time, {:.0f} % of it with {}", each, 100 * workers,
+                        100 * static_cast<double>(most.worked_ns) / static_cast<double>(worked_ns), most.name)};
   }
   std::vector<std::string> parts{fmt::format("busy {:.0f} % of the time", 100 * busy)};
-  for (std::string& effect : effects_of(busiest->name, s)) parts.push_back(std::move(effect));
-  return {busiest->name, fmt::format("{}: {}", busiest->name, fmt::join(parts, ", "))};
+  for (std::string& effect : effects_of(busiest, s)) parts.push_back(std::move(effect));
+  return {busiest.name, fmt::format("{}: {}", busiest.name, fmt::join(parts, ", "))};
 }
 
 }  // namespace enamel::flow

@@ -23,7 +23,8 @@ struct StageLoad {
 [[nodiscard]] std::vector<StageLoad> loads_of(const GraphSnapshot& snapshot);
 
 struct Bottleneck {
-  std::string stage;  ///< its name, "workers", or empty: bursts come slower than they could be worked off
+  std::string stage;  ///< its name (of replicas: their family's), "workers", or empty: bursts come slower than they
+                      ///< could be worked off
   std::string words;  ///< one line that says so
 };
 

@@ -26,6 +26,16 @@ bool Graph::begin_run(std::size_t workers) noexcept {
   return true;
 }
 
+void Graph::name_family(std::span<Stage* const> replicas) {
+  if (replicas.empty()) return;
+  std::string_view common = replicas.front()->name();
+  for (const Stage* s : replicas) {
+    const auto differ = std::mismatch(common.begin(), common.end(), s->name().begin(), s->name().end());
+    common = common.substr(0, static_cast<std::size_t>(differ.first - common.begin()));
+  }
+  for (Stage* s : replicas) s->set_family(std::string(common));
+}
+
 bool Graph::may_connect(const InBase& in) {
   if (!in.connected()) return true;
   build_errors_.push_back("input " + port_name(in.owner(), in.name()) + " is connected twice");

@@ -50,6 +50,7 @@ struct StageTimes {
 };
 struct StageSnapshot {
   std::string name;
+  std::string family;  ///< of replicas; else the name
   bool is_source = false;
   StageState state = StageState::kIdle;
   std::uint64_t in = 0;
@@ -131,6 +132,9 @@ class Graph {
       in->attach({lanes.back()}, false);
     }
     if (!lanes.empty()) out.attach(std::move(lanes));
+    std::vector<Stage*> owners;
+    for (In<T>* in : replicas) owners.push_back(&in->owner());
+    name_family(owners);
   }
   template <class T>
   void connect_merge(std::span<Out<T>* const> replicas, In<T>& in, EdgeSpec spec = {}) {
@@ -170,6 +174,8 @@ class Graph {
     edges_.push_back(std::move(edge));
     return e;
   }
+  /// What all their names begin with.
+  static void name_family(std::span<Stage* const> replicas);
   [[nodiscard]] bool may_connect(const InBase& in);
   [[nodiscard]] bool may_delay(const InBase& in, std::size_t delay);
   void check_spec(const OutBase& out, const InBase& in, const EdgeSpec& spec);

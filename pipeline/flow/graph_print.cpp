@@ -93,8 +93,8 @@ GraphSnapshot Graph::snapshot() const {
   if (out.workers > 0) out.elapsed_ns = now_ns - begun_ns_.load(std::memory_order_relaxed);
   for (const auto& s : stages_) {
     const StageStats& st = std::as_const(*s).stats();
-    out.stages.push_back({s->name(), s->as_source() != nullptr, st.state.load(std::memory_order_relaxed), st.in.value(),
-                          st.out.value(), st.errors.value(), st.degraded.value(), st.discarded.value(),
+    out.stages.push_back({s->name(), s->family(), s->as_source() != nullptr, st.state.load(std::memory_order_relaxed),
+                          st.in.value(), st.out.value(), st.errors.value(), st.degraded.value(), st.discarded.value(),
                           st.last_id.load(std::memory_order_relaxed), st.rejected.snapshot(), st.service_ns.summary(),
                           times_of(st, now_ns)});
   }

@@ -76,6 +76,9 @@ class Stage {
   Stage& operator=(const Stage&) = delete;
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  /// What replicas of one stage are called together; its own name otherwise.
+  [[nodiscard]] const std::string& family() const noexcept { return family_.empty() ? name_ : family_; }
+  void set_family(std::string name) { family_ = std::move(name); }
 
   /// Before the first step, in topological order, on the thread that calls run().
   [[nodiscard]] virtual Result<void> start() { return {}; }
@@ -97,7 +100,7 @@ class Stage {
  private:
   friend class InBase;
   friend class OutBase;
-  std::string name_;
+  std::string name_, family_;
   std::vector<InBase*> ins_;
   std::vector<OutBase*> outs_;
   StageStats stats_;

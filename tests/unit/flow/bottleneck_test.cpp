@@ -15,7 +15,7 @@ using ::testing::StartsWith;
 
 StageSnapshot stage(const std::string& name, const StageTimes& times) {
   StageSnapshot s;
-  s.name = name;
+  s.name = s.family = name;
   s.is_source = name == "source";
   s.out = 100;
   s.time_ns = times;
@@ -78,6 +78,36 @@ TEST(Bottleneck, TheWorkersWhereAllOfThemAreBusyAndNoStageIs) {
   EXPECT_NE(bottleneck_of(s).stage, "workers");
 }
 
+TEST(Bottleneck, ReplicasAreOneStageThatIsAsBusyAsEachOfThem) {
+  GraphSnapshot s = slow_track();
+  s.workers = 2;
+  s.stages[1].time_ns = s.stages[2].time_ns = {6'000'000'000, 0, 0, 0};
+  s.stages[3].time_ns = {7'500'000'000, 0, 0, 0};
+  EXPECT_THAT(bottleneck_of(s).words, HasSubstr("38 % of it with sink")) << "control: strangers to each other";
+  s.stages[1].family = s.stages[2].family = "decode";
+  const Bottleneck b = bottleneck_of(s);
+  EXPECT_EQ(b.stage, "workers");
+  EXPECT_THAT(b.words, HasSubstr("61 % of it with decode"));
+  s.workers = 8;
+  EXPECT_EQ(bottleneck_of(s).stage, "sink") << "75 % of one stage weigh more than 60 % of each of two";
+}
+
+TEST(Bottleneck, TheReplicasOfAGraphShareTheirNamesBeginning) {
+  const SteadyClock clock;
+  Graph g(clock);
+  auto& source = g.add<CountingSource>("source", 10);
+  const auto same = [](const Item<Number>& i) { return i; };
+  auto& left = g.add<MapStage>("work0", same);
+  auto& right = g.add<MapStage>("work1", same);
+  auto& sink = g.add<CollectSink>("sink");
+  const std::array<In<Number>*, 2> ins{&left.in, &right.in};
+  const std::array<Out<Number>*, 2> outs{&left.out, &right.out};
+  g.connect_split<Number>(source.out, ins);
+  g.connect_merge<Number>(outs, sink.in);
+  EXPECT_EQ(stage_of(g.snapshot(), "work1").family, "work");
+  EXPECT_EQ(stage_of(g.snapshot(), "sink").family, "sink");
+}
+
 TEST(Bottleneck, NothingIsSaidOfNeighboursThatHardlyWait) {
   GraphSnapshot s = slow_track();
   for (EdgeSnapshot& e : s.edges) e.awaited_ns = e.blocked_ns = 0;
@@ -114,7 +144,7 @@ TEST(Bottleneck, ARunOnOneWorkerIsSplitIntoItsTimes) {
   EXPECT_EQ(stage_of(s, "slow").time_ns.running, 20 * 90);
   const StageTimes& t = stage_of(s, "quick").time_ns;
   EXPECT_LE(t.running + t.waiting + t.blocked + t.ready, s.elapsed_ns) << "no moment counts twice";
-  EXPECT_THAT(bottleneck_of(s).words, HasSubstr("workers: all 1 are busy 100 % of the time, most of it with slow"));
+  EXPECT_THAT(bottleneck_of(s).words, HasSubstr("workers: the one is busy 100 % of the time, 90 % of it with slow"));
   const auto json = nlohmann::json::parse(to_json(s));
   EXPECT_EQ(json.at("bottleneck").at("stage"), "workers");
   EXPECT_DOUBLE_EQ(json.at("stages")[2].at("busy").get<double>(), 0.9);
