@@ -46,6 +46,8 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   report.hash = scan.trace.hash(RollingHash().update(ply).hex());
   report.stage_ms = scan.stage_ms;
   report.latency_ms = scan.latency_ms;
+  report.pipeline_json = scan.graph_json;
+  report.bottleneck = scan.figures.bottleneck;
   report.rate_hz = scan.seconds > 0 ? static_cast<double>(report.bursts.accepted) / scan.seconds : 0;
   report.mesh_vertices = scan.mesh.vertices.size();
   report.mesh_triangles = scan.mesh.triangles.size();

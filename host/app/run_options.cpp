@@ -102,6 +102,7 @@ void print_summary(const host::Report& report, bool json) {
   for (const auto& [stage, p] : report.stage_ms) {
     row(("stage " + stage + " p50 / p99").c_str(), number(p.p50, "%.1f", " / ") + number(p.p99, "%.1f", " ms"));
   }
+  if (!report.bottleneck.empty()) row("bottleneck", report.bottleneck);
   row("mesh",
       std::to_string(report.mesh_vertices) + " vertices, " + std::to_string(report.mesh_triangles) + " triangles");
   if (!report.calibration_json.empty()) {

@@ -4,7 +4,6 @@
 
 #include "viewer/gl/offscreen.hpp"
 #include "viewer/gl/picture.hpp"
-#include "viewer/scene/trail.hpp"
 
 namespace enamel::app {
 
@@ -26,7 +25,7 @@ std::shared_ptr<const ModelSnapshot> snapshot_of(const Mesh& mesh) {
 
 }  // namespace
 
-Screen::Screen(std::string title, Clock& clock) : clock_(clock), trail_(std::make_shared<std::vector<Vec3f>>()) {
+Screen::Screen(std::string title, Clock& clock) : clock_(clock), trail_(options_.field) {
   options_.title = std::move(title);
 }
 
@@ -39,51 +38,35 @@ void Screen::set_field(const calib::Rig& rig) {
   const calib::DepthRange depth = rig.depth_range.value_or(calib::DepthRange{});
   const calib::LensValues& c = rig.camera;
   options_.field = view::probe_field({c.width, c.height, c.fx, c.fy, c.cx, c.cy}, depth.near_mm, depth.far_mm);
+  trail_ = view::Trail(options_.field);
   if (window_) window_->set_field(options_.field);
 }
 
-std::shared_ptr<const view::PreviewFrame> Screen::frame(const State& state) const {
-  auto frame = std::make_shared<view::PreviewFrame>();
-  frame->state = state.scan;
-  frame->counters = state.counters;
-  frame->message = state.message;
-  frame->simulated = state.simulated;
-  frame->rate_hz = state.rate_hz;
-  frame->latency_ms = state.latency_ms;
-  if (last_) {
-    frame->burst = last_->burst;
-    frame->placed = true;
-    frame->track = last_->track.state;
-    frame->track_overlap = last_->track.overlap;
-    frame->T_model_cam = last_->track.T_model_cam;
-    frame->surface_distance_mm = last_->surface_distance_mm;
-    frame->live = last_->live;
-    frame->model = last_->model;
-  }
-  frame->trail = trail_;
+void Screen::add(std::shared_ptr<const BurstPreview> burst) {
+  if (!burst) return;
+  newest_ = std::move(burst);
+  trail_.add(*newest_);
+}
+
+std::shared_ptr<PreviewFrame> Screen::frame(PreviewFrame session) const {
+  auto frame = std::make_shared<PreviewFrame>(std::move(session));
+  if (newest_) static_cast<BurstPreview&>(*frame) = *newest_;
+  frame->trail = trail_.points();
   return frame;
 }
 
-view::UserCommands Screen::refresh(const State& state, const std::shared_ptr<const stage::PreviewItem>& item) {
-  if (item) {
-    last_ = item;
-    if (item->track.state != TrackState::kLost) {
-      auto trail = std::make_shared<std::vector<Vec3f>>(*trail_);  // published trails are immutable
-      trail->push_back(view::trail_point(item->track.T_model_cam, item->surface_distance_mm, options_.field));
-      trail_ = std::move(trail);
-    }
-  }
+view::UserCommands Screen::draw(PreviewFrame session) {
   if (!window_) return {};
   window_->wait_frame();
   const view::UserCommands commands = window_->poll();
   // A frame that the driver refuses is left out; the next one is tried anew.
-  static_cast<void>(window_->render(frame(state)));
+  static_cast<void>(window_->render(frame(std::move(session))));
   return commands;
 }
 
-Result<std::string> Screen::write_picture(const State& state, const Mesh* finished, const std::string& path) {
-  auto last = std::make_shared<view::PreviewFrame>(*frame(state));
-  if (finished != nullptr) last->model = snapshot_of(*finished);
+Result<std::string> Screen::write_picture(PreviewFrame session, const Mesh& mesh, const std::string& path) {
+  const auto last = frame(std::move(session));
+  last->model = snapshot_of(mesh);
   view::Picture picture;
   if (window_) {
     ENAMEL_TRY(window_->render(last));

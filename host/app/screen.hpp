@@ -1,18 +1,17 @@
-// The host's screen: turns what session and pipeline publish into the viewer's frames, in a window or without any
-// display.
+// The host's screen, in a window or without any display: puts the newest burst and the path so far to what a session
+// says of itself.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <string>
 
 #include "calib/model/rig.hpp"
-#include "pipeline/stages/preview_item.hpp"
 #include "pipeline/types/mesh.hpp"
+#include "pipeline/types/preview.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/result.hpp"
 #include "viewer/gl/viewer_window.hpp"
-#include "viewer/scene/preview.hpp"
+#include "viewer/scene/trail.hpp"
 
 namespace enamel::app {
 
@@ -27,29 +26,21 @@ class Screen {
 
   void set_field(const calib::Rig& rig);
 
-  struct State {
-    view::ScanState scan = view::ScanState::kWaitingForProbe;
-    view::PreviewCounters counters;
-    std::string message;
-    bool simulated = false;
-    double rate_hz = 0;
-    double latency_ms = 0;
-  };
-  /// Draws the newest item (or the one before when `item` is null) and handles the keyboard.
-  view::UserCommands refresh(const State& state, const std::shared_ptr<const stage::PreviewItem>& item);
-
-  /// Last picture, of the finished model when given, to a PNG. Returns which path drew it. Errors: kDisplay,
-  /// kFileWrite.
-  [[nodiscard]] Result<std::string> write_picture(const State& state, const Mesh* finished, const std::string& path);
+  /// The newest burst; null: none since the last call.
+  void add(std::shared_ptr<const BurstPreview> burst);
+  /// Draws the newest burst and handles the keyboard. Without a window: nothing to do, nothing wanted.
+  view::UserCommands draw(PreviewFrame session);
+  /// Last picture, of the finished mesh, to a PNG. Returns which path drew it. Errors: kDisplay, kFileWrite.
+  [[nodiscard]] Result<std::string> write_picture(PreviewFrame session, const Mesh& mesh, const std::string& path);
 
  private:
-  [[nodiscard]] std::shared_ptr<const view::PreviewFrame> frame(const State& state) const;
+  [[nodiscard]] std::shared_ptr<PreviewFrame> frame(PreviewFrame session) const;
 
   view::ViewerOptions options_;
   Clock& clock_;
   std::unique_ptr<view::ViewerWindow> window_;
-  std::shared_ptr<const stage::PreviewItem> last_;
-  std::shared_ptr<std::vector<Vec3f>> trail_;
+  std::shared_ptr<const BurstPreview> newest_;
+  view::Trail trail_;
 };
 
 }  // namespace enamel::app

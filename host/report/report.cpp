@@ -45,6 +45,9 @@ std::string to_json(const Report& r) {
   if (!r.calibration_json.empty()) {
     out["calibration"] = nlohmann::json::parse(r.calibration_json, nullptr, /*allow_exceptions=*/false);
   }
+  if (!r.pipeline_json.empty()) {
+    out["pipeline"] = nlohmann::json::parse(r.pipeline_json, nullptr, /*allow_exceptions=*/false);
+  }
   return out.dump(1) + "\n";
 }
 

@@ -29,7 +29,9 @@ struct Report {
   double rate_hz = 0;      ///< accepted bursts by the time the run took; wall time, so not part of the hash
   Percentiles latency_ms;  ///< last exposure to fused, live runs only
   std::map<std::string, Percentiles> stage_ms;
-  std::string hash;  ///< SHA-256 over every stage's output of every burst, in order, and the mesh
+  std::string pipeline_json;  ///< object: what each stage took and waited for; wall time, so not part of the hash
+  std::string bottleneck;     ///< one line of it: what set the rate
+  std::string hash;           ///< SHA-256 over every stage's output of every burst, in order, and the mesh
   std::uint64_t mesh_vertices = 0;
   std::uint64_t mesh_triangles = 0;
   std::string accuracy_json;     ///< object with the keys of `enamel compare --json`, empty when the truth is not known

@@ -22,7 +22,7 @@
 #include "pipeline/register/track/mid_burst.hpp"
 #include "pipeline/stages/burst_view.hpp"
 #include "pipeline/stages/items.hpp"
-#include "pipeline/stages/preview_item.hpp"
+#include "pipeline/types/preview.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/metrics.hpp"
 
@@ -126,7 +126,7 @@ class SinkStage final : public flow::Stage {
 class PreviewStage final : public flow::Stage {
  public:
   explicit PreviewStage(PreviewSlot& slot) : Stage("preview"), slot_(slot) {}
-  flow::In<stage::PreviewItem> item{*this, "item"};
+  flow::In<BurstPreview> item{*this, "item"};
 
   Result<void> step() override {
     slot_.put(item.take().value);

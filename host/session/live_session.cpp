@@ -18,6 +18,22 @@ DeviceTime end_of_burst(const proto::Burst& burst) {
   return device_time(static_cast<std::int64_t>(last.t_strobe_ns) + std::int64_t{last.exposure_us} * 1000);
 }
 
+ScanState scan_state(FeedState state) {
+  switch (state) {
+    case FeedState::kWaiting:
+      return ScanState::kWaitingForProbe;
+    case FeedState::kScanning:
+      return ScanState::kScanning;
+    case FeedState::kPaused:
+      return ScanState::kPaused;
+    case FeedState::kLost:
+      return ScanState::kProbeLost;
+    case FeedState::kEnded:
+      break;
+  }
+  return ScanState::kFinished;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<LiveSession>> LiveSession::create(const dds::Participant& participant,
@@ -99,7 +115,6 @@ Result<void> LiveSession::start_pipeline(const proto::DeviceInfo& info) {
   {
     const std::lock_guard lock(mutex_);
     rig_ = rig;
-    view_.serial = info.serial;
     view_.simulated = info.model.find("SIMULATED") != std::string::npos;
   }
   pipeline_ready_.store(pipeline_.get(), std::memory_order_release);
@@ -152,17 +167,16 @@ void LiveSession::on_event(const proto::Event& event) {
 
 void LiveSession::on_state(FeedState state, const std::string& message) {
   const std::lock_guard lock(mutex_);
-  view_.state = state;
+  view_.state = scan_state(state);
   view_.message = message;
 }
 
-LiveView LiveSession::view() const {
+PreviewFrame LiveSession::view() const {
   const ScanPipeline* pipeline = pipeline_ready_.load(std::memory_order_acquire);
   const std::lock_guard lock(mutex_);
-  LiveView view = view_;
-  view.counts = ledger_.counts();
-  if (pipeline != nullptr) view.counts.fused = pipeline->fused_so_far();
-  if (pipeline != nullptr) view.counts.rejected["so far"] = pipeline->rejected_so_far();
+  PreviewFrame view = view_;
+  view.counters = counters_of(ledger_.counts());
+  if (pipeline != nullptr) pipeline->count_into(view);
   return view;
 }
 
@@ -171,12 +185,17 @@ PreviewSlot* LiveSession::preview() {
   return pipeline != nullptr ? &pipeline->preview() : nullptr;
 }
 
+std::shared_ptr<const PipelineFigures> LiveSession::figures() const {
+  const ScanPipeline* pipeline = pipeline_ready_.load(std::memory_order_acquire);
+  return pipeline != nullptr ? pipeline->figures() : nullptr;
+}
+
 std::optional<calib::Rig> LiveSession::rig() const {
   const std::lock_guard lock(mutex_);
   return rig_;
 }
 
-Result<LiveSession::Outcome> LiveSession::finish() {
+Result<Outcome> LiveSession::finish() {
   if (ingest_thread_.joinable()) ingest_thread_.join();
   if (record_thread_.joinable()) record_thread_.join();
   if (!pipeline_)
@@ -191,7 +210,10 @@ Result<LiveSession::Outcome> LiveSession::finish() {
   outcome.counts = ledger_.counts();
   outcome.counts.fused = outcome.scan.fused;
   outcome.counts.rejected = outcome.scan.rejected;
-  outcome.feed_error = feed_error_;
+  outcome.simulated = view_.simulated;
+  outcome.device_serial = rig_->serial;
+  outcome.scanned_at = utc_text(wall_time());
+  outcome.broken_off = feed_error_;
   return outcome;
 }
 

@@ -17,7 +17,7 @@
 #include "host/session/burst_numbering.hpp"
 #include "host/session/pipeline_config.hpp"
 #include "host/session/recorder.hpp"
-#include "host/session/scan_pipeline.hpp"
+#include "host/session/session.hpp"
 
 namespace enamel::host {
 
@@ -35,42 +35,24 @@ struct LiveSessionConfig {
   bool preview_model = true;  ///< mesh the growing model for a window
 };
 
-/// What a person at the screen wants to know now.
-struct LiveView {
-  FeedState state = FeedState::kWaiting;
-  std::string message;
-  BurstCounts counts;
-  std::string serial;
-  bool simulated = false;
-};
-
-class LiveSession final : private FeedSink {
+class LiveSession final : public Session, private FeedSink {
  public:
   /// Errors: kDds, kFileWrite.
   [[nodiscard]] static Result<std::unique_ptr<LiveSession>> create(const dds::Participant& participant,
                                                                    const LiveSessionConfig& config, Clock& clock);
   ~LiveSession() override;
 
-  void start();
-  void stop();  ///< from any thread: ends the scan, what is inside is worked off
-  void set_scanning(bool wanted) { feed_.set_scanning(wanted); }
-  [[nodiscard]] bool scanning_wanted() const { return feed_.scanning_wanted(); }
-  [[nodiscard]] bool ended() const { return ended_.load(std::memory_order_acquire); }
+  void start() override;
+  void stop() override;
+  void set_scanning(bool wanted) override { feed_.set_scanning(wanted); }
+  [[nodiscard]] bool scanning_wanted() const override { return feed_.scanning_wanted(); }
+  [[nodiscard]] bool ended() const override { return ended_.load(std::memory_order_acquire); }
 
-  [[nodiscard]] LiveView view() const;
-  /// Preview of the pipeline once a probe was found, else null. One taker.
-  [[nodiscard]] PreviewSlot* preview();
-  /// Rig of the probe, once found.
-  [[nodiscard]] std::optional<calib::Rig> rig() const;
-
-  struct Outcome {
-    ScanResult scan;
-    BurstCounts counts;
-    std::optional<Error> recording_error;
-    std::optional<Error> feed_error;  ///< a probe that was lost for good: what was scanned is kept
-  };
-  /// After ended(): waits for the threads and hands everything over. Errors: those that left nothing to keep.
-  [[nodiscard]] Result<Outcome> finish();
+  [[nodiscard]] PreviewFrame view() const override;
+  [[nodiscard]] PreviewSlot* preview() override;
+  [[nodiscard]] std::shared_ptr<const PipelineFigures> figures() const override;
+  [[nodiscard]] std::optional<calib::Rig> rig() const override;
+  [[nodiscard]] Result<Outcome> finish() override;
 
  private:
   struct Arrived {
@@ -102,7 +84,7 @@ class LiveSession final : private FeedSink {
 
   mutable std::mutex mutex_;  // guards ledger_, view_, rig_
   LossLedger ledger_;
-  LiveView view_;
+  PreviewFrame view_;  ///< state, message and badge
   std::optional<calib::Rig> rig_;
 
   std::optional<Error> feed_error_;

@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "host/record/calibration_attachment.hpp"
 #include "host/session/probe_counts.hpp"
 #include "protocol/base/log.hpp"
 
@@ -17,6 +18,13 @@ bool says_simulated(const capture::CaptureInfo& info) {
   });
 }
 
+/// When a live recording began, UTC; empty for one that does not say.
+std::string recorded_at(const capture::CaptureInfo& info) {
+  for (const auto& [key, value] : info.metadata)
+    if (key == kRecordedAt) return value;
+  return {};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<ReplaySession>> ReplaySession::create(std::unique_ptr<BurstStream> stream, const calib::Rig& rig,
@@ -24,13 +32,14 @@ Result<std::unique_ptr<ReplaySession>> ReplaySession::create(std::unique_ptr<Bur
   const ScanPipelineOptions options{
       .workers = config.workers, .preview_model = config.preview_model, .calib_crc32 = config.calib_crc32};
   ENAMEL_TRY_ASSIGN(auto pipeline, ScanPipeline::create(rig, config.pipeline, options, clock));
-  return std::unique_ptr<ReplaySession>(new ReplaySession(std::move(stream), std::move(pipeline), config, clock));
+  return std::unique_ptr<ReplaySession>(new ReplaySession(std::move(stream), std::move(pipeline), rig, config, clock));
 }
 
 ReplaySession::ReplaySession(std::unique_ptr<BurstStream> stream, std::unique_ptr<ScanPipeline> pipeline,
-                             const ReplayConfig& config, Clock& clock)
+                             const calib::Rig& rig, const ReplayConfig& config, Clock& clock)
     : stream_(std::move(stream)),
       pipeline_(std::move(pipeline)),
+      rig_(rig),
       config_(config),
       clock_(clock),
       gate_(config.paced ? config.gate_bursts : 2, config.paced ? GatePolicy::kShedOldest : GatePolicy::kLossless),
@@ -47,17 +56,37 @@ void ReplaySession::start() {
   forward_thread_ = std::jthread([this] { run_forwarder(); });
 }
 
-void ReplaySession::stop() { reader_thread_.request_stop(); }
+void ReplaySession::stop() {
+  reader_thread_.request_stop();
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+  }
+  set_scanning(true);  // wakes a paused reader, which then sees the request
+}
+
+void ReplaySession::set_scanning(bool wanted) {
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_.store(wanted || stopped_, std::memory_order_release);
+  }
+  wanted_.notify_all();
+}
+
+void ReplaySession::wait_while_paused() {
+  if (scanning_wanted()) return;
+  wanted_.wait(false, std::memory_order_acquire);
+  clock_offset_ns_.reset();
+}
 
 void ReplaySession::run_reader(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
+  for (wait_while_paused(); !stop.stop_requested(); wait_while_paused()) {
     auto next = stream_->next();
     if (!next) {
       // The damaged record is passed over, counted, and told at the end; the stream goes on behind it.
       log::warn("replay", "{}", next.error().detail);
       damages_.push_back(next.error());
       const std::lock_guard lock(mutex_);
-      ++damaged_;
       ledger_.received_unreadable();
       ledger_.damaged();
       continue;
@@ -75,7 +104,6 @@ void ReplaySession::take(capture::Record record, const std::stop_token& stop) {
     const std::lock_guard lock(mutex_);
     ledger_.received(note->burst_seq);
     ledger_.shed();
-    ++shed_;
   } else if (const auto* status = std::get_if<proto::Status>(&record.value)) {
     const std::lock_guard lock(mutex_);
     if (session_id_ && status->session_id == *session_id_) ledger_.probe_status(counts_of(*status));
@@ -90,11 +118,7 @@ void ReplaySession::take_burst(proto::Burst burst, const std::stop_token& stop) 
     last_seq_ = burst.burst_seq;
     session_id_ = burst.session_id;
     ledger_.received(burst.burst_seq);
-    ++read_;
-    if (!whole) {
-      ledger_.damaged();
-      ++damaged_;
-    }
+    if (!whole) ledger_.damaged();
   }
   if (!whole) {
     damages_.push_back({ErrorCode::kCaptureCorrupt, "burst " + std::to_string(burst.burst_index) + " is inconsistent"});
@@ -104,7 +128,6 @@ void ReplaySession::take_burst(proto::Burst burst, const std::stop_token& stop) 
   if (gate_.push(std::move(burst))) {
     const std::lock_guard lock(mutex_);
     ledger_.shed();
-    ++shed_;
   }
 }
 
@@ -136,12 +159,19 @@ void ReplaySession::run_forwarder() {
   ended_.store(true, std::memory_order_release);
 }
 
-ReplayView ReplaySession::view() const {
-  const std::lock_guard lock(mutex_);
-  return {read_ + damaged_, pipeline_->fused_so_far(), pipeline_->rejected_so_far(), shed_, damaged_};
+PreviewFrame ReplaySession::view() const {
+  PreviewFrame view;
+  view.state = scanning_wanted() ? ScanState::kScanning : ScanState::kPaused;
+  view.simulated = simulated_;
+  {
+    const std::lock_guard lock(mutex_);
+    view.counters = counters_of(ledger_.counts());
+  }
+  pipeline_->count_into(view);
+  return view;
 }
 
-Result<ReplaySession::Outcome> ReplaySession::finish() {
+Result<Outcome> ReplaySession::finish() {
   if (reader_thread_.joinable()) reader_thread_.join();
   if (forward_thread_.joinable()) forward_thread_.join();
   ENAMEL_TRY(pipeline_->join());
@@ -150,6 +180,9 @@ Result<ReplaySession::Outcome> ReplaySession::finish() {
   outcome.counts = ledger_.counts();
   outcome.counts.fused = outcome.scan.fused;
   outcome.counts.rejected = outcome.scan.rejected;
+  outcome.simulated = simulated_;
+  if (const auto recorded_rig = calib::parse_rig(stream_->rig_text())) outcome.device_serial = recorded_rig->serial;
+  outcome.scanned_at = recorded_at(stream_->info());
   outcome.damages = std::move(damages_);
   return outcome;
 }

@@ -12,10 +12,9 @@
 
 #include "host/ingest/ingress_gate.hpp"
 #include "host/record/burst_stream.hpp"
-#include "host/report/accounting.hpp"
 #include "host/session/burst_numbering.hpp"
 #include "host/session/pipeline_config.hpp"
-#include "host/session/scan_pipeline.hpp"
+#include "host/session/session.hpp"
 
 namespace enamel::host {
 
@@ -28,34 +27,30 @@ struct ReplayConfig {
   std::size_t gate_bursts = 8;    ///< paced only, as live
 };
 
-struct ReplayView {
-  std::uint64_t captured = 0, fused = 0, rejected = 0, shed = 0, damaged = 0;
-};
-
-class ReplaySession {
+class ReplaySession final : public Session {
  public:
   [[nodiscard]] static Result<std::unique_ptr<ReplaySession>> create(std::unique_ptr<BurstStream> stream,
                                                                      const calib::Rig& rig, const ReplayConfig& config,
                                                                      Clock& clock);
-  ~ReplaySession();
+  ~ReplaySession() override;
 
-  void start();
-  void stop();
-  [[nodiscard]] bool ended() const { return ended_.load(std::memory_order_acquire); }
-  [[nodiscard]] ReplayView view() const;
-  [[nodiscard]] PreviewSlot& preview() { return pipeline_->preview(); }
-  [[nodiscard]] bool simulated() const noexcept { return simulated_; }
+  void start() override;
+  void stop() override;
+  /// Reading rests and goes on; in a paced replay recorded time rests as well.
+  void set_scanning(bool wanted) override;
+  [[nodiscard]] bool scanning_wanted() const override { return wanted_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool ended() const override { return ended_.load(std::memory_order_acquire); }
 
-  struct Outcome {
-    ScanResult scan;
-    BurstCounts counts;
-    std::vector<Error> damages;  ///< records that could not be read, in order
-  };
-  [[nodiscard]] Result<Outcome> finish();
+  [[nodiscard]] PreviewFrame view() const override;
+  [[nodiscard]] PreviewSlot* preview() override { return &pipeline_->preview(); }
+  [[nodiscard]] std::shared_ptr<const PipelineFigures> figures() const override { return pipeline_->figures(); }
+  [[nodiscard]] std::optional<calib::Rig> rig() const override { return rig_; }
+  [[nodiscard]] Result<Outcome> finish() override;
 
  private:
-  ReplaySession(std::unique_ptr<BurstStream> stream, std::unique_ptr<ScanPipeline> pipeline, const ReplayConfig& config,
-                Clock& clock);
+  ReplaySession(std::unique_ptr<BurstStream> stream, std::unique_ptr<ScanPipeline> pipeline, const calib::Rig& rig,
+                const ReplayConfig& config, Clock& clock);
+  void wait_while_paused();
   void run_reader(const std::stop_token& stop);
   void take(capture::Record record, const std::stop_token& stop);
   void take_burst(proto::Burst burst, const std::stop_token& stop);
@@ -64,18 +59,20 @@ class ReplaySession {
 
   std::unique_ptr<BurstStream> stream_;
   std::unique_ptr<ScanPipeline> pipeline_;
+  calib::Rig rig_;
   ReplayConfig config_;
   Clock& clock_;
   IngressGate<proto::Burst> gate_;
   std::optional<std::int64_t> clock_offset_ns_;  ///< host time of playing minus device time recorded
   bool simulated_ = false;
 
-  mutable std::mutex mutex_;  // guards ledger_, recorded_sheds_
+  mutable std::mutex mutex_;  // guards ledger_, stopped_
   LossLedger ledger_;
   std::optional<std::uint64_t> last_seq_;
   std::optional<std::uint32_t> session_id_;
-  std::uint64_t read_ = 0, shed_ = 0, damaged_ = 0;
   std::vector<Error> damages_;  ///< reader thread, then the owner
+  std::atomic<bool> wanted_{true};
+  bool stopped_ = false;  ///< for good: no pause any more
   std::atomic<bool> ended_{false};
   std::jthread reader_thread_, forward_thread_;
 };

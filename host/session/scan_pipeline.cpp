@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "host/session/end_stages.hpp"
+#include "host/session/pipeline_figures.hpp"
 #include "pipeline/flow/executor.hpp"
 #include "pipeline/flow/graph.hpp"
 #include "pipeline/stages/decode_stage.hpp"
@@ -153,13 +154,18 @@ Result<void> ScanPipeline::join() {
 }
 
 PreviewSlot& ScanPipeline::preview() { return impl_->preview; }
-std::uint64_t ScanPipeline::fused_so_far() const {
+
+void ScanPipeline::count_into(PreviewFrame& frame) const {
   const SinkStage* sink = impl_->sink;
-  return sink != nullptr ? sink->fused_count.value() : 0;
+  if (sink == nullptr) return;
+  frame.counters.fused = sink->fused_count.value();
+  frame.counters.rejected = sink->rejected_count.value();
+  frame.latency_ms = 1e-6 * static_cast<double>(sink->latency_ns.summary().p50);
 }
-std::uint64_t ScanPipeline::rejected_so_far() const {
-  const SinkStage* sink = impl_->sink;
-  return sink != nullptr ? sink->rejected_count.value() : 0;
+
+std::shared_ptr<const PipelineFigures> ScanPipeline::figures() const {
+  if (impl_->sink.load() == nullptr) return nullptr;  // the graph is not built yet
+  return std::make_shared<const PipelineFigures>(figures_of(impl_->graph.snapshot()));
 }
 
 ScanResult ScanPipeline::take_result() {
@@ -178,12 +184,15 @@ ScanResult ScanPipeline::take_result() {
     return Percentiles{static_cast<double>(s.p50) * 1e-6, static_cast<double>(s.p95) * 1e-6,
                        static_cast<double>(s.p99) * 1e-6};
   };
-  for (const auto& stage : impl_->graph.snapshot().stages) {
+  const flow::GraphSnapshot snapshot = impl_->graph.snapshot();
+  for (const auto& stage : snapshot.stages) {
     if (stage.name != "source" && stage.name != "sink") result.stage_ms[stage.name] = ms(stage.service_ns);
   }
   result.latency_ms = ms(sink.latency_ns.summary());
   if (impl_->first_push) result.seconds = std::chrono::duration<double>(impl_->drained_at - *impl_->first_push).count();
   result.temp_c = impl_->temp_c;
+  result.figures = figures_of(snapshot);
+  result.graph_json = flow::to_json(snapshot);
   return result;
 }
 

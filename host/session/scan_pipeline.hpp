@@ -17,9 +17,9 @@
 #include "host/report/report.hpp"
 #include "host/report/stage_trace.hpp"
 #include "host/session/pipeline_config.hpp"
-#include "pipeline/stages/preview_item.hpp"
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/mesh.hpp"
+#include "pipeline/types/preview.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/latest_slot.hpp"
 #include "protocol/base/result.hpp"
@@ -52,6 +52,8 @@ struct ScanResult {
   Percentiles latency_ms;
   double seconds = 0;                           ///< from the first burst in to the last burst out
   std::optional<std::array<double, 2>> temp_c;  ///< coldest and warmest burst, degrees C; empty without bursts
+  PipelineFigures figures;                      ///< of the whole run, wall time …
+  std::string graph_json;                       ///< … and everything that the graph knows of it
 };
 
 struct ScanPipelineOptions {
@@ -60,7 +62,7 @@ struct ScanPipelineOptions {
   std::uint32_t calib_crc32 = 0;  ///< bursts that name another calibration are rejected; 0: any
 };
 
-using PreviewSlot = LatestSlot<std::shared_ptr<const stage::PreviewItem>>;
+using PreviewSlot = LatestSlot<std::shared_ptr<const BurstPreview>>;
 
 /// push() from one thread, preview().take() from one thread, the rest from the owner.
 class ScanPipeline {
@@ -80,9 +82,10 @@ class ScanPipeline {
   [[nodiscard]] Result<void> join();
 
   [[nodiscard]] PreviewSlot& preview();
-  /// Bursts that have reached the sink so far; from any thread.
-  [[nodiscard]] std::uint64_t fused_so_far() const;
-  [[nodiscard]] std::uint64_t rejected_so_far() const;
+  /// Bursts that have reached the sink so far, and how soon; from any thread.
+  void count_into(PreviewFrame& frame) const;
+  /// From any thread; null before the first burst.
+  [[nodiscard]] std::shared_ptr<const PipelineFigures> figures() const;
   /// After join(): extracts the mesh and hands everything over.
   [[nodiscard]] ScanResult take_result();
 

@@ -67,7 +67,7 @@ Result<void> FuseStage::step() {
                          .value();
   fused.emit(flow::make_item<Fused>(item, std::move(out)));
   view.emit(flow::make_item<ModelView>(item, last_view_));
-  preview.emit(flow::make_item<PreviewItem>(item, make_preview(item)));
+  preview.emit(flow::make_item<BurstPreview>(item, make_preview(item)));
   return {};
 }
 
@@ -77,13 +77,17 @@ void FuseStage::pass_rejected(const flow::Item<Tracked>& item) {
   head.rejected = nullptr;
   view.emit(flow::make_item<ModelView>(head, last_view_));
   last_preview_.burst = item.id;
-  last_preview_.track.state = TrackState::kLost;
-  preview.emit(flow::make_item<PreviewItem>(head, last_preview_));
+  last_preview_.placed = true;
+  last_preview_.track = TrackState::kLost;
+  preview.emit(flow::make_item<BurstPreview>(head, last_preview_));
 }
 
-std::shared_ptr<const PreviewItem> FuseStage::make_preview(const flow::Item<Tracked>& item) {
+std::shared_ptr<const BurstPreview> FuseStage::make_preview(const flow::Item<Tracked>& item) {
   last_preview_.burst = item.id;
-  last_preview_.track = item->result;
+  last_preview_.placed = true;
+  last_preview_.track = item->result.state;
+  last_preview_.track_overlap = item->result.overlap;
+  last_preview_.T_model_cam = item->result.T_model_cam;
   const SurfacePatch& patch = *item->patch;
   last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
   last_preview_.live = grey(patch.texture_dn);
@@ -92,7 +96,7 @@ std::shared_ptr<const PreviewItem> FuseStage::make_preview(const flow::Item<Trac
     mesher_.update(model_, model_.take_changed(kVisibleMoveMm), kBlocksAtOnce);
     last_preview_.model = std::make_shared<const ModelSnapshot>(mesher_.snapshot());
   }
-  return std::make_shared<const PreviewItem>(last_preview_);
+  return std::make_shared<const BurstPreview>(last_preview_);
 }
 
 Mesh FuseStage::extract_mesh() {

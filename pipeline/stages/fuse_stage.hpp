@@ -7,9 +7,9 @@
 #include "pipeline/model/fuse/tsdf_model.hpp"
 #include "pipeline/model/mesh/incremental_mesher.hpp"
 #include "pipeline/stages/items.hpp"
-#include "pipeline/stages/preview_item.hpp"
 #include "pipeline/types/mesh.hpp"
 #include "pipeline/types/model_view.hpp"
+#include "pipeline/types/preview.hpp"
 
 namespace enamel::stage {
 
@@ -28,7 +28,7 @@ class FuseStage final : public flow::Stage {
   flow::In<Tracked> tracked{*this, "tracked"};
   flow::Out<Fused> fused{*this, "fused"};
   flow::Out<ModelView> view{*this, "view"};
-  flow::Out<PreviewItem> preview{*this, "preview"};
+  flow::Out<BurstPreview> preview{*this, "preview"};
 
   Result<void> step() override;
   [[nodiscard]] bool handles_rejected() const noexcept override { return true; }
@@ -38,13 +38,13 @@ class FuseStage final : public flow::Stage {
 
  private:
   void pass_rejected(const flow::Item<Tracked>& item);
-  [[nodiscard]] std::shared_ptr<const PreviewItem> make_preview(const flow::Item<Tracked>& item);
+  [[nodiscard]] std::shared_ptr<const BurstPreview> make_preview(const flow::Item<Tracked>& item);
 
   FuseStageConfig config_;
   pipeline::TsdfModel model_;
   pipeline::IncrementalMesher mesher_;
   std::shared_ptr<const ModelView> last_view_;
-  PreviewItem last_preview_;
+  BurstPreview last_preview_;
   int until_preview_ = 0;
 };
 

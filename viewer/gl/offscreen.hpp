@@ -1,10 +1,10 @@
 // A picture without any display: EGL surfaceless context and the same drawing code as the window, panels included.
 #pragma once
 
+#include "pipeline/types/preview.hpp"
 #include "protocol/base/result.hpp"
 #include "viewer/gl/picture.hpp"
 #include "viewer/gl/viewer_options.hpp"
-#include "viewer/scene/preview.hpp"
 
 namespace enamel::view {
 

@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "viewer/gl/ui_style.hpp"
-#include "viewer/scene/preview.hpp"
+#include "pipeline/types/preview.hpp"
 #include "viewer/scene/status.hpp"
 #include "viewer/scene/toggles.hpp"
 

@@ -85,16 +85,17 @@ void SceneRenderer::draw_trail(const SceneView& view, const LinePass::View& scre
     return;
   }
   batch_.clear();
-  const std::size_t n = view.trail.size();
-  for (std::size_t i = 1; i < n; ++i) {
-    const Vec3f& a = view.trail[i - 1];
-    const Vec3f& b = view.trail[i];
-    if (a.allFinite() && b.allFinite()) {  // the newest part is brightest
-      const float age = static_cast<float>(n - i) / static_cast<float>(n);
-      const Tint tint{kAccent, 0.85F - 0.55F * age};
-      batch_.line(a, b, tint, tint);
+  const auto n = static_cast<float>(view.trail.size());
+  float points_after = 0;
+  const Vec3f* after = nullptr;
+  view.trail.newest_first([&](const Vec3f& point) {
+    if (after != nullptr && after->allFinite() && point.allFinite()) {  // the newest part is brightest
+      const Tint tint{kAccent, 0.85F - 0.55F * points_after / n};
+      batch_.line(point, *after, tint, tint);
     }
-  }
+    after = &point;
+    ++points_after;
+  });
   lines_->draw(batch_, screen, 1.6F * scale, 0.75F, 0.12F);
 }
 

@@ -3,8 +3,8 @@
 
 #include <memory>
 #include <optional>
-#include <span>
 
+#include "protocol/base/append_log.hpp"
 #include "protocol/base/result.hpp"
 #include "viewer/gl/line_pass.hpp"
 #include "viewer/gl/model_pass.hpp"
@@ -25,7 +25,7 @@ struct SceneView {
   ProbeField field;
   std::optional<Pose> T_model_cam;  ///< where the probe is drawn; empty: not drawn
   Colour probe_colour = kIdle;
-  std::span<const Vec3f> trail;
+  AppendLog<Vec3f>::View trail;
   float line_scale = 1;
 };
 

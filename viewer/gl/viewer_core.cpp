@@ -25,7 +25,6 @@ ViewerCore::ViewerCore(const ViewerOptions& options)
     : field_(options.field),
       toggles_(options.toggles),
       follow_(follow_config_),
-      trail_(options.field),
       scale_(static_cast<float>(std::clamp(options.ui_scale, 0.5, 2.0))),
       wanted_scale_(scale_) {
   camera_ = follow_goal(Pose::Identity(), std::nan(""), field_, follow_config_);
@@ -87,9 +86,6 @@ Result<void> ViewerCore::draw(std::shared_ptr<const PreviewFrame> frame, const D
   const PreviewFrame& now = *frame_;
   static const ModelSnapshot kNothing;
   scene_->model().update(now.model ? *now.model : kNothing, request.upload_budget_bytes);
-  if (!now.trail) {
-    trail_.add(now);
-  }
   move_camera(now, static_cast<double>(request.width) / request.height, request.dt_s);
   send_live_image(now);
 
@@ -98,7 +94,7 @@ Result<void> ViewerCore::draw(std::shared_ptr<const PreviewFrame> frame, const D
   view.toggles = toggles_;
   view.field = field_;
   view.probe_colour = status_line(now).colour;
-  view.trail = now.trail ? std::span<const Vec3f>(*now.trail) : std::span<const Vec3f>(trail_.points());
+  view.trail = now.trail;
   view.line_scale = scale_;
   if (now.placed) {
     view.T_model_cam = now.T_model_cam;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "pipeline/types/preview.hpp"
 #include "protocol/base/result.hpp"
 #include "viewer/gl/overlay.hpp"
 #include "viewer/gl/picture.hpp"
@@ -16,8 +17,6 @@
 #include "viewer/gl/viewer_options.hpp"
 #include "viewer/scene/follow_camera.hpp"
 #include "viewer/scene/keys.hpp"
-#include "viewer/scene/preview.hpp"
-#include "viewer/scene/trail.hpp"
 
 namespace enamel::view {
 
@@ -70,7 +69,6 @@ class ViewerCore {
   FollowConfig follow_config_;
   FollowCamera follow_;
   ViewCamera camera_;
-  Trail trail_;
   float scale_;
   float wanted_scale_;
   Fonts fonts_;

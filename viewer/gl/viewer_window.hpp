@@ -12,11 +12,11 @@
 #include <memory>
 #include <string>
 
+#include "pipeline/types/preview.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/result.hpp"
 #include "viewer/gl/picture.hpp"
 #include "viewer/gl/viewer_options.hpp"
-#include "viewer/scene/preview.hpp"
 
 namespace enamel::view {
 

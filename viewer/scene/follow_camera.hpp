@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "pipeline/types/model_snapshot.hpp"
-#include "viewer/scene/preview.hpp"
+#include "pipeline/types/preview.hpp"
 #include "viewer/scene/probe_field.hpp"
 #include "viewer/scene/view_camera.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <memory>
 
+#include "pipeline/types/preview.hpp"
 #include "protocol/base/latest_slot.hpp"
-#include "viewer/scene/preview.hpp"
 
 namespace enamel::view {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "viewer/scene/colour.hpp"
-#include "viewer/scene/preview.hpp"
+#include "pipeline/types/preview.hpp"
 #include "viewer/scene/probe_field.hpp"
 
 namespace enamel::view {

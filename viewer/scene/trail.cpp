@@ -1,7 +1,7 @@
 #include "viewer/scene/trail.hpp"
 
 #include <cmath>
-#include <utility>
+#include <vector>
 
 namespace enamel::view {
 
@@ -12,38 +12,40 @@ Vec3f trail_point(const Pose& T_model_cam, double surface_distance_mm, const Pro
   return (T_model_cam * Vec3d(0, 0, depth_mm - kBeforeSurfaceMm)).cast<float>();
 }
 
-void Trail::add(const PreviewFrame& frame) {
-  if (!frame.placed || (any_ && frame.burst == last_)) {
+void Trail::add(const BurstPreview& burst) {
+  if (!burst.placed || burst.burst == last_) {
     return;
   }
-  any_ = true;
-  last_ = frame.burst;
-  if (frame.track == TrackState::kLost) {
-    if (!points_.empty() && points_.back().allFinite()) {
-      points_.push_back(trail_break());
+  last_ = burst.burst;
+  if (burst.track == TrackState::kLost) {
+    if (end_) {
+      append(trail_break());
     }
     return;
   }
-  const Vec3f point = trail_point(frame.T_model_cam, frame.surface_distance_mm, field_);
-  const bool starts_piece = points_.empty() || !points_.back().allFinite();
-  if (starts_piece || (point - points_.back()).norm() >= static_cast<float>(min_step_mm_)) {
-    points_.push_back(point);
+  const Vec3f point = trail_point(burst.T_model_cam, burst.surface_distance_mm, field_);
+  if (!end_ || (point - *end_).norm() >= static_cast<float>(min_step_mm_)) {
+    append(point);
   }
   if (points_.size() > max_points_) {
     thin_out();
   }
 }
 
+void Trail::append(const Vec3f& point) {
+  points_.append(point);
+  end_ = point.allFinite() ? std::optional(point) : std::nullopt;
+}
+
 void Trail::thin_out() {
-  const std::size_t half = points_.size() / 2;
-  std::vector<Vec3f> kept;
-  kept.reserve(points_.size());
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    if (i >= half || i % 2 == 0 || !points_[i].allFinite()) {
-      kept.push_back(points_[i]);
+  const std::vector<Vec3f> all = points_.view().in_order();
+  const std::size_t half = all.size() / 2;
+  points_ = {};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i >= half || i % 2 == 0 || !all[i].allFinite()) {
+      points_.append(all[i]);
     }
   }
-  points_ = std::move(kept);
 }
 
 }  // namespace enamel::view

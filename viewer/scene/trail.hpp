@@ -3,10 +3,10 @@
 
 #include <cstddef>
 #include <limits>
-#include <vector>
+#include <optional>
 
 #include "pipeline/types/geometry.hpp"
-#include "viewer/scene/preview.hpp"
+#include "pipeline/types/preview.hpp"
 #include "viewer/scene/probe_field.hpp"
 
 namespace enamel::view {
@@ -18,25 +18,27 @@ namespace enamel::view {
 /// A break in the path: all NaN.
 [[nodiscard]] inline Vec3f trail_break() { return Vec3f::Constant(std::numeric_limits<float>::quiet_NaN()); }
 
-/// Collects the path from the frames that the viewer sees.
+/// Collects the path from the bursts that are shown.
 class Trail {
  public:
   explicit Trail(const ProbeField& field, double min_step_mm = 0.2, std::size_t max_points = 20000)
       : field_(field), min_step_mm_(min_step_mm), max_points_(max_points) {}
 
   /// Adds a placed burst once; a lost one breaks the path. When full the older half loses every second point.
-  void add(const PreviewFrame& frame);
-  [[nodiscard]] const std::vector<Vec3f>& points() const noexcept { return points_; }
+  void add(const BurstPreview& burst);
+  /// So far; costs the same however long the path is.
+  [[nodiscard]] AppendLog<Vec3f>::View points() const { return points_.view(); }
 
  private:
+  void append(const Vec3f& point);
   void thin_out();
 
   ProbeField field_;
   double min_step_mm_;
   std::size_t max_points_;
-  std::vector<Vec3f> points_;
-  bool any_ = false;
-  BurstId last_{};
+  AppendLog<Vec3f> points_;
+  std::optional<Vec3f> end_;  ///< the last of points_; empty where a piece begins
+  std::optional<BurstId> last_;
 };
 
 }  // namespace enamel::view

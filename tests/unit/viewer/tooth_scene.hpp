@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "viewer/scene/preview.hpp"
+#include "pipeline/types/preview.hpp"
 
 namespace enamel::view::test {
 

@@ -1,0 +1,120 @@
+// A recording behind the interface of a scan: it starts, rests, goes on, ends and hands over what became of every
+// burst.
+#include "host/session/session.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "host/session/pipeline_figures.hpp"
+#include "host/session/replay_session.hpp"
+#include "tests/unit/protocol/random_messages.hpp"
+
+namespace enamel::host {
+namespace {
+
+constexpr std::uint32_t kForeign = 7;  // bursts of another calibration: turned away before they are decoded
+
+/// Bursts and, where `damaged` says so, a record that cannot be read.
+class MadeUpStream final : public BurstStream {
+ public:
+  MadeUpStream(std::uint64_t bursts, std::optional<std::uint64_t> damaged) : bursts_(bursts), damaged_(damaged) {
+    info_.bursts = bursts;
+    info_.metadata.emplace_back("model", "enamel twin, SIMULATED");
+  }
+  [[nodiscard]] const capture::CaptureInfo& info() const noexcept override { return info_; }
+  [[nodiscard]] const std::string& rig_text() const noexcept override { return no_rig_; }
+  [[nodiscard]] Result<std::optional<capture::Record>> next() override {
+    if (next_ == bursts_) return std::optional<capture::Record>();
+    const std::uint64_t n = next_++;
+    if (n == damaged_) return fail(ErrorCode::kCaptureCorrupt, "record " + std::to_string(n));
+    proto::Burst burst = test::camera_burst(n, 16, 12);
+    burst.burst_seq = burst.burst_index = n;
+    burst.calib_crc32 = kForeign;
+    return std::optional(capture::Record{.value = std::move(burst)});
+  }
+  void rewind() noexcept override { next_ = 0; }
+  [[nodiscard]] Result<proto::Burst> burst_with_id(BurstId /*id*/) override { return fail(ErrorCode::kInternal, ""); }
+  [[nodiscard]] Result<proto::Bytes> attachment(const std::string& name) override {
+    return fail(ErrorCode::kFileNotFound, name);
+  }
+
+ private:
+  capture::CaptureInfo info_;
+  std::string no_rig_;
+  std::uint64_t bursts_, next_ = 0;
+  std::optional<std::uint64_t> damaged_;
+};
+
+struct Played {
+  explicit Played(std::uint64_t bursts, std::optional<std::uint64_t> damaged = {}) {
+    const auto rig = calib::load_rig(ENAMEL_SOURCE_DIR "/config/rigs/probe.json").value();
+    const ReplayConfig config{.pipeline = {}, .calib_crc32 = kForeign + 1};
+    session = ReplaySession::create(std::make_unique<MadeUpStream>(bursts, damaged), rig, config, clock).value();
+  }
+  void wait_until_ended() {
+    while (!session->ended()) clock.sleep_for(Nanoseconds{1'000'000});
+  }
+  SteadyClock clock;
+  std::unique_ptr<Session> session;
+};
+
+TEST(Session, APlaybackAccountsForEveryBurstAndSaysWhereItsTimeWent) {
+  Played played(50);
+  EXPECT_EQ(played.session->figures(), nullptr) << "nothing runs yet";
+  EXPECT_TRUE(played.session->rig());
+  played.session->start();
+  played.wait_until_ended();
+  EXPECT_EQ(played.session->view().counters.rejected, 50U);
+  const auto outcome = played.session->finish();
+  ASSERT_TRUE(outcome) << outcome.error().message();
+  EXPECT_EQ(outcome->counts.captured, 50U);
+  EXPECT_EQ(outcome->counts.rejected.at("foreign_calibration"), 50U);
+  EXPECT_TRUE(check(outcome->counts));
+  EXPECT_TRUE(outcome->damages.empty());
+  EXPECT_TRUE(outcome->simulated);
+  const auto json = nlohmann::json::parse(outcome->scan.graph_json);
+  EXPECT_EQ(json.at("stages").size(), 7U);
+  EXPECT_FALSE(json.at("bottleneck").at("words").get<std::string>().empty());
+  ASSERT_EQ(outcome->scan.figures.stages.size(), 4U) << "sources and sinks hand over, they do not work";
+  EXPECT_EQ(outcome->scan.figures.stages[0].name, "decode0");
+  EXPECT_EQ(outcome->scan.figures.stages[3].name, "fuse");
+}
+
+TEST(Session, ADamagedRecordIsToldCountedAndPassedOver) {
+  Played played(10, 4);
+  played.session->start();
+  const auto outcome = played.session->finish();
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(outcome->damages.size(), 1U);
+  EXPECT_EQ(outcome->counts.incomplete, 1U);
+  EXPECT_EQ(outcome->counts.rejected_total(), 9U);
+  EXPECT_FALSE(check(outcome->counts)) << "data was lost";
+}
+
+TEST(Session, APausedPlaybackRestsUntilItIsWantedAgain) {
+  Played played(10);
+  played.session->set_scanning(false);
+  played.session->start();
+  EXPECT_EQ(played.session->view().state, ScanState::kPaused);
+  EXPECT_EQ(played.session->view().counters.captured, 0U);
+  EXPECT_FALSE(played.session->ended());
+  played.session->set_scanning(true);
+  played.wait_until_ended();
+  EXPECT_EQ(played.session->finish()->counts.captured, 10U);
+}
+
+TEST(Session, AStoppedPlaybackEndsAlsoWhenPausedAndPausedAgain) {
+  Played played(10);
+  played.session->set_scanning(false);
+  played.session->start();
+  played.session->stop();
+  played.session->set_scanning(false);
+  played.wait_until_ended();
+  const auto outcome = played.session->finish();
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(outcome->counts.captured, 0U) << "what was not read does not count";
+}
+
+}  // namespace
+}  // namespace enamel::host
