@@ -73,7 +73,8 @@ std::array<Row, 7> figure_rows(const OverlayInput& in) {
           Row{"Lost on the wire", grouped(f.counters.lost_on_wire), loss(f.counters.lost_on_wire)}};
 }
 
-void draw_figures(const OverlayInput& in, const Pen& pen) {
+/// Returns where it ends.
+float draw_figures(const OverlayInput& in, const Pen& pen) {
   const auto rows = figure_rows(in);
   const float row_height = pen.px(24);
   const float width = pen.px(214);
@@ -95,6 +96,7 @@ void draw_figures(const OverlayInput& in, const Pen& pen) {
     pen.text_right(ImVec2(right, y), pen.fonts->small, row.colour, row.value);
     y += row_height;
   }
+  return to.y;
 }
 
 void draw_message(const OverlayInput& in, const Pen& pen) {
@@ -141,8 +143,12 @@ bool draw_overlay(const OverlayInput& input, const Fonts& fonts) {
   if (input.toggles.live_image) {
     draw_live_corner(input, pen);
   }
+  float right_column = 0;
   if (input.toggles.panels) {
-    draw_figures(input, pen);
+    right_column = draw_figures(input, pen);
+  }
+  if (input.toggles.stages && input.frame->pipeline) {
+    draw_stages(input, pen, ImVec2(input.width_px - pen.px(kMargin), right_column + pen.px(kMargin)));
   }
   draw_message(input, pen);
   const bool pressed = draw_scan_button(input, pen);

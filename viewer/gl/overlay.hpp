@@ -1,12 +1,12 @@
-// The panels over the picture: state, figures, live image with distance bar, message, legend, help.
+// The panels over the picture: state, figures, stages, live image with distance bar, message, legend, help.
 #pragma once
 
 #include <epoxy/gl.h>
 
 #include <cstddef>
 
-#include "viewer/gl/ui_style.hpp"
 #include "pipeline/types/preview.hpp"
+#include "viewer/gl/ui_style.hpp"
 #include "viewer/scene/status.hpp"
 #include "viewer/scene/toggles.hpp"
 
@@ -32,6 +32,8 @@ struct OverlayInput {
 
 /// Parts of it.
 void draw_live_corner(const OverlayInput& input, const Pen& pen);
+/// Needs frame->pipeline.
+void draw_stages(const OverlayInput& input, const Pen& pen, ImVec2 top_right);
 void draw_legend(const OverlayInput& input, const Pen& pen, ImVec2 bottom_right);
 void draw_help(const OverlayInput& input, const Pen& pen);
 

@@ -15,6 +15,7 @@ constexpr std::array kBindings{
     KeyBinding{letter('G'), false, Action::kTrail, "G", "Path of the probe"},
     KeyBinding{letter('I'), false, Action::kLiveImage, "I", "Live image and distance"},
     KeyBinding{letter('O'), false, Action::kPanels, "O", "Figures"},
+    KeyBinding{letter('P'), false, Action::kStages, "P", "Pipeline: what each stage takes"},
     KeyBinding{KeyCode::kPlus, false, Action::kLargerText, "+", "Larger text"},
     KeyBinding{KeyCode::kMinus, false, Action::kSmallerText, "-", "Smaller text"},
     KeyBinding{KeyCode::kF12, false, Action::kSavePicture, "F12", "Save a picture"},
@@ -63,6 +64,8 @@ bool apply_toggle(Action action, DisplayToggles& toggles) noexcept {
       return flip(toggles.live_image);
     case Action::kPanels:
       return flip(toggles.panels);
+    case Action::kStages:
+      return flip(toggles.stages);
     case Action::kHelp:
       return flip(toggles.help);
     case Action::kCloseHelp:

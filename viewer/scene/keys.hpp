@@ -23,6 +23,7 @@ enum class Action {
   kTrail,
   kLiveImage,
   kPanels,
+  kStages,
   kLargerText,
   kSmallerText,
   kSavePicture,

@@ -1,10 +1,19 @@
 #include "viewer/scene/status.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 namespace enamel::view {
 namespace {
+
+/// 9.87 -> "9.9", 149.2 -> "149"
+std::string three_digits(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), value < 99.95 ? "%.1f" : "%.0f", value);
+  return text.data();
+}
 
 StatusLine tracking_line(const PreviewFrame& frame) noexcept {
   if (!frame.placed) {
@@ -77,6 +86,19 @@ DistanceReading distance_reading(double surface_distance_mm, const ProbeField& f
     return say(DistanceZone::kFar, kAccent, "Move closer", "v");
   }
   return say(DistanceZone::kTooFar, kViolet, "Too far", "v");
+}
+
+std::vector<StageLine> stage_lines(const PipelineFigures& figures) {
+  std::vector<StageLine> lines;
+  for (const StageFigures& stage : figures.stages) {
+    const double busy = std::isfinite(stage.busy) ? std::clamp(stage.busy, 0.0, 1.0) : 0.0;
+    const std::string waits = stage.waits_for.empty() ? "" : ", waits for " + stage.waits_for;
+    lines.push_back({stage.name, three_digits(stage.median_ms) + " / " + three_digits(stage.p95_ms) + " ms",
+                     three_digits(stage.rate_hz) + " /s, queue " + std::to_string(stage.queue_depth) + ", most " +
+                         std::to_string(stage.queue_high_water) + " of " + std::to_string(stage.queue_capacity) + waits,
+                     static_cast<float>(busy)});
+  }
+  return lines;
 }
 
 std::string grouped(std::uint64_t value) {

@@ -3,9 +3,10 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "viewer/scene/colour.hpp"
 #include "pipeline/types/preview.hpp"
+#include "viewer/scene/colour.hpp"
 #include "viewer/scene/probe_field.hpp"
 
 namespace enamel::view {
@@ -36,6 +37,15 @@ struct DistanceReading {
 /// The bar spans the field and a quarter of it more at both ends, so that leaving the range shows as leaving the bar's
 /// middle.
 [[nodiscard]] DistanceReading distance_reading(double surface_distance_mm, const ProbeField& field) noexcept;
+
+/// A stage of the pipeline in two lines and a bar.
+struct StageLine {
+  std::string name;
+  std::string times;  ///< "67.1 / 149 ms"
+  std::string rest;   ///< "9.9 /s, queue 0, most 1 of 1, waits for decode0"
+  float busy = 0;     ///< share of the time, 0…1
+};
+[[nodiscard]] std::vector<StageLine> stage_lines(const PipelineFigures& figures);
 
 /// 12345 -> "12 345"
 [[nodiscard]] std::string grouped(std::uint64_t value);

@@ -10,7 +10,8 @@ struct DisplayToggles {
   bool frustum = true;
   bool trail = true;
   bool live_image = true;
-  bool panels = true;  ///< the outline and the state's words always stay
+  bool panels = true;   ///< the outline and the state's words always stay
+  bool stages = false;  ///< how long each stage of the pipeline takes and which one is the bottleneck
   bool help = false;
 };
 

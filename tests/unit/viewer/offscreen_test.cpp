@@ -81,6 +81,26 @@ TEST_F(OffscreenTest, SimulatedIsWrittenOnThePicture) {
   EXPECT_EQ(share_of(draw(*frame), top_left, is_badge), 0.0);
 }
 
+TEST_F(OffscreenTest, StagesAreShownWhileAPipelineRunsAndCanBeSwitchedOff) {
+  auto frame = scene_.frame(12, 20);
+  const auto differ = [&](const PreviewFrame& shown) {
+    options_.toggles.stages = true;
+    const Picture with = draw(shown);
+    options_.toggles.stages = false;
+    const Picture without = draw(shown);
+    std::size_t pixels = 0;
+    for (std::size_t i = 0; i < with.rgb.size(); i += 3) pixels += with.rgb[i] != without.rgb[i] ? 1U : 0U;
+    return static_cast<double>(pixels) / (static_cast<double>(with.rgb.size()) / 3);
+  };
+  EXPECT_EQ(differ(*frame), 0.0) << "nothing to show";
+  auto figures = std::make_shared<PipelineFigures>();
+  figures->bottleneck = "track: busy 95 % of the time, its input is full";
+  for (const char* name : {"decode0", "decode1", "track", "fuse"})
+    figures->stages.push_back({.name = name, .median_ms = 40, .p95_ms = 80, .busy = 0.5, .waits_for = "a worker"});
+  frame->pipeline = figures;
+  EXPECT_GT(differ(*frame), 0.02);
+}
+
 TEST_F(OffscreenTest, MalformedBlockAndNanPoseDoNotBreakThePicture) {
   auto frame = scene_.frame(6, 20);
   auto model = std::make_shared<ModelSnapshot>(*frame->model);

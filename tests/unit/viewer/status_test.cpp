@@ -125,11 +125,37 @@ TEST(Keys, TogglesFlipAndOthersAreLeftToTheOwner) {
   EXPECT_TRUE(toggles.quality_map);
   EXPECT_TRUE(apply_toggle(Action::kFollow, toggles));
   EXPECT_FALSE(toggles.follow);
+  EXPECT_EQ(action_for(letter('P'), false), Action::kStages);
+  EXPECT_TRUE(apply_toggle(Action::kStages, toggles));
+  EXPECT_TRUE(toggles.stages);
+  EXPECT_TRUE(toggles.panels) << "the figures stay";
   toggles.help = true;
   EXPECT_TRUE(apply_toggle(Action::kCloseHelp, toggles));
   EXPECT_FALSE(toggles.help);
   EXPECT_FALSE(apply_toggle(Action::kToggleScan, toggles));
   EXPECT_FALSE(apply_toggle(Action::kQuit, toggles));
+}
+
+TEST(StageLines, SayTimeRateQueueAndWhatIsWaitedFor) {
+  PipelineFigures figures;
+  figures.stages.push_back({.name = "track",
+                            .median_ms = 71.34,
+                            .p95_ms = 149.6,
+                            .rate_hz = 9.87,
+                            .busy = 0.7,
+                            .queue_depth = 1,
+                            .queue_high_water = 2,
+                            .queue_capacity = 2,
+                            .waits_for = "decode0"});
+  figures.stages.push_back({.name = "fuse", .busy = std::nan(""), .waits_for = ""});
+  const auto lines = stage_lines(figures);
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_EQ(lines[0].times, "71.3 / 150 ms");
+  EXPECT_EQ(lines[0].rest, "9.9 /s, queue 1, most 2 of 2, waits for decode0");
+  EXPECT_FLOAT_EQ(lines[0].busy, 0.7F);
+  EXPECT_EQ(lines[1].rest, "0.0 /s, queue 0, most 0 of 0") << "nothing is said of a stage that waits for nothing";
+  EXPECT_EQ(lines[1].busy, 0.0F);
+  EXPECT_TRUE(stage_lines({}).empty());
 }
 
 TEST(Grouped, ThousandsAreApart) {
