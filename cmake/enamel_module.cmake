@@ -2,7 +2,7 @@
 #   Library enamel_<n> with alias enamel::<n>. DEPS are enamel modules and may not lie on a higher layer (configure fails).
 #   LIBS are third-party targets in the public interface, PRIVATE_LIBS those hidden in .cpp files.
 # enamel_program(NAME target SOURCES … [DEPS …] [LIBS …])   a program: layer 5, may use everything.
-# enamel_vector_loops(SOURCE …)   sources whose loops over pixels must vectorise.
+# enamel_vector_loops(SOURCE …)   the folder's module has loops over pixels that must vectorise.
 # enamel_test(NAME n SOURCES … [DEPS …] [LIBS …] [LABELS …] [TIMEOUT s] [ARGS …])   a GoogleTest executable under ctest.
 
 # enamel_assert_layer(<module> <layer> <dep> <dep layer>): the rule itself, apart so that its own test can call it.
@@ -30,7 +30,7 @@ function(enamel_link_deps target layer)
 endfunction()
 
 # enamel_unity(<target>): compiles the target's sources in few batches, each header once a batch instead of once a file.
-# A file that Highway includes again for each instruction set stays alone; so does, by CMake's rule, one with options of its own.
+# A file that Highway includes again for each instruction set stays alone.
 function(enamel_unity target)
   if(NOT ENAMEL_UNITY)
     return()
@@ -121,8 +121,11 @@ function(enamel_test)
   endif()
 endfunction()
 
-# enamel_vector_loops(SOURCE …): lets loops with comparisons and square roots vectorise; neither flag changes a result.
-# Per source, because a target's own options come before the policy's -fno-fast-math, which would reset them.
+# enamel_vector_loops(SOURCE …): lets loops with comparisons and square roots vectorise; neither flag changes a result. The
+# whole module of the folder gets them, so that its files can share a batch; those named are the ones that need it.
 function(enamel_vector_loops)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-fno-math-errno;-fno-trapping-math")
+  get_property(modules DIRECTORY PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(module IN LISTS modules)
+    target_compile_options(${module} PRIVATE -fno-math-errno -fno-trapping-math)
+  endforeach()
 endfunction()

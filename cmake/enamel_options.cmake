@@ -17,12 +17,14 @@ find_package(hwy REQUIRED)
 
 set(ENAMEL_SANITIZE "" CACHE STRING "value of -fsanitize=, empty for none")
 
+# Same bits from g++ and clang, at any optimisation level: no fused multiply-add, no reassociation. Not in enamel_policy,
+# whose options come after a module's own and would reset those of enamel_vector_loops.
+add_compile_options(-ffp-contract=off -fno-fast-math)
+
 add_library(enamel_policy INTERFACE)
 target_include_directories(enamel_policy INTERFACE ${CMAKE_SOURCE_DIR})
 target_compile_options(enamel_policy INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor -Werror
-  # Same bits from g++ and clang, at any optimisation level: no fused multiply-add, no reassociation.
-  -ffp-contract=off -fno-fast-math)
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor -Werror)
 # g++ 12 sees an overlap in "literal" + std::to_string(n) that is not there (GCC bug 105651).
 target_compile_options(enamel_policy INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 # In a batch every file but the first counts as a header, where a member of a type without linkage would be a mistake.

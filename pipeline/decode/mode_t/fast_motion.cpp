@@ -10,7 +10,7 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kRowStep = 4, kColumnStep = 2;  ///< layout: strides
+constexpr int kFastRowStep = 4, kColumnStep = 2;  ///< layout: strides
 /// derived: half of it turns frame 3, 3/2 intervals after mid-burst, by 0.04 rad: a sixth of the tolerance.
 constexpr double kStep_rad = 0.05;
 constexpr std::size_t kMotions = 2 * kFastSteps + 1;  ///< layout: asked
@@ -48,7 +48,7 @@ BlockCount count_block(const PhaseMaps& m, const std::array<Prediction, kMotions
   BlockCount count;
   const int right = std::min(left + kFastBlock_px, m.phase_rad.width());
   const int bottom = std::min(top + kFastBlock_px, m.phase_rad.height());
-  for (int v = top; v < bottom; v += kRowStep) {
+  for (int v = top; v < bottom; v += kFastRowStep) {
     for (int u = left; u < right; u += kColumnStep) {
       const std::size_t i = m.phase_rad.index(u, v);
       if (m.reject[i] != PixelReject::kNone) continue;
