@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "calib/judge/prediction.hpp"
+#include "calib/solve/median.hpp"
 #include "tests/bench/calib_opencv.hpp"
 #include "tests/bench/calib_study.hpp"
 #include "tests/support/calib_scene.hpp"
@@ -11,11 +12,6 @@
 
 namespace enamel::bench {
 namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 double bow_of(const calib::VolumeDifference& d) {
   double most = 0;
@@ -108,7 +104,7 @@ Json rigs_study(std::uint64_t first_seed) {
           {"beyond_95", beyond_95},
           {"named", named},
           {"refused", refused},
-          {"median_over_expected", ratio.empty() ? 0 : median(ratio)}};
+          {"median_over_expected", ratio.empty() ? 0 : calib::median(ratio)}};
 }
 
 Json boards_study() {
@@ -129,8 +125,12 @@ Json boards_study() {
     opencv.push_back(peer.shape_p95_um);
     opencv_bow.push_back(bow_of(peer));
   }
-  return {{"boards", kBoards},     {"solved", ours.size()},           {"p95_um", median(ours)},
-          {"bow_um", median(bow)}, {"opencv_p95_um", median(opencv)}, {"opencv_bow_um", median(opencv_bow)}};
+  return {{"boards", kBoards},
+          {"solved", ours.size()},
+          {"p95_um", calib::median(ours)},
+          {"bow_um", calib::median(bow)},
+          {"opencv_p95_um", calib::median(opencv)},
+          {"opencv_bow_um", calib::median(opencv_bow)}};
 }
 
 Json centres_study() {

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
-#include <sstream>
 
 #include "calib/judge/plane_check.hpp"
 #include "calib/judge/prediction.hpp"
@@ -15,6 +14,7 @@
 #include "tests/bench/calib_opencv.hpp"
 #include "tests/bench/calib_study.hpp"
 #include "tests/bench/study.hpp"
+#include "tests/support/true_poses.hpp"
 
 namespace enamel::bench {
 namespace {
@@ -89,31 +89,13 @@ std::vector<PoseView> with_hidden_dots(std::vector<PoseView> views) {
   return views;
 }
 
-/// T_cam_target by pose, from truth/poses.csv: burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw of T_model_cam.
-std::vector<Pose> true_poses(const std::string& path) {
-  std::vector<Pose> out;
-  std::istringstream lines(read_file(path).value());
-  std::string line;
-  std::getline(lines, line);
-  while (std::getline(lines, line)) {
-    double t[3], q[4];
-    if (std::sscanf(line.c_str(), "%*d,%*d,%lf,%lf,%lf,%lf,%lf,%lf,%lf", t, t + 1, t + 2, q, q + 1, q + 2, q + 3) != 7)
-      continue;
-    Pose T_model_cam = Pose::Identity();
-    T_model_cam.linear() = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized().toRotationMatrix();
-    T_model_cam.translation() = Vec3d(t[0], t[1], t[2]);
-    out.push_back(T_model_cam.inverse());
-  }
-  return out;
-}
-
 /// Images of the disc centres against their true places, px rms an axis.
 double centre_error_px(const Set& set, const calib::Solution& solution) {
-  const std::vector<Pose> poses = true_poses(set.folder.path + "/truth/poses.csv");
+  const auto poses = test::true_poses(set.folder.path + "/truth/poses.csv");
   double squares = 0, n = 0;
-  for (std::size_t j = 0; j < solution.poses.size(); ++j) {
-    for (const calib::DotView& dot : solution.poses[j].dots) {
-      const Vec3d p = poses[j] * set.folder.target.place(dot.dot);
+  for (const PoseView& pose : solution.poses) {
+    for (const calib::DotView& dot : pose.dots) {
+      const Vec3d p = poses.at(std::stoi(pose.name)) * set.folder.target.place(dot.dot);
       const calib::PlanePoint q = calib::project(set.truth.camera, {p.x() / p.z(), p.y() / p.z()});
       squares += std::pow(dot.camera_px.x() - q.x, 2) + std::pow(dot.camera_px.y() - q.y, 2);
       n += 2;

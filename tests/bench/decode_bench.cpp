@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pipeline/decode/burst_decoder.hpp"
+#include "tests/bench/thread_time.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 
@@ -18,12 +19,7 @@
 
 namespace {
 
-/// Processor time of this thread: other load on the machine does not count.
-double thread_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
+using enamel::bench::thread_ms;
 
 void decode_frames(benchmark::State& state, const enamel::calib::Rig& rig, const enamel::pipeline::BurstView& frames) {
   const auto decoder = enamel::pipeline::BurstDecoder::make(rig);

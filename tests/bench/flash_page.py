@@ -19,7 +19,7 @@ def word(passed):
 def cut_rows(page, build, full):
     page.section("Power cuts", "In-process flash model with page erase and torn sectors; an update of 16 MiB, boot and confirmation.")
     s = Suite(build, "fw_power_cut", {"ENAMEL_FULL_TESTS": "1"} if full else None)
-    single, double = "PowerCut.NoPositionBricks", "PowerCut.TwoCutsInARowDoNotBrickAndTheUpdateStillSucceeds"
+    single, double = "PowerCut.no_position_bricks", "PowerCut.two_cuts_in_a_row_do_not_brick_and_the_update_still_succeeds"
     positions, scratch, pairs = s.figure(single, "positions"), s.figure(single, "from_scratch"), s.figure(double, "pairs")
     took = s.seconds(single) + (s.seconds(double) if full else 0)
     page.row("every sector of the flow, every byte of a boot block's write: positions without a brick", "≥ 35 000",
@@ -28,34 +28,34 @@ def cut_rows(page, build, full):
     page.row(f"random double cuts, image of {'16 MiB' if full else '1 MiB (16 MiB by --full)'}, then the update succeeds", "1 000, 0 bricks",
              f"{pairs}, {word(s.passed(double))}", s.passed(double) and pairs >= 1000)
     page.row("… time of both" if full else "… time of the single cuts", "≤ 5 min", f"{took:.0f} s", took <= 300)
-    page.row("control: a policy that charges confirmed slots, one that does not verify", "caught", word(s.passed("PowerCut.Control")),
-             s.passed("PowerCut.Control"))
+    page.row("control: a policy that charges confirmed slots, one that does not verify", "caught", word(s.passed("PowerCut.control")),
+             s.passed("PowerCut.control"))
 
 
 def image_rows(page, build, update):
     page.section("Images that must not run")
     s = Suite(build, "fw_image")
-    bits = "Flip.EveryBitOfTheManifestIsRefusedBeforeTheFirstErase"
-    flips, sample = "Flip.TenThousandOfAWholeImageAreSeenByTheirChunk", "Flip.PayloadsAreRefusedByTheProbeBeforeTheirChunkIsWritten"
+    bits = "Flip.every_bit_of_the_manifest_is_refused_before_the_first_erase"
+    flips, sample = "Flip.ten_thousand_of_a_whole_image_are_seen_by_their_chunk", "Flip.payloads_are_refused_by_the_probe_before_their_chunk_is_written"
     page.row("single-bit flips of the manifest, signature block and pad included, refused before the first erase", "100 %",
              f"{update.figure(bits, 'refused')} bits, {word(update.passed(bits))}", update.passed(bits))
     page.row("random flips of a 16 MiB payload refused", "10 000 of 10 000", f"{update.figure(flips, 'refused')}",
              update.passed(flips) and update.figure(flips, "refused") == 10000)
     page.row("… whole way through the receiver: refused, the chunk's place untouched, resumed with the right bytes", "all",
              f"{update.figure(sample, 'flips')}, {word(update.passed(sample))}", update.passed(sample))
-    named = update.passed("Update.EachRefusalHasItsNumber", "Update.RevokedKey") and s.passed("Image.")
+    named = update.passed("Update.each_refusal_has_its_number", "Update.revoked_key") and s.passed("Image.")
     page.row("downgrade, foreign, revoked, development key, hardware, truncated, DfuSe, unsigned: own number, device usable", "each",
              word(named), named)
 
 
 def probe_rows(page, update, usb):
     page.section("On the probe")
-    kept = update.passed("Update.CalibrationIsTheSameAfterFlashingRollbackAndFactoryReset")
+    kept = update.passed("Update.calibration_is_the_same_after_flashing_rollback_and_factory_reset")
     page.row("calibration bytes after flashing, rollback, factory reset", "identical", word(kept), kept)
-    page.row("… seen over USB", "identical", word(usb.passed("Flash.CalibrationIsTheSame")), usb.passed("Flash.CalibrationIsTheSame"))
-    cycles = update.passed("BootDecision.AHealthyTrialSurvives", "BootDecision.ThreePowerCycles")
+    page.row("… seen over USB", "identical", word(usb.passed("Flash.calibration_is_the_same")), usb.passed("Flash.calibration_is_the_same"))
+    cycles = update.passed("BootDecision.a_healthy_trial_survives", "BootDecision.three_power_cycles")
     page.row("three healthy power cycles during a trial", "never \"stop\"", word(cycles), cycles)
-    tries = update.passed("BootDecision.ZeroTries", "BootDecision.EveryBlock", "Update.RecoveryTakesAnImageWhateverTheTriesAre")
+    tries = update.passed("BootDecision.zero_tries", "BootDecision.every_block", "Update.recovery_takes_an_image_whatever_the_tries_are")
     page.row("zero tries everywhere: every block over ten boots; recovery takes an image", "never \"stop\"", word(tries), tries)
 
 
@@ -71,9 +71,9 @@ def arm_row(page, build):
 def usb_rows(page, build, usb):
     page.section("Over USB", "Emulated port (umockdev), real libusb, unmodified `dfu-util`. SIMULATION.")
     page.row("unmodified dfu-util downloads and reads the status back", "yes", word(usb.passed("DfuUtil.")), usb.passed("DfuUtil."))
-    refusals = usb.passed("Flash.EachRefusalHasItsExitCode")
+    refusals = usb.passed("Flash.each_refusal_has_its_exit_code")
     page.row("each refusal by exit code and text, nothing written", "each", word(refusals), refusals)
-    three = usb.passed("Field.OfThreeOneIsPulled", "Field.APulledProbeIsResumed", "Flash.StallsAreRetried")
+    three = usb.passed("Field.of_three_one_is_pulled", "Field.a_pulled_probe_is_resumed", "Flash.stalls_are_retried")
     page.row("three at once: one healthy, one stalling, one pulled at 30 %", "succeeds, recovers, resumes", word(three), three)
     fwupd = Lane(build, "^fwupd$")
     page.row("fwupdtool takes the cabinet without its daemon", "yes", fwupd.state, fwupd.state == "passed")

@@ -1,22 +1,15 @@
 // Parts of the decode study: each returns one section of its JSON. Deterministic but for times.
 #pragma once
 
-#include <ctime>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "pipeline/types/map.hpp"
+#include "tests/bench/thread_time.hpp"
 
 namespace enamel::bench {
 
 using Json = nlohmann::ordered_json;
-
-/// Processor time of this thread: other load on the machine does not count.
-inline double thread_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
 
 /// A map for the page's pictures; a failed write ends the program with its message.
 void save(const std::string& path, const Map<float>& map);
@@ -25,6 +18,10 @@ void save(const std::string& path, const Map<float>& map);
 [[nodiscard]] Json ripple_study();
 [[nodiscard]] Json baked_study();
 [[nodiscard]] Json unwrap_study(const std::string& folder);
+/// What the code makes of the flood's leaks: mode T through the whole decoder.
+[[nodiscard]] Json unwrap_with_code(double noise_dn);
+/// The same surface with one marker fringe, counted from there by the same links and flood.
+[[nodiscard]] Json unwrap_with_marker(double noise_dn);
 [[nodiscard]] Json captured_study(const std::string& folder);
 [[nodiscard]] Json modes_study();
 /// bursts: of mode T; a tenth as many of mode M and of the marker.

@@ -58,7 +58,7 @@ const std::string& six_stands() {
   return capture;
 }
 
-TEST(CalibrateCapture, PosesOfALiveProbeMakeAFolderThatSolves) {
+TEST(CalibrateCapture, poses_of_a_live_probe_make_a_folder_that_solves) {
   const TempFolder tmp;
   const Taken taken = take(tmp, six_stands(), 5);
   ASSERT_EQ(taken.ran.code, 0) << taken.ran.err;
@@ -79,7 +79,7 @@ TEST(CalibrateCapture, PosesOfALiveProbeMakeAFolderThatSolves) {
   EXPECT_LT(solved["expected"]["p95_um"].get<double>(), 2.0) << solve.out;
 }
 
-TEST(CalibrateCapture, TooFewPosesLeaveNothing) {
+TEST(CalibrateCapture, too_few_poses_leave_nothing) {
   const TempFolder tmp;
   const Taken taken = take(tmp, six_stands(), 10);
   EXPECT_EQ(taken.ran.code, 2);
@@ -89,7 +89,7 @@ TEST(CalibrateCapture, TooFewPosesLeaveNothing) {
   expect_nothing_written(tmp);
 }
 
-TEST(CalibrateCapture, BlurredBoardIsRefusedAsBlurred) {
+TEST(CalibrateCapture, blurred_board_is_refused_as_blurred) {
   const TempFolder tmp;
   const Taken taken = take(tmp, render(tmp, 1, {"camera.psf_sigma_px=2.5"}), 3);
   EXPECT_EQ(taken.ran.code, 2);
@@ -101,7 +101,7 @@ TEST(CalibrateCapture, BlurredBoardIsRefusedAsBlurred) {
   expect_nothing_written(tmp);
 }
 
-TEST(CalibrateCapture, TwoBoardsAreRefusedAsTwo) {
+TEST(CalibrateCapture, two_boards_are_refused_as_two) {
   const TempFolder tmp;
   const Taken taken = take(
       tmp, render(tmp, 1, {"board.doubled=true", "board.pitch_mm=0.8", "board.radius_mm=0.2", "board.margin_mm=0.6"}),
@@ -117,7 +117,7 @@ TEST(CalibrateCapture, TwoBoardsAreRefusedAsTwo) {
   expect_nothing_written(tmp);
 }
 
-TEST(CalibrateCapture, AProbeThatShowsScanningPatternsIsRefused) {
+TEST(CalibrateCapture, a_probe_that_shows_scanning_patterns_is_refused) {
   const TempFolder tmp;
   const Taken taken = take(tmp, std::string(ENAMEL_BIN_DIR) + "/../fixtures/small.mcap", 5);
   EXPECT_EQ(taken.ran.code, 2);

@@ -8,7 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calib/io/rig_writer.hpp"
-#include "tests/support/calib_scene.hpp"
+#include "tests/e2e/calibrate_set.hpp"
+#include "tests/support/rig_files.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -16,55 +17,6 @@ namespace enamel {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kPoses = 5;
-
-void write_png(const std::string& path, const Map<float>& image) {
-  cv::Mat out(image.height(), image.width(), CV_8U);
-  for (int v = 0; v < out.rows; ++v)
-    for (int u = 0; u < out.cols; ++u) out.at<unsigned char>(v, u) = static_cast<unsigned char>(image(u, v));
-  cv::imwrite(path, out);
-}
-
-void write_set(const std::string& folder) {
-  const auto scene = test::make_calib_scene(11, kPoses);
-  Rng rng(11, 3, 1);
-  for (std::size_t j = 0; j < kPoses; ++j) {
-    const auto frames = test::render_pose(scene, j, {}, rng);
-    const std::string pose = folder + "/poses/0" + std::to_string(j) + "/";
-    fs::create_directories(pose);
-    write_png(pose + "white.png", frames.white);
-    write_png(pose + "black.png", frames.black);
-    for (const bool is_v : {false, true})
-      for (const auto& level : is_v ? frames.along_v : frames.along_u)
-        for (std::size_t k = 0; k < 4; ++k)
-          write_png(pose + (is_v ? "h_" : "v_") + std::to_string(level.cycles) + "_" + std::to_string(k) + ".png",
-                    level.frames[k]);
-  }
-  const auto lens = [](const calib::LensValues& l) {
-    return nlohmann::json{{"width", l.width}, {"height", l.height}, {"fx", l.fx},    {"fy", l.fy},
-                          {"cx", l.cx},       {"cy", l.cy},         {"dist", l.dist}};
-  };
-  const nlohmann::json rig{{"format", "rig/1"},
-                           {"units", "mm"},
-                           {"nominal", true},
-                           {"serial", "EN-11"},
-                           {"camera", lens(scene.nominal.camera)},
-                           {"projector", lens(scene.nominal.projector)},
-                           {"T_proj_cam", scene.nominal.T_proj_cam},
-                           {"depth_range_mm", {40, 56}},
-                           {"patterns", {{"mode", "multi"}, {"steps", 4}, {"cycles", {1, 4, 16, 64}}}},
-                           {"noise",
-                            {{"full_well_e", 10000},
-                             {"read_noise_e", 5},
-                             {"bits", 8},
-                             {"gain_e_per_dn", 39.84},
-                             {"black_dn", 4},
-                             {"averaged_frames", 16}}}};
-  ASSERT_TRUE(write_file(folder + "/rig.json", rig.dump()));
-  ASSERT_TRUE(write_file(folder + "/target.json",
-                         R"({"type": "circle_grid", "cols": 9, "rows": 7, "pitch_mm": 1.8, "radius_mm": 0.33})"));
-}
 
 class Calibrate : public testing::Test {
  protected:
@@ -133,8 +85,8 @@ TEST_F(Calibrate, five_poses_are_accepted_and_one_without_a_fringe_image_is_name
 void write_response(const std::string& folder, double gamma) {
   fs::create_directories(folder + "/response");
   for (int level = 0; level <= 255; level += 51)
-    write_png(folder + "/response/grey_" + std::to_string(level) + ".png",
-              Map<float>(640, 480, static_cast<float>(std::round(4 + 200 * std::pow(level / 255.0, gamma)))));
+    test::write_png(folder + "/response/grey_" + std::to_string(level) + ".png",
+                    Map<float>(640, 480, static_cast<float>(std::round(4 + 200 * std::pow(level / 255.0, gamma)))));
 }
 
 TEST_F(Calibrate, projector_that_is_not_linear_is_refused_before_anything_is_solved) {
@@ -231,13 +183,13 @@ TEST_F(Calibrate, a_set_of_another_probe_is_refused_before_it_is_measured) {
 
 TEST_F(Calibrate, dark_frames_and_flat_field_are_used) {
   const std::string folder = copy();
-  for (const char* name : {"/dark_0.png", "/dark_1.png"}) write_png(folder + name, Map<float>(640, 480, 4.0F));
-  write_png(folder + "/flat.png", Map<float>(640, 480, 180.0F));
+  for (const char* name : {"/dark_0.png", "/dark_1.png"}) test::write_png(folder + name, Map<float>(640, 480, 4.0F));
+  test::write_png(folder + "/flat.png", Map<float>(640, 480, 180.0F));
   const auto ran = solve(folder);
   ASSERT_EQ(ran.code, 0) << ran.err;
   EXPECT_THAT(ran.out,
               testing::AllOf(testing::HasSubstr("2 dark frames subtracted"), testing::HasSubstr("flat field divided")));
-  write_png(folder + "/flat.png", Map<float>(640, 480, 255.0F));
+  test::write_png(folder + "/flat.png", Map<float>(640, 480, 255.0F));
   expect_message(solve(folder), "flat.png is saturated");
 }
 

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/e2e/small_capture.hpp"
 #include "tests/support/run.hpp"
 
 namespace enamel::test {
@@ -11,8 +12,6 @@ namespace {
 
 using std::chrono::seconds;
 using Json = nlohmann::json;
-
-std::string small_capture() { return std::string(ENAMEL_BIN_DIR) + "/../fixtures/small.mcap"; }
 
 Json json_of(const std::string& path) { return Json::parse(read_file(path).value_or("{}"), nullptr, false); }
 
@@ -41,7 +40,7 @@ Ran scan(const TempFolder& tmp, const std::string& rig) {
              seconds(180));
 }
 
-TEST(CalibrationInForce, ScanRecordsItAndReplayMeasuresWithIt) {
+TEST(CalibrationInForce, scan_records_it_and_replay_measures_with_it) {
   const TempFolder tmp;
   const std::string rig = write_calibration(tmp, "SIM-0001", 1.001);
   const Ran scanned = scan(tmp, rig);
@@ -76,7 +75,7 @@ TEST(CalibrationInForce, ScanRecordsItAndReplayMeasuresWithIt) {
   EXPECT_EQ(own["calibration"]["marks"].size(), 0U);
 }
 
-TEST(CalibrationInForce, TermsTakeTheOpticsToTheBurstsTemperature) {
+TEST(CalibrationInForce, terms_take_the_optics_to_the_bursts_temperature) {
   const TempFolder tmp;
   const auto hash = [&](const char* name, const auto& change) {
     Json rig = json_of(std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe.json");
@@ -102,7 +101,7 @@ TEST(CalibrationInForce, TermsTakeTheOpticsToTheBurstsTemperature) {
   EXPECT_NE(hash("terms", terms), hash("as-it-is", [](Json&) {})) << "control";
 }
 
-TEST(CalibrationInForce, AnotherProbesIsRefused) {
+TEST(CalibrationInForce, another_probes_is_refused) {
   const TempFolder tmp;
   const std::string rig = write_calibration(tmp, "SIM-0002", 1);
   const Ran scanned = scan(tmp, rig);

@@ -7,14 +7,13 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/e2e/small_capture.hpp"
 #include "tests/support/run.hpp"
 
 namespace enamel::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string small_capture() { return std::string(ENAMEL_BIN_DIR) + "/../fixtures/small.mcap"; }
 
 void expect_told(const Ran& ran, int code, const std::string& part) {
   EXPECT_EQ(ran.code, code) << ran.err;
@@ -51,12 +50,12 @@ void put_rig(const std::string& folder, const std::string& name) {
                 fs::copy_options::overwrite_existing);
 }
 
-TEST(Faults, MissingRecording) {
+TEST(Faults, missing_recording) {
   const TempFolder tmp;
   expect_told(replay("/nowhere/x.mcap", tmp / "out"), 2, "file not found: /nowhere/x.mcap");
 }
 
-TEST(Faults, EmptyAndForeignFile) {
+TEST(Faults, empty_and_foreign_file) {
   const TempFolder tmp;
   ASSERT_TRUE(write_file(tmp / "empty.mcap", ""));
   expect_told(replay(tmp / "empty.mcap", tmp / "out"), 2, "recording not usable");
@@ -64,13 +63,13 @@ TEST(Faults, EmptyAndForeignFile) {
   expect_told(replay(tmp / "foreign.mcap", tmp / "out"), 2, "recording not usable");
 }
 
-TEST(Faults, EmptyFolder) {
+TEST(Faults, empty_folder) {
   const TempFolder tmp;
   fs::create_directory(tmp / "folder");
   expect_told(replay(tmp / "folder", tmp / "out"), 2, "exchange folder not usable");
 }
 
-TEST(Faults, TruncatedRecordingIsReplayedAsFarAsItGoes) {
+TEST(Faults, truncated_recording_is_replayed_as_far_as_it_goes) {
   const TempFolder tmp;
   const std::string whole = read_file(small_capture()).value_or("");
   ASSERT_GT(whole.size(), 1000U);
@@ -83,7 +82,7 @@ TEST(Faults, TruncatedRecordingIsReplayedAsFarAsItGoes) {
 }
 
 /// What is left over in a buffer is as old as the camera's ring is long: four frames, or eight.
-TEST(Faults, FrameLeftOverFromABurstBeforeCostsThatBurst) {
+TEST(Faults, frame_left_over_from_a_burst_before_costs_that_burst) {
   for (const std::size_t bursts_ago : {1U, 2U}) {
     const TempFolder tmp;
     const std::string folder = small_folder(tmp);
@@ -102,7 +101,7 @@ TEST(Faults, FrameLeftOverFromABurstBeforeCostsThatBurst) {
   }
 }
 
-TEST(Faults, FlippedBitIsCaughtCountedAndPassedOver) {
+TEST(Faults, flipped_bit_is_caught_counted_and_passed_over) {
   const TempFolder tmp;
   std::string bytes = read_file(small_capture()).value_or("");
   ASSERT_GT(bytes.size(), 1000U);
@@ -114,21 +113,21 @@ TEST(Faults, FlippedBitIsCaughtCountedAndPassedOver) {
   EXPECT_TRUE(fs::exists(tmp / "out/mesh.ply"));
 }
 
-TEST(Faults, FolderWithoutCalibration) {
+TEST(Faults, folder_without_calibration) {
   const TempFolder tmp;
   const std::string folder = small_folder(tmp);
   fs::remove(folder + "/rig.json");
   expect_told(replay(folder, tmp / "out"), 2, "rig.json");
 }
 
-TEST(Faults, NanInCalibration) {
+TEST(Faults, nan_in_calibration) {
   const TempFolder tmp;
   const std::string folder = small_folder(tmp);
   replace_in(folder + "/rig.json", "\"fx\":", "\"fx\": NaN, \"was\":");
   expect_told(replay(folder, tmp / "out"), 2, "calibration not usable");
 }
 
-TEST(Faults, PatternSetOfACalibrationTarget) {
+TEST(Faults, pattern_set_of_a_calibration_target) {
   const TempFolder tmp;
   const std::string folder = small_folder(tmp);
   put_rig(folder, "probe_t");
@@ -136,7 +135,7 @@ TEST(Faults, PatternSetOfACalibrationTarget) {
   expect_told(replay(folder, tmp / "out"), 2, "pattern set does not fit");
 }
 
-TEST(Faults, FrameOfAnotherSize) {
+TEST(Faults, frame_of_another_size) {
   const TempFolder tmp;
   const std::string folder = small_folder(tmp);
   ASSERT_TRUE(cv::imwrite(folder + "/frames/000001_2.png", cv::Mat::zeros(100, 100, CV_8U)));
@@ -145,7 +144,7 @@ TEST(Faults, FrameOfAnotherSize) {
   EXPECT_FALSE(fs::exists(tmp / "out.mcap"));
 }
 
-TEST(Faults, FrameOfAnotherDepth) {
+TEST(Faults, frame_of_another_depth) {
   const TempFolder tmp;
   const std::string folder = small_folder(tmp);
   ASSERT_TRUE(cv::imwrite(folder + "/frames/000001_2.png", cv::Mat::zeros(480, 640, CV_16U)));
@@ -156,7 +155,7 @@ Ran decode(const std::string& folder, const std::string& out) {
   return run({program("enamel"), "decode", folder, "--burst", "1", "--out", out});
 }
 
-TEST(Faults, DecodeRefusesARigThatDoesNotFitAndWritesNothing) {
+TEST(Faults, decode_refuses_a_rig_that_does_not_fit_and_writes_nothing) {
   struct Case {
     const char *rig, *from, *to, *told;
   };
@@ -184,7 +183,7 @@ TEST(Faults, DecodeRefusesARigThatDoesNotFitAndWritesNothing) {
   EXPECT_FALSE(fs::exists(tmp / "out"));
 }
 
-TEST(Faults, DecodeOfFramesWithoutSignalSaysWhyAndStillWritesItsReport) {
+TEST(Faults, decode_of_frames_without_signal_says_why_and_still_writes_its_report) {
   for (const auto& [level, why] : {std::pair{0, "too_dark"}, {255, "saturated"}, {120, "no_fringes"}}) {
     const TempFolder tmp;
     const std::string folder = small_folder(tmp);
@@ -200,7 +199,7 @@ TEST(Faults, DecodeOfFramesWithoutSignalSaysWhyAndStillWritesItsReport) {
   }
 }
 
-TEST(Faults, UnknownConfigurationKeyNamesLineAndNearestKey) {
+TEST(Faults, unknown_configuration_key_names_line_and_nearest_key) {
   const TempFolder tmp;
   ASSERT_TRUE(write_file(tmp / "c.toml", "[fuse]\nvoxel_mn = 0.1\n"));
   const Ran ran = replay(small_capture(), tmp / "out", {"--config", tmp / "c.toml"});
@@ -208,16 +207,16 @@ TEST(Faults, UnknownConfigurationKeyNamesLineAndNearestKey) {
   EXPECT_NE(ran.err.find("voxel_mm"), std::string::npos) << ran.err;
 }
 
-TEST(Faults, ConfigurationValueOutOfRange) {
+TEST(Faults, configuration_value_out_of_range) {
   const TempFolder tmp;
   expect_told(replay(small_capture(), tmp / "out", {"--set", "fuse.voxel_mm=-1"}), 2, "voxel_mm");
 }
 
-TEST(Faults, OutputThatCannotBeWritten) {
+TEST(Faults, output_that_cannot_be_written) {
   expect_told(replay(small_capture(), "/proc/nowhere"), 2, "file cannot be written");
 }
 
-TEST(Faults, FullDisk) {
+TEST(Faults, full_disk) {
   const TempFolder tmp;
   // Files may grow to 200 KiB: the mesh does not fit.
   const Ran ran = run({"/bin/bash", "-c",
@@ -228,27 +227,27 @@ TEST(Faults, FullDisk) {
   EXPECT_FALSE(fs::exists(tmp / "out/mesh.ply.partial"));
 }
 
-TEST(Faults, ViewWithoutDisplay) {
+TEST(Faults, view_without_display) {
   const TempFolder tmp;
   const Ran ran = run({"/usr/bin/env", "-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", program("enamel"), "replay",
                        small_capture(), "--out", tmp / "out", "--view"});
   expect_told(ran, 3, "no display");
 }
 
-TEST(Faults, BurstThatIsNotThere) {
+TEST(Faults, burst_that_is_not_there) {
   const TempFolder tmp;
   expect_told(run({program("enamel"), "decode", small_capture(), "--burst", "99999", "--out", tmp / "out"}), 2,
               "no such burst");
 }
 
-TEST(Faults, NoProbe) {
+TEST(Faults, no_probe) {
   const TempFolder tmp;
   expect_told(run({program("enamel"), "scan", "--headless", "--session", tmp / "s", "--dds-tag", unique_tag(),
                    "--wait-seconds", "1"}),
               3, "no probe found");
 }
 
-TEST(Faults, WrongUsage) {
+TEST(Faults, wrong_usage) {
   EXPECT_EQ(run({program("enamel"), "replay"}).code, 1);
   EXPECT_EQ(run({program("enamel"), "nonsense"}).code, 1);
   EXPECT_EQ(run({program("enamel"), "--help"}).code, 0);

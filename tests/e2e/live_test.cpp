@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "tests/e2e/small_capture.hpp"
 #include "tests/support/run.hpp"
 
 namespace enamel::test {
@@ -13,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::seconds;
-
-std::string small_capture() { return std::string(ENAMEL_BIN_DIR) + "/../fixtures/small.mcap"; }
 
 app::ChildProcess start_probe(const TempFolder& tmp, const std::string& tag, const std::string& serial,
                               const std::string& loops = "1") {
@@ -43,7 +42,7 @@ void expect_balanced(const nlohmann::json& bursts) {
   EXPECT_EQ(bursts["accepted"].get<std::uint64_t>(), bursts["fused"].get<std::uint64_t>() + rejected) << bursts;
 }
 
-TEST(Live, EveryBurstIsAccountedForAndTheSessionReplaysToTheSameBits) {
+TEST(Live, every_burst_is_accounted_for_and_the_session_replays_to_the_same_bits) {
   const TempFolder tmp;
   const std::string tag = unique_tag();
   const auto probe = start_probe(tmp, tag, "P1");
@@ -70,7 +69,7 @@ TEST(Live, EveryBurstIsAccountedForAndTheSessionReplaysToTheSameBits) {
   EXPECT_EQ(diff.code, 0) << diff.out;
 }
 
-TEST(Live, TwoProbesAreNamedAndOneCanBeChosen) {
+TEST(Live, two_probes_are_named_and_one_can_be_chosen) {
   const TempFolder tmp;
   const std::string tag = unique_tag();
   const auto first = start_probe(tmp, tag, "LEFT");
@@ -86,7 +85,7 @@ TEST(Live, TwoProbesAreNamedAndOneCanBeChosen) {
   EXPECT_EQ(run(chosen, seconds(120)).code, 0);
 }
 
-TEST(Live, AKilledProbeIsReportedTheModelKeptAndScanningGoesOn) {
+TEST(Live, a_killed_probe_is_reported_the_model_kept_and_scanning_goes_on) {
   const TempFolder tmp;
   const std::string tag = unique_tag();
   auto probe = start_probe(tmp, tag, "P1", "100");
@@ -115,7 +114,7 @@ TEST(Live, AKilledProbeIsReportedTheModelKeptAndScanningGoesOn) {
   expect_balanced(report["bursts"]);
 }
 
-TEST(Live, InterruptEndsAScanWithItsFilesWritten) {
+TEST(Live, interrupt_ends_a_scan_with_its_files_written) {
   const TempFolder tmp;
   const std::string tag = unique_tag();
   const auto probe = start_probe(tmp, tag, "P1", "100");
@@ -133,7 +132,7 @@ TEST(Live, InterruptEndsAScanWithItsFilesWritten) {
   expect_balanced(bursts);
 }
 
-TEST(Live, APacedReplayKeepsToRecordedTimeAndAccountsForWhatItSheds) {
+TEST(Live, a_paced_replay_keeps_to_recorded_time_and_accounts_for_what_it_sheds) {
   const TempFolder tmp;
   SteadyClock clock;
   const HostTime begun = clock.now();

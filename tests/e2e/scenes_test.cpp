@@ -50,7 +50,7 @@ struct Shipped {
 
 class Scenes : public ::testing::TestWithParam<Shipped> {};
 
-TEST_P(Scenes, RendersAndDecodesToItsTruth) {
+TEST_P(Scenes, renders_and_decodes_to_its_truth) {
   const TempFolder tmp;
   const std::string scene = std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + GetParam().scene + ".toml";
   const std::string rig = std::string("rig=../rigs/") + GetParam().rig + ".json";

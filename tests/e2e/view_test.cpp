@@ -7,12 +7,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/e2e/small_capture.hpp"
 #include "tests/support/run.hpp"
 
 namespace enamel::test {
 namespace {
-
-std::string small_capture() { return std::string(ENAMEL_BIN_DIR) + "/../fixtures/small.mcap"; }
 
 /// Share of the picture, the left fifth and the panels left out, that has the warm colour of the model.
 double model_share(const std::string& path) {
@@ -34,7 +33,7 @@ std::string drawn_by(const std::string& folder) {
   return report.value("/notes/picture"_json_pointer, std::string());
 }
 
-TEST(View, AReplayIsShownInAWindowAndThePictureIsTheWindows) {
+TEST(View, a_replay_is_shown_in_a_window_and_the_picture_is_the_windows) {
   const TempFolder tmp;
   const Ran ran = run({"/usr/bin/xvfb-run", "-a", "-s", "-screen 0 1280x800x24 -nolisten tcp", program("enamel"),
                        "replay", small_capture(), "--out", tmp / "out", "--view"},
@@ -44,7 +43,7 @@ TEST(View, AReplayIsShownInAWindowAndThePictureIsTheWindows) {
   EXPECT_GT(model_share(tmp / "out/preview.png"), 0.1);
 }
 
-TEST(View, WithoutADisplayThePictureIsDrawnAllTheSameAndSaysSo) {
+TEST(View, without_a_display_the_picture_is_drawn_all_the_same_and_says_so) {
   const TempFolder tmp;
   const Ran ran = run({program("enamel"), "replay", small_capture(), "--out", tmp / "out", "--headless"},
                       std::chrono::seconds(180));
@@ -53,7 +52,7 @@ TEST(View, WithoutADisplayThePictureIsDrawnAllTheSameAndSaysSo) {
   EXPECT_GT(model_share(tmp / "out/preview.png"), 0.1);
 }
 
-TEST(View, AnEmptyPictureHasNoModelInIt) {  // negative control of model_share
+TEST(View, an_empty_picture_has_no_model_in_it) {  // negative control of model_share
   const TempFolder tmp;
   ASSERT_TRUE(cv::imwrite(tmp / "dark.png", cv::Mat(800, 1280, CV_8UC3, cv::Scalar(60, 50, 40))));
   EXPECT_LT(model_share(tmp / "dark.png"), 0.01);

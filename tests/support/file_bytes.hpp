@@ -1,4 +1,4 @@
-// A folder that lives as long as the test (tests/support), and whole-file helpers.
+// Whole files as bytes.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,8 +9,6 @@
 #include <iterator>
 #include <string>
 #include <vector>
-
-#include "tests/support/temp_folder.hpp"
 
 namespace enamel::test {
 

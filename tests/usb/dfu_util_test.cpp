@@ -8,14 +8,14 @@ namespace {
 
 class DfuUtil : public UsbBench {};
 
-TEST_F(DfuUtil, ListsTheProbe) {
+TEST_F(DfuUtil, lists_the_probe) {
   const BenchResult r = run({"{}"}, {"dfu-util", "-l"});
   EXPECT_EQ(r.exit_code, 0) << r.output;
   EXPECT_NE(r.output.find("serial=\"EN2-0001\""), std::string::npos) << r.output;
   EXPECT_NE(r.output.find("ver=0100"), std::string::npos) << r.output;
 }
 
-TEST_F(DfuUtil, DownloadsOurImageAndReadsTheStatusBack) {
+TEST_F(DfuUtil, downloads_our_image_and_reads_the_status_back) {
   const std::string image = make_image("good.enfw", {2, 0, 0, 0}, 2, 2U << 20U);
   const BenchResult down = run({"{}"}, {"dfu-util", "-d", "1209:0001", "-D", image});
   EXPECT_EQ(down.exit_code, 0) << down.output;
@@ -29,7 +29,7 @@ TEST_F(DfuUtil, DownloadsOurImageAndReadsTheStatusBack) {
   EXPECT_EQ(status->version[0].major, 1);
 }
 
-TEST_F(DfuUtil, IsToldOfARefusal) {
+TEST_F(DfuUtil, is_told_of_a_refusal) {
   const std::string image = make_image("old.enfw", {0, 1, 0, 0}, 1, 100'000);
   const BenchResult r = run({"{}"}, {"dfu-util", "-d", "1209:0001", "-D", image});
   EXPECT_NE(r.exit_code, 0) << r.output;

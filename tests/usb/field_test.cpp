@@ -34,7 +34,7 @@ class Field : public UsbBench {
   }
 };
 
-TEST_F(Field, WithoutPermissionTheRuleIsThereToInstall) {
+TEST_F(Field, without_permission_the_rule_is_there_to_install) {
   std::vector<std::string> command;
   // Root may open everything whatever its mode: then the tool runs as somebody else.
   const bool root = ::geteuid() == 0;
@@ -53,7 +53,7 @@ TEST_F(Field, WithoutPermissionTheRuleIsThereToInstall) {
   EXPECT_EQ(allowed.exit_code, 0) << "control: what the rule gives is enough\n" << allowed.output;
 }
 
-TEST_F(Field, OfThreeOneIsPulledForGoodOneStallsOneIsHealthy) {
+TEST_F(Field, of_three_one_is_pulled_for_good_one_stalls_one_is_healthy) {
   const std::string pull = std::to_string(kBlocks * 3 / 10);
   const BenchResult r = flash(
       {"{}", R"({"power_lost": true, "pull_at_block": )" + pull + "}", R"({"stalls_at_block": 100, "stall_count": 3})"},
@@ -73,7 +73,7 @@ TEST_F(Field, OfThreeOneIsPulledForGoodOneStallsOneIsHealthy) {
   EXPECT_TRUE(has_event(lines, "EN2-0003", "confirmed"));
 }
 
-TEST_F(Field, APulledProbeIsResumedByTheSameCommand) {
+TEST_F(Field, a_pulled_probe_is_resumed_by_the_same_command) {
   const std::string flash_it = program("enamel-flash") + " flash --wait 1 --resume " + good();
   const BenchResult r = run({R"({"power_lost": true, "pull_at_block": 200, "replug_ms": 1500})"},
                             {"sh", "-c", flash_it + "; first=$?; sleep 1; " + flash_it + " && exit $first"});
@@ -82,7 +82,7 @@ TEST_F(Field, APulledProbeIsResumedByTheSameCommand) {
   EXPECT_EQ(r.probe(0)["active"], 1);
 }
 
-TEST_F(Field, AProbeThatComesBackAtAnotherPortIsFoundByItsSerial) {
+TEST_F(Field, a_probe_that_comes_back_at_another_port_is_found_by_its_serial) {
   const BenchResult r = flash({R"({"pull_at_block": 80, "replug_ms": 300, "replug_port": 7})", "{}"},
                               {"flash", "--serial", "EN2-0001", "--wait", "6", "--json-log", path("log"), good()});
   EXPECT_EQ(r.exit_code, 0) << r.output;
@@ -92,13 +92,13 @@ TEST_F(Field, AProbeThatComesBackAtAnotherPortIsFoundByItsSerial) {
   EXPECT_NE(read(path("log")).find("port 1-7"), std::string::npos);
 }
 
-TEST_F(Field, NobodyIsFlashedInPlaceOfOneThatWentAway) {
+TEST_F(Field, nobody_is_flashed_in_place_of_one_that_went_away) {
   const BenchResult r = flash({R"({"pull_at_block": 80})", "{}"}, {"flash", "--port", "1-1", "--wait", "2", good()});
   EXPECT_EQ(r.exit_code, 8) << r.output;
   EXPECT_EQ(r.probe(1)["slot_state"], (nlohmann::json{5, 0}));
 }
 
-TEST_F(Field, ASilenceEndsAndIsRetried) {
+TEST_F(Field, a_silence_ends_and_is_retried) {
   const BenchResult r =
       flash({R"({"silent_at_block": 50, "silent_count": 1})"}, {"flash", "--json-log", path("log"), good()});
   EXPECT_EQ(r.exit_code, 0) << r.output;
@@ -108,7 +108,7 @@ TEST_F(Field, ASilenceEndsAndIsRetried) {
   EXPECT_TRUE(told) << read(path("log"));
 }
 
-TEST_F(Field, CtrlCLeavesTheOldFirmwareAndAProbeAtRest) {
+TEST_F(Field, ctrl_c_leaves_the_old_firmware_and_a_probe_at_rest) {
   const BenchResult r = flash({R"({"interrupt_at_block": 60})"}, {"flash", good()});
   EXPECT_EQ(r.exit_code, 11) << r.output;
   EXPECT_EQ(r.probe(0)["dfu_state"], 2) << "dfuIDLE";
@@ -116,7 +116,7 @@ TEST_F(Field, CtrlCLeavesTheOldFirmwareAndAProbeAtRest) {
   EXPECT_EQ(r.probe(0)["active"], 0);
 }
 
-TEST_F(Field, TheLogHasItsFieldsAndKeepsThirtyDays) {
+TEST_F(Field, the_log_has_its_fields_and_keeps_thirty_days) {
   ASSERT_TRUE(write_file(path("log"), R"({"ts": "2000-01-01T00:00:00.000Z", "serial": "OLD"})"
                                       "\n"
                                       R"({"ts": "2999-01-01T00:00:00.000Z", "serial": "YOUNG"})"
@@ -144,21 +144,21 @@ TEST_F(Field, TheLogHasItsFieldsAndKeepsThirtyDays) {
   EXPECT_EQ(nowhere.probe(0)["slot_state"], (nlohmann::json{5, 0}));
 }
 
-TEST_F(Field, ListTellsBatteryAndPortSpeed) {
+TEST_F(Field, list_tells_battery_and_port_speed) {
   const BenchResult r = flash({"{}", R"({"speed_mbit": 12})"}, {"list"});
   EXPECT_EQ(r.exit_code, 0) << r.output;
   EXPECT_NE(r.output.find("battery 3.90 V, port 480 Mbit/s"), std::string::npos) << r.output;
   EXPECT_NE(r.output.find("battery 3.90 V, port 12 Mbit/s"), std::string::npos) << r.output;
 }
 
-TEST_F(Field, ASlowPortIsToldAndIsNoFailure) {
+TEST_F(Field, a_slow_port_is_told_and_is_no_failure) {
   const BenchResult slow = flash({R"({"speed_mbit": 12})"}, {"flash", good()});
   EXPECT_EQ(slow.exit_code, 0) << slow.output;
   EXPECT_NE(slow.output.find("the port is slow: EN2-0001, 12 Mbit/s"), std::string::npos) << slow.output;
   EXPECT_EQ(flash({"{}"}, {"flash", good()}).output.find("slow"), std::string::npos);
 }
 
-TEST_F(Field, PreflightAsksTheProbeItselfAndWritesNothing) {
+TEST_F(Field, preflight_asks_the_probe_itself_and_writes_nothing) {
   const BenchResult scanning = flash({R"({"scanning": true})"}, {"flash", "--dry-run", good()});
   EXPECT_EQ(scanning.exit_code, 8) << scanning.output;
   EXPECT_NE(scanning.output.find("711"), std::string::npos) << scanning.output;
@@ -173,7 +173,7 @@ TEST_F(Field, PreflightAsksTheProbeItselfAndWritesNothing) {
   }
 }
 
-TEST_F(Field, APortChoosesAmongSeveral) {
+TEST_F(Field, a_port_chooses_among_several) {
   const BenchResult r = flash({"{}", "{}"}, {"flash", "--port", "1-2", good()});
   EXPECT_EQ(r.exit_code, 0) << r.output;
   EXPECT_EQ(r.probe(0)["active"], 0);

@@ -18,7 +18,7 @@ class Flash : public UsbBench {
   [[nodiscard]] std::string good() const { return make_image("good.enfw", {2, 0, 0, 0}, 2, 1U << 20U); }
 };
 
-TEST_F(Flash, ListLooksAndChangesNothing) {
+TEST_F(Flash, list_looks_and_changes_nothing) {
   const BenchResult before = run({"{}"}, {"true"});
   const BenchResult r = flash({"{}"}, {"list"});
   EXPECT_EQ(r.exit_code, 0) << r.output;
@@ -28,7 +28,7 @@ TEST_F(Flash, ListLooksAndChangesNothing) {
   EXPECT_EQ(r.probe(0), before.probe(0));
 }
 
-TEST_F(Flash, SaysSuccessOnlyAfterTheNewFirmwareConfirmedItself) {
+TEST_F(Flash, says_success_only_after_the_new_firmware_confirmed_itself) {
   const BenchResult r = flash({"{}"}, {"flash", good()});
   EXPECT_EQ(r.exit_code, 0) << r.output;
   EXPECT_NE(r.output.find("1.0.0+0 -> 2.0.0+0, confirmed"), std::string::npos) << r.output;
@@ -36,7 +36,7 @@ TEST_F(Flash, SaysSuccessOnlyAfterTheNewFirmwareConfirmedItself) {
   EXPECT_EQ(r.probe(0)["slot_state"], (nlohmann::json{5, 5}));
 }
 
-TEST_F(Flash, UnhealthyFirmwareIsRolledBackAndNeverCalledSuccess) {
+TEST_F(Flash, unhealthy_firmware_is_rolled_back_and_never_called_success) {
   const BenchResult r = flash({R"({"healthy": false})"}, {"flash", good()});
   EXPECT_EQ(r.exit_code, 10) << r.output;
   EXPECT_EQ(r.output.find("-> 2.0.0+0, confirmed"), std::string::npos) << r.output;
@@ -44,13 +44,13 @@ TEST_F(Flash, UnhealthyFirmwareIsRolledBackAndNeverCalledSuccess) {
   EXPECT_EQ(r.probe(0)["slot_state"][1], 6);
 }
 
-TEST_F(Flash, CalibrationIsTheSameAfterwards) {
+TEST_F(Flash, calibration_is_the_same_afterwards) {
   const BenchResult before = run({"{}"}, {"true"});
   const BenchResult after = flash({"{}"}, {"flash", good()});
   EXPECT_EQ(after.probe(0)["calibration_sha256"], before.probe(0)["calibration_sha256"]);
 }
 
-TEST_F(Flash, EachRefusalHasItsExitCodeAndTheOldFirmwareStays) {
+TEST_F(Flash, each_refusal_has_its_exit_code_and_the_old_firmware_stays) {
   image::ImageDescription d = plain_description();
   d.version = {2, 0, 0, 0};
   const auto payload = random_payload(100'000, 3);
@@ -88,12 +88,12 @@ TEST_F(Flash, EachRefusalHasItsExitCodeAndTheOldFirmwareStays) {
   }
 }
 
-TEST_F(Flash, ABusyOrWeakProbeSaysSo) {
+TEST_F(Flash, a_busy_or_weak_probe_says_so) {
   EXPECT_NE(flash({R"({"scanning": true})"}, {"flash", good()}).output.find("711"), std::string::npos);
   EXPECT_NE(flash({R"({"powered": false})"}, {"flash", good()}).output.find("710"), std::string::npos);
 }
 
-TEST_F(Flash, StallsAreRetried) {
+TEST_F(Flash, stalls_are_retried) {
   const BenchResult r = flash({R"({"stalls_at_block": 100, "stall_count": 3})"}, {"flash", good()});
   EXPECT_EQ(r.exit_code, 0) << r.output;
   const BenchResult never = flash({R"({"stalls_at_block": 100, "stall_count": 100000})"}, {"flash", good()});
@@ -101,18 +101,18 @@ TEST_F(Flash, StallsAreRetried) {
   EXPECT_EQ(never.probe(0)["slot_state"][0], 5);
 }
 
-TEST_F(Flash, APulledCableThatComesBackIsResumed) {
+TEST_F(Flash, a_pulled_cable_that_comes_back_is_resumed) {
   const BenchResult r = flash({R"({"pull_at_block": 80, "replug_ms": 700})"}, {"flash", good()});
   EXPECT_EQ(r.exit_code, 0) << r.output;
   EXPECT_EQ(r.probe(0)["active"], 1);
 }
 
-TEST_F(Flash, AnUnknownSerialIsNoProbe) {
+TEST_F(Flash, an_unknown_serial_is_no_probe) {
   const BenchResult r = flash({"{}"}, {"flash", "--serial", "EN2-9999", good()});
   EXPECT_EQ(r.exit_code, 3) << r.output;
 }
 
-TEST_F(Flash, SeveralProbesAreNeverGuessedAmong) {
+TEST_F(Flash, several_probes_are_never_guessed_among) {
   const std::vector<std::string> three = {"{}", "{}", "{}"};
   const BenchResult guess = flash(three, {"flash", good()});
   EXPECT_EQ(guess.exit_code, 2) << guess.output;
@@ -121,7 +121,7 @@ TEST_F(Flash, SeveralProbesAreNeverGuessedAmong) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(all.probe(i)["active"], 1);
 }
 
-TEST_F(Flash, OneProbesTroubleIsNoOthers) {
+TEST_F(Flash, one_probes_trouble_is_no_others) {
   const BenchResult r = flash({"{}", R"({"stalls_at_block": 50, "stall_count": 2})", R"({"healthy": false})"},
                               {"flash", "--all", good()});
   EXPECT_EQ(r.exit_code, 10) << r.output;
@@ -130,7 +130,7 @@ TEST_F(Flash, OneProbesTroubleIsNoOthers) {
   EXPECT_EQ(r.probe(2)["running"], 0);
 }
 
-TEST_F(Flash, DryRunAndSameVersionWriteNothing) {
+TEST_F(Flash, dry_run_and_same_version_write_nothing) {
   EXPECT_EQ(flash({"{}"}, {"flash", "--dry-run", good()}).probe(0)["slot_state"], (nlohmann::json{5, 0}));
   const std::string same = make_image("same.enfw", {1, 0, 0, 0}, 1, 100'000);
   const BenchResult r = flash({"{}"}, {"flash", same});
@@ -139,7 +139,7 @@ TEST_F(Flash, DryRunAndSameVersionWriteNothing) {
   EXPECT_EQ(flash({"{}"}, {"flash", "--allow-same", same}).probe(0)["active"], 1);
 }
 
-TEST_F(Flash, TheCalibrationIsCopiedByteForByte) {
+TEST_F(Flash, the_calibration_is_copied_byte_for_byte) {
   const std::string copy = path("rig.json");
   EXPECT_EQ(flash({"{}"}, {"info", "--save-calib", copy}).exit_code, 0);
   const std::vector<std::byte> wanted = random_payload(9000, 31);
@@ -156,7 +156,7 @@ TEST_F(Flash, TheCalibrationIsCopiedByteForByte) {
   EXPECT_EQ(flash({"{}"}, {"info"}).exit_code, 2);
 }
 
-TEST_F(Flash, OtherCommands) {
+TEST_F(Flash, other_commands) {
   EXPECT_EQ(flash({"{}"}, {"selftest"}).exit_code, 0);
   EXPECT_EQ(flash({"{}"}, {"confirm", "--commit"}).probe(0)["min_security_counter"], 1);
   EXPECT_EQ(flash({"{}"}, {"rollback"}).exit_code, 10) << "the other slot is empty";

@@ -49,6 +49,7 @@ class UsbPort {
   [[nodiscard]] const TransferMeter& meter() const { return meter_; }
 
  private:
+  static constexpr std::uint32_t kRebootMs = 300;
   using Urbs = std::deque<UMockdevIoctlData*>;
   enum class Fault : std::uint8_t { kNone, kStall, kSilence };
 

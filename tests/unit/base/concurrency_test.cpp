@@ -13,7 +13,7 @@
 namespace enamel {
 namespace {
 
-TEST(SpscRing, KeepsOrderAndRefusesWhenFull) {
+TEST(SpscRing, keeps_order_and_refuses_when_full) {
   SpscRing<int> ring(3);
   EXPECT_EQ(ring.front(), nullptr);
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(ring.push(i));
@@ -26,21 +26,21 @@ TEST(SpscRing, KeepsOrderAndRefusesWhenFull) {
   }
   EXPECT_EQ(ring.front(), nullptr);
 }
-TEST(SpscRing, FailedPushLeavesTheItem) {
+TEST(SpscRing, failed_push_leaves_the_item) {
   SpscRing<std::unique_ptr<int>> ring(1);
   ASSERT_TRUE(ring.push(std::make_unique<int>(1)));
   auto second = std::make_unique<int>(2);
   EXPECT_FALSE(ring.push(std::move(second)));
   EXPECT_NE(second, nullptr);
 }
-TEST(SpscRing, PoppedSlotKeepsNothingAlive) {
+TEST(SpscRing, popped_slot_keeps_nothing_alive) {
   SpscRing<std::shared_ptr<int>> ring(2);
   const auto value = std::make_shared<int>(1);
   ASSERT_TRUE(ring.push(value));
   ring.pop();
   EXPECT_EQ(value.use_count(), 1);
 }
-TEST(SpscRing, StressDeliversEverythingOnceInOrder) {
+TEST(SpscRing, stress_delivers_everything_once_in_order) {
   constexpr std::uint64_t kItems = 20'000;
   SpscRing<std::vector<std::uint64_t>> ring(8);
   std::jthread producer([&] {
@@ -63,9 +63,9 @@ TEST(SpscRing, StressDeliversEverythingOnceInOrder) {
     }
   }
 }
-TEST(SpscRingDeathTest, ZeroCapacityIsRefused) { EXPECT_DEATH(SpscRing<int>(0), "capacity > 0"); }
+TEST(SpscRingDeathTest, zero_capacity_is_refused) { EXPECT_DEATH(SpscRing<int>(0), "capacity > 0"); }
 
-TEST(LatestSlot, NewestReplacesAndIsCounted) {
+TEST(LatestSlot, newest_replaces_and_is_counted) {
   LatestSlot<std::shared_ptr<int>> slot;
   EXPECT_FALSE(slot.take().has_value());
   const auto old = std::make_shared<int>(1);
@@ -78,7 +78,7 @@ TEST(LatestSlot, NewestReplacesAndIsCounted) {
   EXPECT_FALSE(slot.take().has_value());
   EXPECT_FALSE(slot.put(std::make_shared<int>(3))) << "a taken item was not replaced";
 }
-TEST(LatestSlot, StressReaderSeesWholeItemsInOrderAndEveryItemIsAccountedFor) {
+TEST(LatestSlot, stress_reader_sees_whole_items_in_order_and_every_item_is_accounted_for) {
   constexpr std::uint64_t kItems = 20'000;
   LatestSlot<std::vector<std::uint64_t>> slot;
   std::jthread writer([&] {
@@ -99,7 +99,7 @@ TEST(LatestSlot, StressReaderSeesWholeItemsInOrderAndEveryItemIsAccountedFor) {
   EXPECT_EQ(taken + slot.replaced(), kItems);
 }
 
-TEST(IndexQueue, IsBoundedAndInOrder) {
+TEST(IndexQueue, is_bounded_and_in_order) {
   IndexQueue q(3);  // rounded up to 4 cells
   for (std::uint32_t i = 0; i < 4; ++i) EXPECT_TRUE(q.push(i));
   EXPECT_FALSE(q.push(4));
@@ -110,7 +110,7 @@ TEST(IndexQueue, IsBoundedAndInOrder) {
   }
   EXPECT_FALSE(q.pop(v));
 }
-TEST(Pool, ReusesObjectsAndReportsExhaustion) {
+TEST(Pool, reuses_objects_and_reports_exhaustion) {
   int made = 0;
   Pool<std::vector<int>> pool(2, [&] { return std::vector<int>(static_cast<std::size_t>(++made)); });
   {
@@ -128,12 +128,12 @@ TEST(Pool, ReusesObjectsAndReportsExhaustion) {
   EXPECT_TRUE(pool.try_acquire());
   EXPECT_EQ(made, 2);
 }
-TEST(PoolDeathTest, RunningDryIsADefect) {
+TEST(PoolDeathTest, running_dry_is_a_defect) {
   Pool<int> pool(1, [] { return 0; });
   const Ref<int> held = pool.acquire();
   EXPECT_DEATH((void)pool.acquire(), "pool exhausted");
 }
-TEST(PoolDeathTest, HandleThatOutlivesItsPoolIsADefect) {
+TEST(PoolDeathTest, handle_that_outlives_its_pool_is_a_defect) {
   EXPECT_DEATH(
       {
         Ref<int> kept;
@@ -142,7 +142,7 @@ TEST(PoolDeathTest, HandleThatOutlivesItsPoolIsADefect) {
       },
       "outlives its pool");
 }
-TEST(Pool, StressSharedObjectsAreNeverReusedWhileHeld) {
+TEST(Pool, stress_shared_objects_are_never_reused_while_held) {
   struct Cell {
     std::uint64_t a = 0;
     std::uint64_t b = 0;
@@ -165,7 +165,7 @@ TEST(Pool, StressSharedObjectsAreNeverReusedWhileHeld) {
   threads.clear();
   EXPECT_EQ(pool.in_use(), 0U);
 }
-TEST(Pool, StressHandlesAreReleasedByOtherThreads) {
+TEST(Pool, stress_handles_are_released_by_other_threads) {
   Pool<std::uint64_t> pool(5, [] { return std::uint64_t{0}; });
   SpscRing<Ref<const std::uint64_t>> ring(4);
   constexpr std::uint64_t kItems = 10'000;

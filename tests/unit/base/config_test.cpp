@@ -66,7 +66,7 @@ void expect_error(std::string_view text, ErrorCode code, std::string_view part,
   EXPECT_THAT(c.error().detail, HasSubstr(std::string(part)));
 }
 
-TEST(Config, ReadsEveryType) {
+TEST(Config, reads_every_type) {
   const auto c = read(R"(count = 5
 name = "a \"b\""
 tags = ["x", "y"]
@@ -99,33 +99,33 @@ radius_mm = 4.0
   EXPECT_EQ(c->balls[1].radius_mm, 1.0);
 }
 
-TEST(Config, AbsentKeysKeepTheirDefaults) {
+TEST(Config, absent_keys_keep_their_defaults) {
   const auto c = read("");
   ASSERT_TRUE(c) << c.error().detail;
   EXPECT_EQ(c->seed, 7U);
   EXPECT_EQ(c->mode, Mode::kFast);
 }
 
-TEST(Config, UnknownKeyNamesFileLineAndNearestKey) {
+TEST(Config, unknown_key_names_file_line_and_nearest_key) {
   expect_error("count = 2\n[noise]\nsead = 4\n", ErrorCode::kConfigUnknownKey,
                "test.toml:3: unknown key 'noise.sead'; did you mean 'noise.seed'?");
 }
-TEST(Config, KeyInTheWrongTableIsSuggestedWhereItBelongs) {
+TEST(Config, key_in_the_wrong_table_is_suggested_where_it_belongs) {
   expect_error("sigma_dn = 4\n", ErrorCode::kConfigUnknownKey, "did you mean 'noise.sigma_dn'?");
 }
-TEST(Config, KeyLikeNothingGetsNoSuggestion) {
+TEST(Config, key_like_nothing_gets_no_suggestion) {
   const auto c = read("zzzzzzzz = 1");
   ASSERT_FALSE(c);
   EXPECT_THAT(c.error().detail, Not(HasSubstr("did you mean")));
 }
-TEST(Config, UnknownEmptyTableIsRefused) {
+TEST(Config, unknown_empty_table_is_refused) {
   expect_error("[noize]\n", ErrorCode::kConfigUnknownKey, "test.toml:1: unknown key 'noize'");
 }
-TEST(Config, UnknownKeyInArrayElementIsRefused) {
+TEST(Config, unknown_key_in_array_element_is_refused) {
   expect_error("[[ball]]\n[[ball]]\nradius = 1\n", ErrorCode::kConfigUnknownKey,
                "test.toml:3: unknown key 'ball[1].radius'; did you mean 'ball[].radius_mm'?");
 }
-TEST(Config, WrongTypeNamesLine) {
+TEST(Config, wrong_type_names_line) {
   expect_error("\ncount = \"2\"\n", ErrorCode::kConfigValue, "test.toml:2: 'count' needs an integer, not string");
   expect_error("count = 2.0", ErrorCode::kConfigValue, "needs an integer, not float");
   expect_error("grid.enabled = 1", ErrorCode::kConfigValue, "needs true or false, not integer");
@@ -135,7 +135,7 @@ TEST(Config, WrongTypeNamesLine) {
   expect_error("[count]\na = 1", ErrorCode::kConfigValue, "must be a value, not a table");
   expect_error("name = 2020-01-01", ErrorCode::kConfigValue, "not date or time");
 }
-TEST(Config, OutOfRangeNamesLine) {
+TEST(Config, out_of_range_names_line) {
   expect_error("count = 11", ErrorCode::kConfigValue, "test.toml:1: 'count' is 11, must be from 1 to 10");
   expect_error("noise.seed = -1", ErrorCode::kConfigValue, "'noise.seed' is -1");
   expect_error("grid.step_mm = 1.5", ErrorCode::kConfigValue, "is 1.5, must be from 0.0 to 1.0");
@@ -146,15 +146,15 @@ TEST(Config, OutOfRangeNamesLine) {
   expect_error("grid.offset_mm = [1, 2]", ErrorCode::kConfigValue, "has 2 numbers, must have 3");
   expect_error("mode = \"slow\"", ErrorCode::kConfigValue, "must be one of fast, exact");
 }
-TEST(Config, SyntaxErrorNamesLine) {
+TEST(Config, syntax_error_names_line) {
   expect_error("count = 2\nname = \"open\ncount = 3", ErrorCode::kConfigSyntax, "test.toml:2");
   expect_error("count = 2\ncount = 3", ErrorCode::kConfigSyntax, "test.toml:2");
 }
-TEST(Config, QuotedKeyCannotShadowATable) {
+TEST(Config, quoted_key_cannot_shadow_a_table) {
   expect_error("\"noise.seed\" = 3\n[noise]\nseed = 4", ErrorCode::kConfigSyntax, "given twice");
 }
 
-TEST(Config, OverridesBeatTheFile) {
+TEST(Config, overrides_beat_the_file) {
   const auto c = read("count = 2\nnoise.seed = 1", {"count=4", "noise.seed=8", "mode=exact", "name=two words"});
   ASSERT_TRUE(c) << c.error().detail;
   EXPECT_EQ(c->count, 4);
@@ -162,7 +162,7 @@ TEST(Config, OverridesBeatTheFile) {
   EXPECT_EQ(c->mode, Mode::kExact);
   EXPECT_EQ(c->name, "two words");
 }
-TEST(Config, BadOverridesAreRefused) {
+TEST(Config, bad_overrides_are_refused) {
   expect_error("", ErrorCode::kConfigUnknownKey, "--set noise.sead=3: unknown key", {"noise.sead=3"});
   expect_error("", ErrorCode::kConfigValue, "--set count=99: 'count' is 99", {"count=99"});
   expect_error("", ErrorCode::kConfigSyntax, "expected key=value", {"count"});
@@ -170,8 +170,8 @@ TEST(Config, BadOverridesAreRefused) {
   expect_error("", ErrorCode::kConfigSyntax, "one line", {"count=3\nname=4"});
 }
 
-TEST(Config, FirstErrorIsKept) { expect_error("name = 1\ncount = 11", ErrorCode::kConfigValue, "'count'"); }
-TEST(Config, ModuleCanRejectContradictingValues) {
+TEST(Config, first_error_is_kept) { expect_error("name = 1\ncount = 11", ErrorCode::kConfigValue, "'count'"); }
+TEST(Config, module_can_reject_contradicting_values) {
   auto r = *ConfigReader::from_text("a = 3\nb = 2", "test.toml");
   int a = 0;
   int b = 0;
@@ -180,7 +180,7 @@ TEST(Config, ModuleCanRejectContradictingValues) {
   if (a > b) r.reject("a", "must not exceed b");
   EXPECT_EQ(r.finish().error().detail, "test.toml:1: 'a' must not exceed b");
 }
-TEST(Config, BindingAKeyTwiceIsOurDefect) {
+TEST(Config, binding_a_key_twice_is_our_defect) {
   ConfigReader r = ConfigReader::empty();
   int a = 0;
   r.bind("a", a, "");
@@ -188,7 +188,7 @@ TEST(Config, BindingAKeyTwiceIsOurDefect) {
   EXPECT_EQ(r.finish().error().code, ErrorCode::kInternal);
 }
 
-TEST(Config, DumpReadsBackToTheSameDump) {
+TEST(Config, dump_reads_back_to_the_same_dump) {
   auto r = *ConfigReader::from_text("count = 5\n[[ball]]\nradius_mm=0.1\n[[ball]]\n[noise]\nsigma_dn = 0.1", "a.toml");
   bind_sample(r);
   ASSERT_TRUE(r.finish());
@@ -203,7 +203,7 @@ TEST(Config, DumpReadsBackToTheSameDump) {
   ASSERT_TRUE(again->finish()) << again->finish().error().detail;
   EXPECT_EQ(again->dump(), text);
 }
-TEST(Config, DumpKeepsTableElementsApart) {
+TEST(Config, dump_keeps_table_elements_apart) {
   auto r = *ConfigReader::from_text("[[o]]\np.x = 1\n[[o]]\np.x = 2\ny=3", "a.toml");
   for (std::size_t i = 0; i < r.table_count("o"); ++i) {
     double x = 0;
@@ -215,12 +215,12 @@ TEST(Config, DumpKeepsTableElementsApart) {
   EXPECT_EQ(r.dump(), "[[o]]\ny = 0\n\n[o.p]\nx = 1.0\n\n[[o]]\ny = 3\n\n[o.p]\nx = 2.0\n");
 }
 
-TEST(Config, MissingFileAndFolderAreErrors) {
+TEST(Config, missing_file_and_folder_are_errors) {
   EXPECT_EQ(ConfigReader::from_file("/nonexistent/x.toml").error().code, ErrorCode::kFileNotFound);
   EXPECT_EQ(ConfigReader::from_file(std::filesystem::temp_directory_path()).error().code, ErrorCode::kFileRead);
 }
 
-TEST(Config, HostileTextNeverCrashes) {
+TEST(Config, hostile_text_never_crashes) {
   for (const std::string& text : {std::string(5000, '['), std::string("a=") + std::string(5000, '['),
                                   std::string("\0\1\2", 3), std::string("a.\"b\".c = {"), std::string("\xff\xfe")}) {
     EXPECT_FALSE(read(text));

@@ -17,26 +17,26 @@ class File : public testing::Test {
   test::TempFolder folder_;
 };
 
-TEST_F(File, ComesBackByteForByte) {
+TEST_F(File, comes_back_byte_for_byte) {
   const std::string bytes("a\0b\n\xff", 5);
   ASSERT_TRUE(write_file(at("x"), bytes));
   EXPECT_EQ(read_file(at("x")).value_or(""), bytes);
   EXPECT_FALSE(fs::exists(at("x.partial")));
 }
 
-TEST_F(File, EmptyFileIsNoError) {
+TEST_F(File, empty_file_is_no_error) {
   ASSERT_TRUE(write_file(at("x"), ""));
   const auto back = read_file(at("x"));
   ASSERT_TRUE(back);
   EXPECT_TRUE(back->empty());
 }
 
-TEST_F(File, MissingFileAndFolderAreTold) {
+TEST_F(File, missing_file_and_folder_are_told) {
   EXPECT_EQ(read_file(at("none")).error().code, ErrorCode::kFileNotFound);
   EXPECT_EQ(read_file(folder_.path().string()).error().code, ErrorCode::kFileRead);
 }
 
-TEST_F(File, AFailedWriteLeavesTheOldFileAlone) {
+TEST_F(File, a_failed_write_leaves_the_old_file_alone) {
   ASSERT_TRUE(write_file(at("x"), "old"));
   fs::create_directory(at("x.partial"));  // the temporary file cannot be made
   const auto failed = write_file(at("x"), "new");
@@ -45,7 +45,7 @@ TEST_F(File, AFailedWriteLeavesTheOldFileAlone) {
   EXPECT_EQ(read_file(at("x")).value_or(""), "old");
 }
 
-TEST_F(File, AFullDiskIsAnErrorNotASurprise) {
+TEST_F(File, a_full_disk_is_an_error_not_a_surprise) {
   const auto failed = write_file("/dev/full/x", "anything");
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().code, ErrorCode::kFileWrite);

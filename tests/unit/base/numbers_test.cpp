@@ -10,7 +10,7 @@
 namespace enamel {
 namespace {
 
-TEST(Philox, GivesThePublishedVectors) {  // kat_vectors of Random123 1.14
+TEST(Philox, gives_the_published_vectors) {  // kat_vectors of Random123 1.14
   EXPECT_EQ(philox4x32({0, 0, 0, 0}, {0, 0}),
             (std::array<std::uint32_t, 4>{0x6627E8D5U, 0xE169C58DU, 0xBC57AC4CU, 0x9B00DBD8U}));
   EXPECT_EQ(philox4x32({0xFFFFFFFFU, 0xFFFFFFFFU, 0xFFFFFFFFU, 0xFFFFFFFFU}, {0xFFFFFFFFU, 0xFFFFFFFFU}),
@@ -18,20 +18,20 @@ TEST(Philox, GivesThePublishedVectors) {  // kat_vectors of Random123 1.14
   EXPECT_EQ(philox4x32({0x243F6A88U, 0x85A308D3U, 0x13198A2EU, 0x03707344U}, {0xA4093822U, 0x299F31D0U}),
             (std::array<std::uint32_t, 4>{0xD16CFE09U, 0x94FDCCEBU, 0x5001E420U, 0x24126EA1U}));
 }
-TEST(Rng, StreamsDifferBySessionBurstAndStage) {
+TEST(Rng, streams_differ_by_session_burst_and_stage) {
   const std::uint64_t a = Rng(1, 2, 3).next_u64();
   EXPECT_EQ(a, Rng(1, 2, 3).next_u64());
   EXPECT_NE(a, Rng(2, 2, 3).next_u64());
   EXPECT_NE(a, Rng(1, 3, 3).next_u64());
   EXPECT_NE(a, Rng(1, 2, 4).next_u64());
 }
-TEST(Rng, BitsArePinned) {  // g++ and clang must give the same
+TEST(Rng, bits_are_pinned) {  // g++ and clang must give the same
   Rng r(42, 7, 1);
   EXPECT_EQ(r.next_u64(), 7034802919330396585U);
   EXPECT_EQ(std::bit_cast<std::uint64_t>(r.uniform()), 4605895029125883356U);
   EXPECT_EQ(std::bit_cast<std::uint64_t>(r.normal()), 4603473254335287682U);
 }
-TEST(Rng, MomentsAreThoseOfTheDistributions) {
+TEST(Rng, moments_are_those_of_the_distributions) {
   Rng r(1, 1, 1);
   constexpr int kN = 200'000;
   double u1 = 0;
@@ -57,7 +57,7 @@ TEST(Rng, MomentsAreThoseOfTheDistributions) {
   EXPECT_NEAR(n2 / kN, 1.0, 5 * 1.4142 / root);
   EXPECT_NEAR(n4 / kN, 3.0, 5 * 9.798 / root);
 }
-TEST(Rng, BelowStaysBelowAndReachesEveryValue) {
+TEST(Rng, below_stays_below_and_reaches_every_value) {
   Rng r(3, 1, 1);
   std::array<int, 6> seen{};
   for (int i = 0; i < 6'000; ++i) ++seen.at(r.below(6));
@@ -78,7 +78,7 @@ TEST(LogHistogram, PercentilesAreWithinOneSixteenth) {
   EXPECT_TRUE(close(s.p95, 95e6)) << s.p95;
   EXPECT_TRUE(close(s.p99, 99e6)) << s.p99;
 }
-TEST(LogHistogram, TakesExtremes) {
+TEST(LogHistogram, takes_extremes) {
   LogHistogram h;
   EXPECT_EQ(h.summary().count, 0U);
   h.record(-5);
@@ -88,7 +88,7 @@ TEST(LogHistogram, TakesExtremes) {
   EXPECT_EQ(h.summary().p50, 0);
   EXPECT_EQ(h.summary().max, std::numeric_limits<std::int64_t>::max());
 }
-TEST(Metrics, JsonHoldsEveryMetric) {
+TEST(Metrics, json_holds_every_metric) {
   MetricsRegistry m;
   m.counter("in \"quoted\"").add(3);
   m.gauge("depth").set(5);
@@ -100,7 +100,7 @@ TEST(Metrics, JsonHoldsEveryMetric) {
   EXPECT_EQ(j.at("depth").at("max"), 5);
   EXPECT_EQ(j.at("time_ns").at("p50"), 7);
 }
-TEST(MetricsDeathTest, OneNameIsOneKind) {
+TEST(MetricsDeathTest, one_name_is_one_kind) {
   MetricsRegistry m;
   m.counter("a");
   EXPECT_DEATH(m.gauge("a"), "two kinds");

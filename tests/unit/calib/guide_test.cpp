@@ -40,7 +40,7 @@ GatherEvent sweep(calib::PoseGatherer& gatherer, int shift_px) {
 
 calib::PoseGatherer gatherer_of(int sweeps) { return {calib::MultiSets{.cycles = {1}}, sweeps, kNoise}; }
 
-TEST(PoseGatherer, AveragesTheSweepsOfATargetAtRest) {
+TEST(PoseGatherer, averages_the_sweeps_of_a_target_at_rest) {
   auto gatherer = gatherer_of(4);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(sweep(gatherer, 0), GatherEvent::kNothing);
   ASSERT_EQ(sweep(gatherer, 0), GatherEvent::kPose);
@@ -57,7 +57,7 @@ TEST(PoseGatherer, AveragesTheSweepsOfATargetAtRest) {
   EXPECT_NEAR(squares / (kWidth * kHeight), 0.25, 0.03);  // variance of a mean of four
 }
 
-TEST(PoseGatherer, TakesAPoseOnlyOnceUntilTheTargetMoves) {
+TEST(PoseGatherer, takes_a_pose_only_once_until_the_target_moves) {
   auto gatherer = gatherer_of(2);
   sweep(gatherer, 0);
   ASSERT_EQ(sweep(gatherer, 0), GatherEvent::kPose);
@@ -68,7 +68,7 @@ TEST(PoseGatherer, TakesAPoseOnlyOnceUntilTheTargetMoves) {
   EXPECT_EQ(sweep(gatherer, 3), GatherEvent::kPose);
 }
 
-TEST(PoseGatherer, MotionBetweenSweepsIsTold) {
+TEST(PoseGatherer, motion_between_sweeps_is_told) {
   auto gatherer = gatherer_of(3);
   sweep(gatherer, 0);
   sweep(gatherer, 0);
@@ -76,7 +76,7 @@ TEST(PoseGatherer, MotionBetweenSweepsIsTold) {
   EXPECT_EQ(gatherer.sweeps_so_far(), 1);
 }
 
-TEST(PoseGatherer, MotionWithinASweepIsTold) {
+TEST(PoseGatherer, motion_within_a_sweep_is_told) {
   auto gatherer = gatherer_of(3);
   sweep(gatherer, 0);
   sweep(gatherer, 0);
@@ -89,7 +89,7 @@ TEST(PoseGatherer, MotionWithinASweepIsTold) {
   EXPECT_EQ(last, GatherEvent::kMoved);
 }
 
-TEST(PoseGatherer, ALostBurstDropsItsSweepAlone) {
+TEST(PoseGatherer, a_lost_burst_drops_its_sweep_alone) {
   auto gatherer = gatherer_of(2);
   sweep(gatherer, 0);
   const std::array<Map<float>, 4> frames{picture(100, 0), picture(100, 0), picture(100, 0), picture(100, 0)};
@@ -99,7 +99,7 @@ TEST(PoseGatherer, ALostBurstDropsItsSweepAlone) {
   EXPECT_EQ(sweep(gatherer, 0), GatherEvent::kPose);
 }
 
-TEST(MultiSets, NeedARigOfThatMode) {
+TEST(MultiSets, need_a_rig_of_that_mode) {
   const auto scanning = calib::parse_rig(kRigText);
   ASSERT_TRUE(scanning);
   const auto none = calib::multi_sets(*scanning);
@@ -131,7 +131,7 @@ calib::SeenPose seen(double depth_mm, double azimuth_deg, double u, double v) {
   return pose;
 }
 
-TEST(Coverage, NamesWhatIsMissingUntilThereIsEnough) {
+TEST(Coverage, names_what_is_missing_until_there_is_enough) {
   const auto rig = calib::parse_rig(kRigText);
   ASSERT_TRUE(rig);
   const calib::CoverageWanted wanted{.poses = 6, .per_third = 2, .per_side = 1, .field = 0.9};

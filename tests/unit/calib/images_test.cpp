@@ -5,10 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <map>
 #include <memory>
-#include <sstream>
 
 #include "calib/io/rig_writer.hpp"
 #include "calib/judge/judgement.hpp"
@@ -18,6 +15,7 @@
 #include "protocol/base/file.hpp"
 #include "tests/support/calib_scene.hpp"
 #include "tests/support/shared_data.hpp"
+#include "tests/support/true_poses.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -134,26 +132,9 @@ class Oracle : public testing::Test {
   }
 };
 
-/// T_cam_model of each pose by its number, from poses.csv: burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw of T_model_cam.
-std::map<int, Pose> true_poses(const std::string& path) {
-  std::map<int, Pose> out;
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  while (std::getline(file, line)) {
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream row(line);
-    int id = 0;
-    double t_ns = 0, x = 0, y = 0, z = 0, qx = 0, qy = 0, qz = 0, qw = 1;
-    row >> id >> t_ns >> x >> y >> z >> qx >> qy >> qz >> qw;
-    out[id] = (Eigen::Translation3d(x, y, z) * Eigen::Quaterniond(qw, qx, qy, qz).normalized()).inverse();
-  }
-  return out;
-}
-
 /// rms per axis of the dots' image places from those of the discs' true centres, px.
 Eigen::Vector2d centre_error_px(const std::vector<PoseView>& poses, const TargetDesign& target, const RigState& truth) {
-  const auto T_cam_model = true_poses(kSet + "/truth/poses.csv");
+  const auto T_cam_model = test::true_poses(kSet + "/truth/poses.csv");
   Eigen::Vector2d squares(0, 0);
   double n = 0;
   for (const PoseView& pose : poses) {

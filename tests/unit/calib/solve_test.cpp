@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calib/judge/prediction.hpp"
+#include "calib/solve/median.hpp"
 #include "tests/support/calib_scene.hpp"
 
 namespace enamel::calib {
@@ -20,11 +21,6 @@ Result<Solution> solve_views(const test::CalibScene& scene, std::vector<PoseView
   SolveOptions options;
   options.shape = shape;
   return solve(std::move(views), scene.target, scene.nominal, options);
-}
-
-double median(std::vector<double> v) {
-  std::sort(v.begin(), v.end());
-  return v[v.size() / 2];
 }
 
 TEST(Solve, recovers_a_rig_from_noise_free_dots) {

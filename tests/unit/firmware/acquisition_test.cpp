@@ -55,7 +55,7 @@ class AcquisitionTest : public testing::Test {
   std::unique_ptr<Acquisition> acquisition;
 };
 
-TEST_F(AcquisitionTest, ScanDeliversEveryBurstOfAFiniteSourceAndEnds) {
+TEST_F(AcquisitionTest, scan_delivers_every_burst_of_a_finite_source_and_ends) {
   make(50);
   acquisition->scan(kSession, std::nullopt);
   EXPECT_EQ(wait().phase, AcquisitionPhase::kEnded);
@@ -67,7 +67,7 @@ TEST_F(AcquisitionTest, ScanDeliversEveryBurstOfAFiniteSourceAndEnds) {
   EXPECT_FALSE(device->enabled());
 }
 
-TEST_F(AcquisitionTest, LimitEndsTheScanAfterThatManyBursts) {
+TEST_F(AcquisitionTest, limit_ends_the_scan_after_that_many_bursts) {
   make(50);
   acquisition->scan(kSession, 3);
   EXPECT_EQ(wait().phase, AcquisitionPhase::kDone);
@@ -75,7 +75,7 @@ TEST_F(AcquisitionTest, LimitEndsTheScanAfterThatManyBursts) {
   EXPECT_EQ(ledger.counts().begun, 3U);
 }
 
-TEST_F(AcquisitionTest, DrainLosesNothing) {
+TEST_F(AcquisitionTest, drain_loses_nothing) {
   make(100'000);
   acquisition->scan(kSession, std::nullopt);
   while (count() < 20) std::this_thread::yield();
@@ -85,7 +85,7 @@ TEST_F(AcquisitionTest, DrainLosesNothing) {
   expect_conservation();
 }
 
-TEST_F(AcquisitionTest, AbortEndsAtOnceAndCountsWhatItCutOff) {
+TEST_F(AcquisitionTest, abort_ends_at_once_and_counts_what_it_cut_off) {
   make(100'000);
   acquisition->scan(kSession, std::nullopt);
   while (count() < 20) std::this_thread::yield();
@@ -95,7 +95,7 @@ TEST_F(AcquisitionTest, AbortEndsAtOnceAndCountsWhatItCutOff) {
   expect_conservation();
 }
 
-TEST_F(AcquisitionTest, ScanGoesOnAfterAPause) {
+TEST_F(AcquisitionTest, scan_goes_on_after_a_pause) {
   make(40);
   acquisition->scan(kSession, 15);
   wait();
@@ -105,7 +105,7 @@ TEST_F(AcquisitionTest, ScanGoesOnAfterAPause) {
   EXPECT_EQ(ledger.counts().begun, 40U);
 }
 
-TEST_F(AcquisitionTest, UnpluggedCameraIsAFault) {
+TEST_F(AcquisitionTest, unplugged_camera_is_a_fault) {
   make(10);
   SimFaults faults;
   faults.camera_unplugged = true;
@@ -116,14 +116,14 @@ TEST_F(AcquisitionTest, UnpluggedCameraIsAFault) {
   EXPECT_EQ(r.fault, ReplyStatus::kNoCamera);
 }
 
-TEST_F(AcquisitionTest, SelfTestPassesOnASoundDevice) {
+TEST_F(AcquisitionTest, self_test_passes_on_a_sound_device) {
   make(1);
   acquisition->self_test();
   EXPECT_EQ(wait().phase, AcquisitionPhase::kDone);
   EXPECT_FALSE(device->enabled());
 }
 
-TEST_F(AcquisitionTest, SelfTestFindsAnOpenLed) {
+TEST_F(AcquisitionTest, self_test_finds_an_open_led) {
   make(1);
   SimFaults faults;
   faults.led_open = true;
@@ -132,7 +132,7 @@ TEST_F(AcquisitionTest, SelfTestFindsAnOpenLed) {
   EXPECT_EQ(wait().fault, ReplyStatus::kProjLedFault);
 }
 
-TEST_F(AcquisitionTest, SelfTestFindsAnLedStuckOn) {
+TEST_F(AcquisitionTest, self_test_finds_an_led_stuck_on) {
   make(1);
   SimFaults faults;
   faults.led_stuck_on = true;
@@ -143,7 +143,7 @@ TEST_F(AcquisitionTest, SelfTestFindsAnLedStuckOn) {
   EXPECT_TRUE(r.led_stuck);
 }
 
-TEST_F(AcquisitionTest, SelfTestFindsAnOpenThermistor) {
+TEST_F(AcquisitionTest, self_test_finds_an_open_thermistor) {
   make(1);
   SimFaults faults;
   faults.thermistor_open = true;
@@ -152,7 +152,7 @@ TEST_F(AcquisitionTest, SelfTestFindsAnOpenThermistor) {
   EXPECT_EQ(wait().fault, ReplyStatus::kThermistor);
 }
 
-TEST_F(AcquisitionTest, SelfTestTellsWhatTheProjectorReports) {
+TEST_F(AcquisitionTest, self_test_tells_what_the_projector_reports) {
   make(1);
   const std::array<std::pair<ProjectorStatus, ReplyStatus>, 3> reports{
       {{{.ready = false, .sequence_abort = true, .watchdog = true}, ReplyStatus::kProjNotReady},
@@ -167,7 +167,7 @@ TEST_F(AcquisitionTest, SelfTestTellsWhatTheProjectorReports) {
   }
 }
 
-TEST_F(AcquisitionTest, LedThatFailsDuringAScanIsAFault) {
+TEST_F(AcquisitionTest, led_that_fails_during_a_scan_is_a_fault) {
   make(100'000);
   acquisition->scan(kSession, std::nullopt);
   while (count() < 5) std::this_thread::yield();
@@ -178,7 +178,7 @@ TEST_F(AcquisitionTest, LedThatFailsDuringAScanIsAFault) {
   expect_conservation();
 }
 
-TEST_F(AcquisitionTest, LedThatStaysOnDuringAScanIsReportedAsStuck) {
+TEST_F(AcquisitionTest, led_that_stays_on_during_a_scan_is_reported_as_stuck) {
   make(100'000);
   acquisition->scan(kSession, std::nullopt);
   while (count() < 5) std::this_thread::yield();
@@ -190,7 +190,7 @@ TEST_F(AcquisitionTest, LedThatStaysOnDuringAScanIsReportedAsStuck) {
   expect_conservation();
 }
 
-TEST_F(AcquisitionTest, CalibrationRefusesUnsteadyStamps) {
+TEST_F(AcquisitionTest, calibration_refuses_unsteady_stamps) {
   make(1);
   SimFaults faults;
   auto n = std::make_shared<int>(0);
@@ -203,7 +203,7 @@ TEST_F(AcquisitionTest, CalibrationRefusesUnsteadyStamps) {
   EXPECT_EQ(wait().phase, AcquisitionPhase::kDone);
 }
 
-TEST(DelayCalibration, MeasuresTheStampsDelayFromTheEndOfExposure) {
+TEST(DelayCalibration, measures_the_stamps_delay_from_the_end_of_exposure) {
   DelayCalibration c(5);
   for (int i = 0; i < 5; ++i) {
     const std::int64_t t = 4'000'000 * i;
@@ -216,7 +216,7 @@ TEST(DelayCalibration, MeasuresTheStampsDelayFromTheEndOfExposure) {
   EXPECT_EQ(c.result()->mad.count(), 10);
 }
 
-TEST(LightSwitch, IsOnOnlyWhenWantedAndPermitted) {
+TEST(LightSwitch, is_on_only_when_wanted_and_permitted) {
   class Lamp final : public Light {
    public:
     void set_enabled(bool on) noexcept override { on_ = on; }

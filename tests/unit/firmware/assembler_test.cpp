@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "tests/unit/firmware/device_run.hpp"
+#include "tests/unit/firmware/assembler_fault.hpp"
 
 namespace enamel::fw::test {
 namespace {
@@ -14,56 +14,18 @@ namespace {
 using proto::DropReason;
 using testing::ElementsAre;
 
-constexpr std::uint64_t kVictim = 3;
-constexpr std::uint64_t kBursts = 8;
-
-/// Plays eight bursts; `harm` changes the steps of burst 3, or of the sentinel before it.
-class AssemblerFault : public testing::Test {
- protected:
-  void harm_at(int position, std::function<void(SimStep&)> harm) {
-    SimFaults faults;
-    faults.on_step = [position, harm = std::move(harm)](SimStep& s) {
-      if (s.position == position && s.burst_index == kVictim) harm(s);
-    };
-    run.device().set_faults(std::move(faults));
-  }
-  /// Only the victim is lost, for this reason; every other burst is whole and holds its own frames.
-  void expect_lost_for(DropReason reason) {
-    run.run();
-    ASSERT_EQ(run.given_up.size(), 1U);
-    EXPECT_EQ(run.given_up[0].burst_index, kVictim);
-    EXPECT_EQ(run.given_up[0].reason, reason) << name_of(run.given_up[0].reason);
-    expect_others_whole();
-  }
-  void expect_others_whole() {
-    EXPECT_EQ(run.bursts.size() + run.given_up.size(), kBursts);
-    EXPECT_EQ(run.assembler().begun(), kBursts);
-    EXPECT_EQ(run.assembler().under_way(), 0U);
-    for (const AssembledBurst& b : run.bursts) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        EXPECT_EQ(tag_of(b.frames[k].frame.pixels), std::pair(b.burst_index, static_cast<int>(k)));
-      }
-    }
-  }
-  static void erase_edges(SimStep& s, EdgeKind kind) {
-    std::erase_if(s.edges, [&](const Edge& e) { return e.kind == kind; });
-  }
-
-  DeviceRun run{TaggedSource::Config{.count = kBursts}};
-};
-
-TEST_F(AssemblerFault, NoneLosesNothing) {
+TEST_F(AssemblerFault, none_loses_nothing) {
   run.run();
   EXPECT_EQ(run.bursts.size(), kBursts);
   expect_others_whole();
 }
 
-TEST_F(AssemblerFault, FrameDroppedByDriverWithSequenceGap) {
+TEST_F(AssemblerFault, frame_dropped_by_driver_with_sequence_gap) {
   harm_at(2, [](SimStep& s) { s.frames.clear(); });
   expect_lost_for(DropReason::kSeqGap);
 }
 
-TEST_F(AssemblerFault, FrameDroppedWithoutSequenceGap) {
+TEST_F(AssemblerFault, frame_dropped_without_sequence_gap) {
   auto hidden = std::make_shared<std::uint32_t>(0U);
   SimFaults faults;
   faults.on_step = [hidden](SimStep& s) {
@@ -76,12 +38,12 @@ TEST_F(AssemblerFault, FrameDroppedWithoutSequenceGap) {
   expect_lost_for(DropReason::kPeriod);
 }
 
-TEST_F(AssemblerFault, DuplicateBufferWithItsOldStamps) {
+TEST_F(AssemblerFault, duplicate_buffer_with_its_old_stamps) {
   harm_at(1, [](SimStep& s) { s.frames.push_back(s.frames.front()); });
   expect_lost_for(DropReason::kSeqGap);
 }
 
-TEST_F(AssemblerFault, DuplicateBufferCountedAsANewFrame) {
+TEST_F(AssemblerFault, duplicate_buffer_counted_as_a_new_frame) {
   auto extra = std::make_shared<std::uint32_t>(0U);
   SimFaults faults;
   faults.on_step = [extra](SimStep& s) {
@@ -96,7 +58,7 @@ TEST_F(AssemblerFault, DuplicateBufferCountedAsANewFrame) {
   expect_lost_for(DropReason::kPeriod);
 }
 
-TEST_F(AssemblerFault, StaleContentUnderFreshStamps) {
+TEST_F(AssemblerFault, stale_content_under_fresh_stamps) {
   auto before = std::make_shared<std::vector<std::uint8_t>>();
   SimFaults faults;
   faults.on_step = [before](SimStep& s) {
@@ -107,7 +69,7 @@ TEST_F(AssemblerFault, StaleContentUnderFreshStamps) {
   expect_lost_for(DropReason::kDupContent);
 }
 
-TEST_F(AssemblerFault, OutOfOrderCompletion) {
+TEST_F(AssemblerFault, out_of_order_completion) {
   auto held = std::make_shared<std::optional<CameraFrame>>();
   SimFaults faults;
   faults.on_step = [held](SimStep& s) {
@@ -122,17 +84,17 @@ TEST_F(AssemblerFault, OutOfOrderCompletion) {
   expect_lost_for(DropReason::kSeqGap);
 }
 
-TEST_F(AssemblerFault, FrameErrorInsideABurst) {
+TEST_F(AssemblerFault, frame_error_inside_a_burst) {
   harm_at(3, [](SimStep& s) { s.frames.front().status = FrameStatus::kError; });
   expect_lost_for(DropReason::kFrameStatus);
 }
 
-TEST_F(AssemblerFault, SentinelWithErrorStatus) {
+TEST_F(AssemblerFault, sentinel_with_error_status) {
   harm_at(SimStep::kSentinel, [](SimStep& s) { s.frames.front().status = FrameStatus::kError; });
   expect_lost_for(DropReason::kFrameStatus);
 }
 
-TEST(Assembler, FirstFramesAfterStartAreNotUsed) {
+TEST(Assembler, first_frames_after_start_are_not_used) {
   SimConfig sim = DeviceRun::virtual_time();
   sim.startup_frames = 40;
   DeviceRun run({.count = 2}, sim);
@@ -149,119 +111,19 @@ TEST(Assembler, FirstFramesAfterStartAreNotUsed) {
   EXPECT_EQ(run.bursts.size(), 2U);
 }
 
-TEST_F(AssemblerFault, StrobeEdgeLost) {
-  harm_at(1, [](SimStep& s) { erase_edges(s, EdgeKind::kStrobe); });
-  expect_lost_for(DropReason::kNoStrobe);
-}
-
-TEST_F(AssemblerFault, StrobeOfTheFirstLitFrameLost) {
-  harm_at(0, [](SimStep& s) { erase_edges(s, EdgeKind::kStrobe); });
-  expect_lost_for(DropReason::kNoStrobe);
-}
-
-TEST_F(AssemblerFault, ExtraStrobeIsHarmless) {
-  harm_at(1, [](SimStep& s) { s.edges.push_back({EdgeKind::kStrobe, s.edges.front().t + Nanoseconds{300'000}, 0}); });
-  run.run();
-  EXPECT_TRUE(run.given_up.empty());
-  expect_others_whole();
-}
-
-TEST_F(AssemblerFault, TriggerMissedBecauseProjectorWasNotReady) {
-  SimFaults faults;
-  faults.trigger_missed = [](std::uint64_t burst, int position) { return burst == kVictim && position == 0; };
-  run.device().set_faults(faults);
-  run.run();
-  ASSERT_FALSE(run.given_up.empty());
-  EXPECT_EQ(run.given_up[0].burst_index, kVictim);
-  EXPECT_EQ(run.given_up[0].reason, DropReason::kOrder);
-  EXPECT_EQ(run.given_up.size(), 1U);  // the restart of the projector brings the next burst back in step
-  expect_others_whole();
-}
-
-TEST_F(AssemblerFault, ProjectorNeverStarts) {
-  SimFaults faults;
-  faults.trigger_missed = [](std::uint64_t burst, int) { return burst == kVictim; };
-  run.device().set_faults(faults);
-  expect_lost_for(DropReason::kTimeout);
-}
-
-TEST_F(AssemblerFault, ProjectorRestartsInsideABurst) {
-  harm_at(2, [](SimStep& s) { s.edges.push_back({EdgeKind::kT1, s.edges.front().t + Nanoseconds{1000}, 0}); });
-  expect_lost_for(DropReason::kOrder);
-}
-
-TEST_F(AssemblerFault, PatternIndexSlips) {
-  harm_at(0, [](SimStep& s) { erase_edges(s, EdgeKind::kT1); });
-  expect_lost_for(DropReason::kOrder);
-}
-
-TEST_F(AssemblerFault, PatternEdgeLostLeavesABrightFrameThatClaimsToBeDark) {
-  harm_at(1, [](SimStep& s) { erase_edges(s, EdgeKind::kT2Rise); });
-  expect_lost_for(DropReason::kDarkLeak);
-}
-
-TEST_F(AssemblerFault, TwoPatternsInOneExposure) {
-  harm_at(1, [](SimStep& s) {
-    const DeviceTime t = s.edges.front().t;
-    s.edges.push_back({EdgeKind::kT2Rise, t + Nanoseconds{3'620'000}, 0});
-    s.edges.push_back({EdgeKind::kT2Fall, t + Nanoseconds{3'640'000}, 0});
-  });
-  expect_lost_for(DropReason::kMulti);
-}
-
-TEST_F(AssemblerFault, ExposureClippedByTheFrameDurationLimit) {
-  harm_at(0, [](SimStep& s) {
-    s.frames.front().exposure_us = 3000;
-    s.frames.front().t_sensor -= Nanoseconds{700'000};
-  });
-  run.run();
-  ASSERT_EQ(run.given_up.size(), 1U);
-  // Its stamp moves with the end of exposure, so the period check sees it first.
-  EXPECT_THAT(run.given_up[0].reason, testing::AnyOf(DropReason::kPartial, DropReason::kPeriod));
-  expect_others_whole();
-}
-
-TEST_F(AssemblerFault, PatternStillLitWhenTheExposureEnds) {
-  harm_at(2, [](SimStep& s) {
-    for (Edge& e : s.edges) {
-      if (e.kind == EdgeKind::kT2Fall) e.t += Nanoseconds{100'000};
-    }
-  });
-  expect_lost_for(DropReason::kPartial);
-}
-
-TEST_F(AssemblerFault, ExposureChangedInsideABurst) {
-  harm_at(2, [](SimStep& s) { s.frames.front().exposure_us = 3690; });
-  expect_lost_for(DropReason::kSettling);
-}
-
-TEST_F(AssemblerFault, AmbientLightInTheSentinel) {
-  harm_at(SimStep::kSentinel, [](SimStep& s) {
-    for (auto& v : s.frames.front().pixels) v = 60;
-  });
-  expect_lost_for(DropReason::kDarkLeak);
-}
-
-TEST_F(AssemblerFault, LedStuckOnShowsInDarkFrames) {
-  run.device().set_faults({.on_step = {}, .trigger_missed = {}, .led_open = false, .led_stuck_on = true});
-  for (int i = 0; i < 12; ++i) run.step();
-  EXPECT_GE(run.assembler().dark_leaks(), 3);
-  EXPECT_TRUE(run.bursts.empty());
-}
-
-TEST_F(AssemblerFault, FrameOfAnotherSize) {
+TEST_F(AssemblerFault, frame_of_another_size) {
   harm_at(1, [](SimStep& s) { s.frames.front().pixels.pop_back(); });
   expect_lost_for(DropReason::kEncode);
 }
 
-TEST_F(AssemblerFault, ClockStepInTheEdgeStream) {
+TEST_F(AssemblerFault, clock_step_in_the_edge_stream) {
   harm_at(1, [](SimStep& s) {
     for (Edge& e : s.edges) e.t += std::chrono::hours(1);
   });
   expect_lost_for(DropReason::kNoStrobe);
 }
 
-TEST_F(AssemblerFault, CameraFallsSilent) {
+TEST_F(AssemblerFault, camera_falls_silent) {
   SimFaults faults;
   faults.on_step = [](SimStep& s) {
     if (s.position >= 1 && s.burst_index == kVictim) s.frames.clear();
@@ -273,7 +135,7 @@ TEST_F(AssemblerFault, CameraFallsSilent) {
   expect_others_whole();
 }
 
-TEST(Assembler, AssociatesTheSameWhateverTheOrderOfArrival) {
+TEST(Assembler, associates_the_same_whatever_the_order_of_arrival) {
   // All edges of a burst come before, or all after, its frames.
   DeviceRun straight({.count = 3});
   std::vector<Edge> edges;
@@ -310,7 +172,7 @@ TEST(Assembler, AssociatesTheSameWhateverTheOrderOfArrival) {
   }
 }
 
-TEST(Assembler, AbortEndsEveryOpenedGate) {
+TEST(Assembler, abort_ends_every_opened_gate) {
   BurstAssembler assembler(AssemblerConfig::for_mode({16, 2, 8, Nanoseconds{kPeriodNs}, 3700}, Nanoseconds{20'000}));
   for (std::uint64_t i = 0; i < 3; ++i) {
     assembler.push_edge({EdgeKind::kGate, device_time(static_cast<std::int64_t>(i) * 30'000'000), i});

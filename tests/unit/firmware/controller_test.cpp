@@ -13,7 +13,7 @@ using proto::ReplyStatus;
 
 class Controller : public testing::Test, public ControlRig {};
 
-TEST_F(Controller, BootsThroughSelfTestToIdle) {
+TEST_F(Controller, boots_through_self_test_to_idle) {
   EXPECT_EQ(state(), ProbeState::kBoot);
   controller.boot(now);
   EXPECT_EQ(state(), ProbeState::kSelftest);
@@ -23,14 +23,14 @@ TEST_F(Controller, BootsThroughSelfTestToIdle) {
   EXPECT_FALSE(lamp.enabled());
 }
 
-TEST_F(Controller, WarmsUpAndScansForTheHostThatHoldsIt) {
+TEST_F(Controller, warms_up_and_scans_for_the_host_that_holds_it) {
   scanning();
   EXPECT_EQ(state(), ProbeState::kScanning);
   EXPECT_TRUE(lamp.enabled());
   EXPECT_EQ(acquisition.last_session.id.value, 7U);
 }
 
-TEST_F(Controller, StaysInWarmupUntilTheTipIsWarm) {
+TEST_F(Controller, stays_in_warmup_until_the_tip_is_warm) {
   temperatures.tip_cc = 3000;
   ready();
   EXPECT_EQ(state(), ProbeState::kWarmup);
@@ -39,7 +39,7 @@ TEST_F(Controller, StaysInWarmupUntilTheTipIsWarm) {
   EXPECT_EQ(state(), ProbeState::kReady);
 }
 
-TEST_F(Controller, ExpiredCommandIsRefusedAndNotExecuted) {
+TEST_F(Controller, expired_command_is_refused_and_not_executed) {
   ready();
   proto::Command c;
   c.cmd_id = 100;
@@ -54,7 +54,7 @@ TEST_F(Controller, ExpiredCommandIsRefusedAndNotExecuted) {
   EXPECT_EQ(send(c).status, ReplyStatus::kOk);
 }
 
-TEST_F(Controller, RepeatedCommandGetsItsFirstAnswerAndIsNotExecutedAgain) {
+TEST_F(Controller, repeated_command_gets_its_first_answer_and_is_not_executed_again) {
   ready();
   proto::Command c;
   c.cmd_id = 100;
@@ -70,7 +70,7 @@ TEST_F(Controller, RepeatedCommandGetsItsFirstAnswerAndIsNotExecutedAgain) {
   EXPECT_EQ(acquisition.scans, 1);
 }
 
-TEST_F(Controller, RemembersSixtyFourReplies) {
+TEST_F(Controller, remembers_sixty_four_replies) {
   ready();
   proto::Command c;
   c.cmd_id = 1000;
@@ -84,7 +84,7 @@ TEST_F(Controller, RemembersSixtyFourReplies) {
   EXPECT_EQ(send(c).status, ReplyStatus::kOk);
 }
 
-TEST_F(Controller, OnlyTheHolderOfTheLeaseCommands) {
+TEST_F(Controller, only_the_holder_of_the_lease_commands) {
   ready();
   EXPECT_EQ(send(Opcode::kScanStart, 2, 9).status, ReplyStatus::kNotOwner);
   EXPECT_EQ(send(Opcode::kSessionOpen, 2).status, ReplyStatus::kBusy);
@@ -93,7 +93,7 @@ TEST_F(Controller, OnlyTheHolderOfTheLeaseCommands) {
   EXPECT_EQ(send(Opcode::kSessionOpen, 2).status, ReplyStatus::kOk);
 }
 
-TEST_F(Controller, SafeOffWorksForAnyoneInEveryState) {
+TEST_F(Controller, safe_off_works_for_anyone_in_every_state) {
   scanning();
   EXPECT_EQ(send(Opcode::kSafeOff, 99).status, ReplyStatus::kOk);
   EXPECT_EQ(state(), ProbeState::kSafe);
@@ -102,7 +102,7 @@ TEST_F(Controller, SafeOffWorksForAnyoneInEveryState) {
   EXPECT_EQ(send(Opcode::kScanStart, 1, 7).status, ReplyStatus::kBadState);
 }
 
-TEST_F(Controller, AnUpdateIsKeptOutFromTheStartOfAScanToItsEnd) {
+TEST_F(Controller, an_update_is_kept_out_from_the_start_of_a_scan_to_its_end) {
   ready();
   EXPECT_FALSE(gate.scan_open);
   EXPECT_EQ(send(Opcode::kScanStart, 1, 7).status, ReplyStatus::kOk);
@@ -121,7 +121,7 @@ TEST_F(Controller, AnUpdateIsKeptOutFromTheStartOfAScanToItsEnd) {
   EXPECT_FALSE(gate.scan_open);
 }
 
-TEST_F(Controller, NoScanBeginsWhileFirmwareIsWritten) {
+TEST_F(Controller, no_scan_begins_while_firmware_is_written) {
   ready();
   gate.update = true;
   EXPECT_EQ(send(Opcode::kScanStart, 1, 7).status, ReplyStatus::kBusy) << "before the next tick";
@@ -137,7 +137,7 @@ TEST_F(Controller, NoScanBeginsWhileFirmwareIsWritten) {
   EXPECT_EQ(state(), ProbeState::kIdle);
 }
 
-TEST_F(Controller, SafeIsLatchedUntilASelfTestPasses) {
+TEST_F(Controller, safe_is_latched_until_a_self_test_passes) {
   scanning();
   send(Opcode::kSafeOff);
   for (int i = 0; i < 100; ++i) {
@@ -151,7 +151,7 @@ TEST_F(Controller, SafeIsLatchedUntilASelfTestPasses) {
   EXPECT_EQ(state(), ProbeState::kIdle);
 }
 
-TEST_F(Controller, SilentHostPausesTheScanAndTheLightIsOffWithinThreeSeconds) {
+TEST_F(Controller, silent_host_pauses_the_scan_and_the_light_is_off_within_three_seconds) {
   scanning();
   const HostTime last_word = now;
   while (lamp.enabled() && now < last_word + Nanoseconds{10'000'000'000}) tick(10);
@@ -160,7 +160,7 @@ TEST_F(Controller, SilentHostPausesTheScanAndTheLightIsOffWithinThreeSeconds) {
   EXPECT_TRUE(told(602));
 }
 
-TEST_F(Controller, SilentHostPausesEvenWhenTheBurstUnderWayNeverEnds) {
+TEST_F(Controller, silent_host_pauses_even_when_the_burst_under_way_never_ends) {
   scanning();
   acquisition.drains_at_once = false;
   const HostTime last_word = now;
@@ -169,7 +169,7 @@ TEST_F(Controller, SilentHostPausesEvenWhenTheBurstUnderWayNeverEnds) {
   EXPECT_LE(now - last_word, Nanoseconds{3'000'000'000});
 }
 
-TEST_F(Controller, AnyCommandRenewsTheLease) {
+TEST_F(Controller, any_command_renews_the_lease) {
   scanning();
   for (int i = 0; i < 20; ++i) {
     tick(2000);
@@ -178,7 +178,7 @@ TEST_F(Controller, AnyCommandRenewsTheLease) {
   EXPECT_EQ(state(), ProbeState::kScanning);
 }
 
-TEST_F(Controller, AnotherHostTakesOverAfterTheLeaseIsLost) {
+TEST_F(Controller, another_host_takes_over_after_the_lease_is_lost) {
   scanning();
   for (int i = 0; i < 400; ++i) tick(10);
   EXPECT_EQ(send(Opcode::kSessionOpen, 2).status, ReplyStatus::kOk);
@@ -189,7 +189,7 @@ TEST_F(Controller, AnotherHostTakesOverAfterTheLeaseIsLost) {
   EXPECT_EQ(acquisition.last_session.epoch, 2U);  // same number, another session
 }
 
-TEST_F(Controller, TheSameHostContinuesItsSessionAfterAPause) {
+TEST_F(Controller, the_same_host_continues_its_session_after_a_pause) {
   scanning();
   send(Opcode::kScanPause);
   tick();
@@ -199,7 +199,7 @@ TEST_F(Controller, TheSameHostContinuesItsSessionAfterAPause) {
   EXPECT_EQ(acquisition.last_session.epoch, 1U);
 }
 
-TEST_F(Controller, PauseFinishesTheBurstUnderWayFirst) {
+TEST_F(Controller, pause_finishes_the_burst_under_way_first) {
   scanning();
   acquisition.drains_at_once = false;
   send(Opcode::kScanPause);
@@ -211,7 +211,7 @@ TEST_F(Controller, PauseFinishesTheBurstUnderWayFirst) {
   EXPECT_EQ(state(), ProbeState::kPaused);
 }
 
-TEST_F(Controller, FaultRetriesThreeTimesWithBackOffThenWaits) {
+TEST_F(Controller, fault_retries_three_times_with_back_off_then_waits) {
   scanning();
   acquisition.end(AcquisitionPhase::kFailed, ReplyStatus::kCamTimeout);
   tick();
@@ -230,7 +230,7 @@ TEST_F(Controller, FaultRetriesThreeTimesWithBackOffThenWaits) {
   EXPECT_EQ(state(), ProbeState::kFault);
 }
 
-TEST_F(Controller, StuckLedAndOverTemperatureLeadToSafe) {
+TEST_F(Controller, stuck_led_and_over_temperature_lead_to_safe) {
   scanning();
   acquisition.end(AcquisitionPhase::kFailed, ReplyStatus::kLedStuck, true);
   tick();
@@ -244,7 +244,7 @@ TEST_F(Controller, StuckLedAndOverTemperatureLeadToSafe) {
   EXPECT_FALSE(hot.lamp.enabled());
 }
 
-TEST_F(Controller, EndOfTheSourceWaitsForThePublisherThenTellsTheFinalCounts) {
+TEST_F(Controller, end_of_the_source_waits_for_the_publisher_then_tells_the_final_counts) {
   scanning();
   ledger.begin(acquisition.last_session, 2);
   ledger.emit(acquisition.last_session);
@@ -262,7 +262,7 @@ TEST_F(Controller, EndOfTheSourceWaitsForThePublisherThenTellsTheFinalCounts) {
   EXPECT_TRUE(controller.session_closed());
 }
 
-TEST_F(Controller, SingleBurstsEndByThemselves) {
+TEST_F(Controller, single_bursts_end_by_themselves) {
   ready();
   send(Opcode::kSingleBurst, 1, 5);
   EXPECT_EQ(acquisition.last_limit, 5U);
@@ -271,7 +271,7 @@ TEST_F(Controller, SingleBurstsEndByThemselves) {
   EXPECT_EQ(state(), ProbeState::kReady);
 }
 
-TEST_F(Controller, RefusesWhatMakesNoSense) {
+TEST_F(Controller, refuses_what_makes_no_sense) {
   ready();
   EXPECT_EQ(send(Opcode::kScanStart, 1, 0).status, ReplyStatus::kBadArg);
   EXPECT_EQ(send(Opcode::kScanStart, 1, -1).status, ReplyStatus::kBadArg);

@@ -85,7 +85,7 @@ bool allowed(ProbeState s) {
   return s == ProbeState::kScanning || s == ProbeState::kSelftest || s == ProbeState::kWarmup;
 }
 
-TEST(LightProperty, TheLightIsOnOnlyInScanningSelftestAndWarmup) {
+TEST(LightProperty, the_light_is_on_only_in_scanning_selftest_and_warmup) {
   int lit = 0;
   int scans = 0;
   for (std::uint64_t seed = 1; seed <= 80; ++seed) {
@@ -100,7 +100,7 @@ TEST(LightProperty, TheLightIsOnOnlyInScanningSelftestAndWarmup) {
 }
 
 /// Negative control: the same walk against a stricter rule must find violations.
-TEST(LightProperty, TheCheckFindsLightWhereARuleForbidsIt) {
+TEST(LightProperty, the_check_finds_light_where_a_rule_forbids_it) {
   int violations = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     violations += walk(seed, 5'000, [](ProbeState s) { return s == ProbeState::kScanning; }).violations;
@@ -108,7 +108,7 @@ TEST(LightProperty, TheCheckFindsLightWhereARuleForbidsIt) {
   EXPECT_GT(violations, 10);
 }
 
-TEST(ProbeFsm, EveryStateCanBeMadeSafeAndNothingLeavesSafeByItself) {
+TEST(ProbeFsm, every_state_can_be_made_safe_and_nothing_leaves_safe_by_itself) {
   for (const ProbeState s :
        {ProbeState::kBoot, ProbeState::kSelftest, ProbeState::kIdle, ProbeState::kWarmup, ProbeState::kReady,
         ProbeState::kScanning, ProbeState::kPaused, ProbeState::kFault, ProbeState::kUpdating}) {
@@ -121,7 +121,7 @@ TEST(ProbeFsm, EveryStateCanBeMadeSafeAndNothingLeavesSafeByItself) {
   }
 }
 
-TEST(ProbeFsm, TheTableHasOneRowForAStateAndInput) {
+TEST(ProbeFsm, the_table_has_one_row_for_a_state_and_input) {
   const auto table = transitions();
   for (std::size_t i = 0; i < table.size(); ++i) {
     for (std::size_t j = i + 1; j < table.size(); ++j) {
@@ -131,7 +131,7 @@ TEST(ProbeFsm, TheTableHasOneRowForAStateAndInput) {
   }
 }
 
-TEST(ProbeFsm, ScanningStartsOnlyFromReadyAndPaused) {
+TEST(ProbeFsm, scanning_starts_only_from_ready_and_paused) {
   for (const Transition& t : transitions()) {
     if (t.to == ProbeState::kScanning) {
       EXPECT_TRUE(t.from == ProbeState::kReady || t.from == ProbeState::kPaused);

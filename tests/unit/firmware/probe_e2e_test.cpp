@@ -79,7 +79,7 @@ class ProbeE2e : public testing::Test {
   std::vector<proto::Burst> recorded;
 };
 
-TEST_F(ProbeE2e, PlaysARecordingBitIdenticallyAndEndsTheSession) {
+TEST_F(ProbeE2e, plays_a_recording_bit_identically_and_ends_the_session) {
   ProbeProcess probe(args({"--serial", "E2E-1"}));
   TestHost host(tag);
   ASSERT_TRUE(host.find());
@@ -131,7 +131,7 @@ TEST_F(ProbeE2e, PlaysARecordingBitIdenticallyAndEndsTheSession) {
   EXPECT_EQ(summary["under_way"], 0);
 }
 
-TEST_F(ProbeE2e, AHostThatComesLateFindsTheFinalStatus) {
+TEST_F(ProbeE2e, a_host_that_comes_late_finds_the_final_status) {
   ProbeProcess probe(args({"--speed", "4"}));
   {
     TestHost host(tag);
@@ -146,7 +146,7 @@ TEST_F(ProbeE2e, AHostThatComesLateFindsTheFinalStatus) {
   expect_conserved(late.seen_statuses.back());
 }
 
-TEST_F(ProbeE2e, PausesWithTheLightOffWithinThreeSecondsOfTheHostsLastWord) {
+TEST_F(ProbeE2e, pauses_with_the_light_off_within_three_seconds_of_the_hosts_last_word) {
   ProbeProcess probe(args({"--loops", "100"}));
   TestHost host(tag);
   ASSERT_TRUE(host.find());
@@ -171,7 +171,7 @@ TEST_F(ProbeE2e, PausesWithTheLightOffWithinThreeSecondsOfTheHostsLastWord) {
   EXPECT_TRUE(host.wait_state(id, ProbeState::kScanning));
 }
 
-TEST_F(ProbeE2e, SigtermSwitchesTheLightOffSaysSoAndExitsCleanly) {
+TEST_F(ProbeE2e, sigterm_switches_the_light_off_says_so_and_exits_cleanly) {
   ProbeProcess probe(args({"--loops", "100"}));
   TestHost host(tag);
   ASSERT_TRUE(host.find());
@@ -187,7 +187,7 @@ TEST_F(ProbeE2e, SigtermSwitchesTheLightOffSaysSoAndExitsCleanly) {
   EXPECT_FALSE(probe.output().empty());
 }
 
-TEST_F(ProbeE2e, TwoProbesAreToldApartAndCommandedApart) {
+TEST_F(ProbeE2e, two_probes_are_told_apart_and_commanded_apart) {
   ProbeProcess one(args({"--serial", "A"}));
   ProbeProcess two(args({"--serial", "B"}));
   TestHost host(tag);
@@ -202,7 +202,7 @@ TEST_F(ProbeE2e, TwoProbesAreToldApartAndCommandedApart) {
   EXPECT_EQ(host.last_status(b)->state, ProbeState::kIdle);
 }
 
-TEST_F(ProbeE2e, AnswersClockExchanges) {
+TEST_F(ProbeE2e, answers_clock_exchanges) {
   ProbeProcess probe(args({}));
   TestHost host(tag);
   ASSERT_TRUE(host.find());
@@ -225,7 +225,7 @@ int run_to_end(const std::vector<std::string>& args) {
   return probe.wait();
 }
 
-TEST_F(ProbeE2e, ScansAndUpdatesKeepEachOtherOut) {
+TEST_F(ProbeE2e, scans_and_updates_keep_each_other_out) {
   const std::string lock_path = path + ".lock";
   ProbeProcess probe(args({"--scan-lock", lock_path, "--loops", "1000"}));
   TestHost host(tag);
@@ -248,7 +248,7 @@ TEST_F(ProbeE2e, ScansAndUpdatesKeepEachOtherOut) {
   std::filesystem::remove(lock_path);
 }
 
-TEST_F(ProbeE2e, TheSelfTestAsksTheProbeThatRuns) {
+TEST_F(ProbeE2e, the_self_test_asks_the_probe_that_runs) {
   const std::vector<std::string> ask{"--self-test", "--dds-tag", tag, "--serial", "E2E-2", "--seconds", "10"};
   std::vector<std::string> short_of_time = ask;
   short_of_time.back() = "1";
@@ -267,7 +267,7 @@ TEST_F(ProbeE2e, TheSelfTestAsksTheProbeThatRuns) {
   EXPECT_EQ(run_to_end(ask), 3) << "a person scans with it";
 }
 
-TEST(ProbeProgram, ExitCodesTellUsageInputAndDeviceErrorsApart) {
+TEST(ProbeProgram, exit_codes_tell_usage_input_and_device_errors_apart) {
   EXPECT_EQ(run_to_end({"--help"}), 0);
   EXPECT_EQ(run_to_end({}), 1);
   EXPECT_EQ(run_to_end({"--play", "a", "--camera", "b"}), 1);
@@ -277,7 +277,7 @@ TEST(ProbeProgram, ExitCodesTellUsageInputAndDeviceErrorsApart) {
   EXPECT_EQ(run_to_end({"--camera", "0"}), 3);
 }
 
-TEST_F(ProbeE2e, RefusesARecordingWhoseBurstsNameAnotherCalibration) {
+TEST_F(ProbeE2e, refuses_a_recording_whose_bursts_name_another_calibration) {
   capture::CaptureHeader header;
   header.rig_text = "{\"format\": \"rig/1\", \"of\": \"another\"}";
   auto writer = capture::CaptureWriter::create(path, header);

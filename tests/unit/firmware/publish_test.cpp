@@ -68,7 +68,7 @@ class GatedSink final : public BurstSink {
   std::vector<proto::Burst> written_;
 };
 
-TEST(BurstBuilder, FillsEverythingThatTravels) {
+TEST(BurstBuilder, fills_everything_that_travels) {
   const auto bursts = assembled(2);
   BurstBuilderConfig config;
   config.probe_id = 77;
@@ -111,20 +111,20 @@ AssembledBurst four_frames(int width, int height, const std::function<double(int
 
 double fringe(int k, int x) { return 120.0 + 80.0 * std::cos(0.4 * x + k * 1.5707963267948966); }
 
-TEST(BurstBuilder, StillFringesHaveNoMotionFlag) {
+TEST(BurstBuilder, still_fringes_have_no_motion_flag) {
   const AssembledBurst b = four_frames(320, 64, fringe);
   EXPECT_LT(closure_residual(b, {}), 1.0);
   EXPECT_EQ(build_burst(captured(b), {})->meta[0].quality_flags & proto::kFlagMotion, 0);
 }
 
-TEST(BurstBuilder, FringesThatMoveBetweenFramesAreFlagged) {
+TEST(BurstBuilder, fringes_that_move_between_frames_are_flagged) {
   const AssembledBurst b = four_frames(
       320, 64, [](int k, int x) { return 120.0 + 80.0 * std::cos(0.4 * x + k * 1.5707963267948966 + 0.5 * k * k); });
   EXPECT_GT(closure_residual(b, {}), 4.0);
   EXPECT_NE(build_burst(captured(b), {})->meta[3].quality_flags & proto::kFlagMotion, 0);
 }
 
-TEST(BurstBuilder, PolarityCodedFringesAreNotTakenForMotion) {
+TEST(BurstBuilder, polarity_coded_fringes_are_not_taken_for_motion) {
   const AssembledBurst b = four_frames(320, 64, [](int k, int x) {
     const bool inverted = (x / 48) % 2 == 1;  // frame 3 shows -sin instead of +sin
     return inverted && k == 3 ? 240.0 - fringe(3, x) : fringe(k, x);
@@ -132,7 +132,7 @@ TEST(BurstBuilder, PolarityCodedFringesAreNotTakenForMotion) {
   EXPECT_LT(closure_residual(b, {}), 1.0);
 }
 
-TEST(BurstBuilder, SaturationAndMissingLightAreFlaggedNotDropped) {
+TEST(BurstBuilder, saturation_and_missing_light_are_flagged_not_dropped) {
   AssembledBurst bright = four_frames(32, 32, [](int, int x) { return x < 2 ? 255.0 : 100.0; });
   const auto saturated = build_burst(captured(bright), {});
   EXPECT_NE(saturated->meta[0].quality_flags & proto::kFlagSaturated, 0);
@@ -159,7 +159,7 @@ class PublisherTest : public testing::Test {
   std::unique_ptr<Publisher> publisher = std::make_unique<Publisher>(sink, ledger, clock, PublisherConfig{});
 };
 
-TEST_F(PublisherTest, WritesInOrderAndNumbersWhatItWrites) {
+TEST_F(PublisherTest, writes_in_order_and_numbers_what_it_writes) {
   sink.let(3);
   for (std::size_t i = 0; i < 3; ++i) {
     push(i);
@@ -173,7 +173,7 @@ TEST_F(PublisherTest, WritesInOrderAndNumbersWhatItWrites) {
   }
 }
 
-TEST_F(PublisherTest, SlowLinkLetsTheOldestGoAndLeavesNoGapInTheSequence) {
+TEST_F(PublisherTest, slow_link_lets_the_oldest_go_and_leaves_no_gap_in_the_sequence) {
   push(0);
   sink.wait_for_writer();
   for (std::size_t i = 1; i < 8; ++i) push(i);  // queue of three: 1..4 go
@@ -188,7 +188,7 @@ TEST_F(PublisherTest, SlowLinkLetsTheOldestGoAndLeavesNoGapInTheSequence) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(written[i].burst_seq, i);
 }
 
-TEST_F(PublisherTest, RefusedWritesAreCountedAndSpendNoNumber) {
+TEST_F(PublisherTest, refused_writes_are_counted_and_spend_no_number) {
   sink.refuse(true);
   sink.let(1);
   push(0);
@@ -203,7 +203,7 @@ TEST_F(PublisherTest, RefusedWritesAreCountedAndSpendNoNumber) {
   EXPECT_EQ(c.emitted, 1U);
 }
 
-TEST_F(PublisherTest, WhatIsQueuedAtTheEndIsCounted) {
+TEST_F(PublisherTest, what_is_queued_at_the_end_is_counted) {
   push(0);
   sink.wait_for_writer();
   push(1);
@@ -215,7 +215,7 @@ TEST_F(PublisherTest, WhatIsQueuedAtTheEndIsCounted) {
   EXPECT_EQ(c.begun, c.emitted + c.dropped_total());
 }
 
-TEST_F(PublisherTest, ANewSessionStartsItsOwnNumbersAndCounts) {
+TEST_F(PublisherTest, a_new_session_starts_its_own_numbers_and_counts) {
   sink.let(10);
   push(0);
   push(1);
@@ -230,7 +230,7 @@ TEST_F(PublisherTest, ANewSessionStartsItsOwnNumbersAndCounts) {
   EXPECT_EQ(ledger.counts().emitted, 1U);
 }
 
-TEST_F(PublisherTest, RateIsThatOfTheLastTwoSeconds) {
+TEST_F(PublisherTest, rate_is_that_of_the_last_two_seconds) {
   sink.let(100);
   for (std::size_t i = 0; i < 10; ++i) {
     push(i);

@@ -7,7 +7,7 @@
 namespace enamel::fw::test {
 namespace {
 
-TEST(SimDevice, KeepsTheSourcesTimeDifferencesToTheNanosecond) {
+TEST(SimDevice, keeps_the_sources_time_differences_to_the_nanosecond) {
   DeviceRun run({.count = 5, .distances_ns = {33'333'333, 40'000'001}});
   run.run();
   ASSERT_EQ(run.bursts.size(), 5U);
@@ -22,7 +22,7 @@ TEST(SimDevice, KeepsTheSourcesTimeDifferencesToTheNanosecond) {
   EXPECT_EQ(run.device().stretched().times, 0U);
 }
 
-TEST(SimDevice, DeliversNoFrameBeforeItsExposureEnds) {
+TEST(SimDevice, delivers_no_frame_before_its_exposure_ends) {
   DeviceRun run({.count = 3});
   ASSERT_TRUE(run.device().arm().has_value());
   for (int i = 0; i < 30; ++i) {
@@ -32,7 +32,7 @@ TEST(SimDevice, DeliversNoFrameBeforeItsExposureEnds) {
   }
 }
 
-TEST(SimDevice, EveryBurstHasADarkFrameJustBeforeIt) {
+TEST(SimDevice, every_burst_has_a_dark_frame_just_before_it) {
   DeviceRun run({.count = 20, .distances_ns = {20'020'000, 33'333'333, 24'100'000}});
   std::vector<int> positions;
   run.device().set_faults({.on_step = [&](SimStep& s) { positions.push_back(s.position); }, .trigger_missed = {}});
@@ -45,7 +45,7 @@ TEST(SimDevice, EveryBurstHasADarkFrameJustBeforeIt) {
   }
 }
 
-TEST(SimDevice, FramesAreDarkWhileTheLightIsOff) {
+TEST(SimDevice, frames_are_dark_while_the_light_is_off) {
   DeviceRun run({.count = 2});
   run.device().set_enabled(false);
   run.run();
@@ -53,7 +53,7 @@ TEST(SimDevice, FramesAreDarkWhileTheLightIsOff) {
   for (const LitFrame& f : run.bursts[0].frames) EXPECT_THAT(f.frame.pixels, testing::Each(testing::Eq(2)));
 }
 
-TEST(SimDevice, ShowsNothingUntilArmed) {
+TEST(SimDevice, shows_nothing_until_armed) {
   DeviceRun run({.count = 2});
   for (int i = 0; i < 50; ++i) {
     const auto frame = run.device().next_frame();
@@ -65,7 +65,7 @@ TEST(SimDevice, ShowsNothingUntilArmed) {
   EXPECT_THAT(edges, testing::Each(testing::Field(&Edge::kind, EdgeKind::kStrobe)));
 }
 
-TEST(SimDevice, SlowMotionScalesEveryTimeAlike) {
+TEST(SimDevice, slow_motion_scales_every_time_alike) {
   SimConfig sim = DeviceRun::virtual_time();
   sim.speed = 0.5;
   DeviceRun run({.count = 2}, sim);
@@ -76,7 +76,7 @@ TEST(SimDevice, SlowMotionScalesEveryTimeAlike) {
   EXPECT_EQ((run.bursts[1].frames[0].t_strobe - run.bursts[0].frames[0].t_strobe).count(), 66'666'666);
 }
 
-TEST(SimDevice, SaysByHowMuchASlowMachineStretchedTime) {
+TEST(SimDevice, says_by_how_much_a_slow_machine_stretched_time) {
   DeviceRun run({.count = 6});
   while (run.bursts.size() < 3 && run.step()) {
   }
@@ -88,7 +88,7 @@ TEST(SimDevice, SaysByHowMuchASlowMachineStretchedTime) {
   EXPECT_TRUE(run.given_up.empty());
 }
 
-TEST(SimDevice, PauseIsNotStretching) {
+TEST(SimDevice, pause_is_not_stretching) {
   DeviceRun run({.count = 6});
   while (run.bursts.size() < 3 && run.step()) {
   }
@@ -98,7 +98,7 @@ TEST(SimDevice, PauseIsNotStretching) {
   EXPECT_GE(run.bursts.size(), 5U);  // a burst that the stop cut off is gone
 }
 
-TEST(SimDevice, RefusesTimesThatCannotBe) {
+TEST(SimDevice, refuses_times_that_cannot_be) {
   class Still final : public BurstSource {
    public:
     [[nodiscard]] const std::string& rig_text() const override { return rig_; }
@@ -116,7 +116,7 @@ TEST(SimDevice, RefusesTimesThatCannotBe) {
   EXPECT_EQ(device.error().code, ErrorCode::kConfigValue);
 }
 
-TEST(SimDevice, AnEmptySourceIsAnError) {
+TEST(SimDevice, an_empty_source_is_an_error) {
   VirtualClock clock;
   const auto device = SimDevice::create(std::make_unique<TaggedSource>(TaggedSource::Config{.count = 0}), clock, {});
   ASSERT_FALSE(device.has_value());

@@ -41,13 +41,13 @@ struct Built {
   }
 };
 
-TEST(Validate, AcceptsTheToyPipeline) { EXPECT_TRUE(ToyPipeline(1).graph.validate()); }
-TEST(Validate, RefusesUnconnectedInput) {
+TEST(Validate, accepts_the_toy_pipeline) { EXPECT_TRUE(ToyPipeline(1).graph.validate()); }
+TEST(Validate, refuses_unconnected_input) {
   Built b;
   b.source.out.ignore();
   b.expect_refused("input 'sink.in' is not connected");
 }
-TEST(Validate, RefusesUnconnectedOutputUnlessIgnored) {
+TEST(Validate, refuses_unconnected_output_unless_ignored) {
   Built b;
   auto& pass = b.g.add<MapStage>("pass", same);
   b.g.connect(b.source.out, pass.in);
@@ -58,27 +58,27 @@ TEST(Validate, RefusesUnconnectedOutputUnlessIgnored) {
   EXPECT_TRUE(run_with(0, b.g));
   EXPECT_EQ(b.sink.items.size(), 10U);
 }
-TEST(Validate, RefusesAnInputConnectedTwice) {
+TEST(Validate, refuses_an_input_connected_twice) {
   Built b;
   b.g.connect(b.source.out, b.sink.in);
   b.g.connect(b.source.out, b.sink.in);
   b.expect_refused("connected twice");
 }
-TEST(Validate, RefusesTwoStagesOfOneName) {
+TEST(Validate, refuses_two_stages_of_one_name) {
   Built b;
   auto& pass = b.g.add<MapStage>("sink", same);
   b.g.connect(b.source.out, pass.in);
   b.g.connect(pass.out, b.sink.in);
   b.expect_refused("two stages are named 'sink'");
 }
-TEST(Validate, RefusesNoCapacityAndNoDelay) {
+TEST(Validate, refuses_no_capacity_and_no_delay) {
   Built b;
   b.g.connect(b.source.out, b.sink.in, {.capacity = 0});
   b.expect_refused("has no capacity");
   ToyPipeline p(1, 0);
   EXPECT_THAT(p.graph.validate().error().detail, HasSubstr("delay of at least 1"));
 }
-TEST(Validate, RefusesACycleWithoutDelay) {
+TEST(Validate, refuses_a_cycle_without_delay) {
   Built b;
   auto& join = b.g.add<Join>("join");
   auto& back = b.g.add<MapStage>("back", same);
@@ -88,7 +88,7 @@ TEST(Validate, RefusesACycleWithoutDelay) {
   b.g.connect(join.out, b.sink.in);
   b.expect_refused("cycle without a delay edge");
 }
-TEST(Validate, RefusesAJoinOfTwoSources) {
+TEST(Validate, refuses_a_join_of_two_sources) {
   Built b;
   auto& second = b.g.add<CountingSource>("second", 10);
   auto& join = b.g.add<Join>("join");
@@ -97,7 +97,7 @@ TEST(Validate, RefusesAJoinOfTwoSources) {
   b.g.connect(join.out, b.sink.in);
   b.expect_refused("stage 'join' joins paths of different sources or losses");
 }
-TEST(Validate, RefusesALossyPathIntoALosslessJoin) {
+TEST(Validate, refuses_a_lossy_path_into_a_lossless_join) {
   Built b;
   auto& join = b.g.add<Join>("join");
   b.g.connect(b.source.out, join.a);
@@ -105,7 +105,7 @@ TEST(Validate, RefusesALossyPathIntoALosslessJoin) {
   b.g.connect(join.out, b.sink.in);
   b.expect_refused("different sources or losses");
 }
-TEST(Validate, RefusesFeedbackFromALossyPath) {
+TEST(Validate, refuses_feedback_from_a_lossy_path) {
   const SteadyClock clock;
   Graph g(clock);
   auto& source = g.add<CountingSource>("source", 10);
@@ -116,7 +116,7 @@ TEST(Validate, RefusesFeedbackFromALossyPath) {
   g.connect_feedback(view.out, reg.model, 2, make_rejected<Number>({}, "none"));
   EXPECT_THAT(g.validate().error().detail, HasSubstr("feedback into 'register.model' comes from a path of another"));
 }
-TEST(Validate, RefusesAStageThatOnlyFeedbackPaces) {
+TEST(Validate, refuses_a_stage_that_only_feedback_paces) {
   const SteadyClock clock;
   Graph g(clock);
   auto& pass = g.add<MapStage>("self", same);
@@ -143,7 +143,7 @@ TEST(Metrics, ServiceTimeComesFromTheInjectedClock) {
   EXPECT_EQ(stage_of(s, "sink").service_ns.max, 0);
 }
 
-TEST(Metrics, JsonHoldsStagesAndEdges) {
+TEST(Metrics, json_holds_stages_and_edges) {
   ToyPipeline p(30);
   ASSERT_TRUE(run_with(2, p.graph));
   const auto j = nlohmann::json::parse(to_json(p.graph.snapshot()));
@@ -154,7 +154,7 @@ TEST(Metrics, JsonHoldsStagesAndEdges) {
   EXPECT_EQ(j.at("edges")[0].at("pushed"), 30);
 }
 
-TEST(Metrics, SnapshotsMayBeTakenWhileTheGraphRuns) {
+TEST(Metrics, snapshots_may_be_taken_while_the_graph_runs) {
   ToyPipeline p(300);
   std::atomic<bool> done{false};
   Number snapshots = 0;
@@ -170,7 +170,7 @@ TEST(Metrics, SnapshotsMayBeTakenWhileTheGraphRuns) {
   EXPECT_GT(snapshots, 0U);
 }
 
-TEST(RejectCounters, ReasonsBeyondTheTableCountAsOther) {
+TEST(RejectCounters, reasons_beyond_the_table_count_as_other) {
   std::vector<std::string> names(20);
   RejectCounters c;
   for (std::size_t i = 0; i < names.size(); ++i) c.add((names[i] = "reason " + std::to_string(i)).c_str());

@@ -23,7 +23,7 @@ static_assert(!std::is_copy_constructible_v<In<int>> && !std::is_move_constructi
 class Contract : public ::testing::TestWithParam<std::size_t> {};
 INSTANTIATE_TEST_SUITE_P(InlineAndWorkers, Contract, ::testing::Values(0, 1, 3));
 
-TEST_P(Contract, EveryBurstArrivesOnceInOrderWithItsReason) {
+TEST_P(Contract, every_burst_arrives_once_in_order_with_its_reason) {
   ToyPipeline p(100);
   ASSERT_TRUE(run_with(GetParam(), p.graph));
   ASSERT_EQ(p.sink->items.size(), 100U);
@@ -85,7 +85,7 @@ Result<void> run_faulty(std::size_t workers, Fault fault, std::size_t* arrived =
   return r;
 }
 
-TEST_P(Contract, SilentFilterIsReportedInsteadOfADeadlock) {
+TEST_P(Contract, silent_filter_is_reported_instead_of_a_deadlock) {
   std::size_t arrived = 0;
   const auto r = run_faulty(GetParam(), Fault::kFilter, &arrived);
   ASSERT_FALSE(r);
@@ -93,17 +93,17 @@ TEST_P(Contract, SilentFilterIsReportedInsteadOfADeadlock) {
   EXPECT_THAT(r.error().detail, HasSubstr("stage 'faulty' emitted 0 items on 'out' for burst 5"));
   EXPECT_EQ(arrived, 5U) << "what was right before is delivered";
 }
-TEST_P(Contract, SecondEmissionIsReported) {
+TEST_P(Contract, second_emission_is_reported) {
   const auto r = run_faulty(GetParam(), Fault::kEmitTwice);
   ASSERT_FALSE(r);
   EXPECT_THAT(r.error().detail, HasSubstr("emitted 2 items on 'out'"));
 }
-TEST_P(Contract, ItemOfAnotherBurstIsReported) {
+TEST_P(Contract, item_of_another_burst_is_reported) {
   const auto r = run_faulty(GetParam(), Fault::kOtherId);
   ASSERT_FALSE(r);
   EXPECT_THAT(r.error().detail, HasSubstr("emitted burst 6 on 'out' for burst 5"));
 }
-TEST_P(Contract, InputNotTakenIsReported) {
+TEST_P(Contract, input_not_taken_is_reported) {
   const auto r = run_faulty(GetParam(), Fault::kTakeNothing);
   ASSERT_FALSE(r);
   EXPECT_THAT(r.error().detail, HasSubstr("took 0 items from 'in'"));
@@ -121,7 +121,7 @@ class BackwardSource final : public Source {
  private:
   Number steps_ = 0;
 };
-TEST_P(Contract, SourceWhoseIdsDoNotIncreaseIsReported) {
+TEST_P(Contract, source_whose_ids_do_not_increase_is_reported) {
   const SteadyClock clock;
   Graph g(clock);
   auto& source = g.add<BackwardSource>();
@@ -132,7 +132,7 @@ TEST_P(Contract, SourceWhoseIdsDoNotIncreaseIsReported) {
   EXPECT_THAT(r.error().detail, HasSubstr("ids that do not increase"));
 }
 
-TEST_P(Contract, BoundedEdgesHoldTheSourceBack) {
+TEST_P(Contract, bounded_edges_hold_the_source_back) {
   const SteadyClock clock;
   Graph g(clock);
   auto& source = g.add<CountingSource>("source", 200);
@@ -155,7 +155,7 @@ TEST_P(Contract, BoundedEdgesHoldTheSourceBack) {
   EXPECT_EQ(s.edges[0].dropped, 0U);
 }
 
-TEST_P(Contract, FanOutSharesThePayload) {
+TEST_P(Contract, fan_out_shares_the_payload) {
   const SteadyClock clock;
   Graph g(clock);
   auto& source = g.add<CountingSource>("source", 20);
@@ -167,7 +167,7 @@ TEST_P(Contract, FanOutSharesThePayload) {
   for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(a.items[i].value.get(), b.items[i].value.get());
 }
 
-TEST_P(Contract, KeepLatestDropsCountsAndDeliversTheLastItem) {
+TEST_P(Contract, keep_latest_drops_counts_and_delivers_the_last_item) {
   ToyPipeline p(300);
   p.viewer->on_item = [](const Item<Number>& i) { random_work(20, i.id.value); };
   ASSERT_TRUE(run_with(GetParam(), p.graph));
@@ -183,7 +183,7 @@ TEST_P(Contract, KeepLatestDropsCountsAndDeliversTheLastItem) {
   EXPECT_EQ(e.popped, p.viewer->items.size());
 }
 
-TEST(KeepLatest, SlowViewerLosesItemsAndDisturbsNobody) {
+TEST(KeepLatest, slow_viewer_loses_items_and_disturbs_nobody) {
   ToyPipeline reference(100);
   ASSERT_TRUE(run_with(0, reference.graph));
   ToyPipeline p(100);
@@ -200,7 +200,7 @@ TEST(KeepLatest, SlowViewerLosesItemsAndDisturbsNobody) {
   EXPECT_GE(p.graph.snapshot().edges.back().dropped, 97U);
 }
 
-TEST(Share, PooledPayloadsReturnWithTheirLastReader) {
+TEST(Share, pooled_payloads_return_with_their_last_reader) {
   Pool<std::vector<int>> pool(2, [] { return std::vector<int>(10); });
   {
     Ref<std::vector<int>> r = pool.acquire();
@@ -213,7 +213,7 @@ TEST(Share, PooledPayloadsReturnWithTheirLastReader) {
   EXPECT_EQ(pool.in_use(), 0U);
 }
 
-TEST(Tombstone, FirstReasonIsKept) {
+TEST(Tombstone, first_reason_is_kept) {
   const Item<int> first = make_rejected<int>(ItemHead{}, "dark");
   EXPECT_STREQ(make_rejected<float>(first, "later").rejected, "dark");
 }

@@ -9,7 +9,7 @@ namespace {
 class Determinism : public ::testing::TestWithParam<std::size_t> {};
 INSTANTIATE_TEST_SUITE_P(InlineAndWorkers, Determinism, ::testing::Values(0, 1, 2, 3, 5));
 
-TEST_P(Determinism, SameHashAsInline) {
+TEST_P(Determinism, same_hash_as_inline) {
   ToyPipeline reference(300);
   ASSERT_TRUE(run_with(0, reference.graph));
   for (int repeat = 0; repeat < 3; ++repeat) {
@@ -19,7 +19,7 @@ TEST_P(Determinism, SameHashAsInline) {
   }
 }
 
-TEST_P(Determinism, FeedbackIsTheModelExactlyDelayBurstsAgo) {
+TEST_P(Determinism, feedback_is_the_model_exactly_delay_bursts_ago) {
   for (const std::size_t delay : {1U, 2U, 3U}) {
     ToyPipeline p(50, delay);
     ASSERT_TRUE(run_with(GetParam(), p.graph));
@@ -36,7 +36,7 @@ TEST_P(Determinism, FeedbackIsTheModelExactlyDelayBurstsAgo) {
   }
 }
 
-TEST(Delay, ChangesTheResult) {  // the hash does see the feedback
+TEST(Delay, changes_the_result) {  // the hash does see the feedback
   ToyPipeline two(40, 2);
   ToyPipeline three(40, 3);
   ASSERT_TRUE(run_with(0, two.graph));
@@ -106,10 +106,10 @@ std::string hash_under(Schedule schedule, bool latest_model) {
   return sink.hash();
 }
 
-TEST(Schedule, DelayEdgeGivesOneHash) {
+TEST(Schedule, delay_edge_gives_one_hash) {
   EXPECT_EQ(hash_under(Schedule::kFusionFirst, false), hash_under(Schedule::kRegistrationFirst, false));
 }
-TEST(Schedule, LatestModelGivesAnotherHashForEachSchedule) {  // negative control: the gate sees it
+TEST(Schedule, latest_model_gives_another_hash_for_each_schedule) {  // negative control: the gate sees it
   EXPECT_NE(hash_under(Schedule::kFusionFirst, true), hash_under(Schedule::kRegistrationFirst, true));
 }
 
@@ -135,7 +135,7 @@ std::string hash_with_replicas(std::size_t replicas, std::size_t workers) {
   for (std::size_t i = 0; i < sink.items.size(); ++i) EXPECT_EQ(sink.items[i].id.value, i);
   return sink.hash();
 }
-TEST_P(Determinism, ReplicasOfAStatelessStageKeepOrderAndResult) {
+TEST_P(Determinism, replicas_of_a_stateless_stage_keep_order_and_result) {
   const std::string one = hash_with_replicas(1, 0);
   EXPECT_EQ(hash_with_replicas(2, GetParam()), one);
   EXPECT_EQ(hash_with_replicas(3, GetParam()), one);

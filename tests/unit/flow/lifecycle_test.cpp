@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 class Lifecycle : public ::testing::TestWithParam<std::size_t> {};
 INSTANTIATE_TEST_SUITE_P(InlineAndWorkers, Lifecycle, ::testing::Values(0, 1, 3));
 
-TEST_P(Lifecycle, StopDrainsWhatIsUnderWayAndStopsStagesInOrder) {
+TEST_P(Lifecycle, stop_drains_what_is_under_way_and_stops_stages_in_order) {
   const SteadyClock clock;
   Graph g(clock);
   std::stop_source stop;
@@ -43,7 +43,7 @@ TEST_P(Lifecycle, StopDrainsWhatIsUnderWayAndStopsStagesInOrder) {
   EXPECT_EQ(stage_of(g.snapshot(), "sink").state, StageState::kDone);
 }
 
-TEST_P(Lifecycle, StopBeforeTheStartRunsNothing) {
+TEST_P(Lifecycle, stop_before_the_start_runs_nothing) {
   ToyPipeline p(10);
   std::stop_source stop;
   stop.request_stop();
@@ -70,7 +70,7 @@ class LiveSource final : public Source {
   bool closed = false;
 };
 
-TEST_P(Lifecycle, NotificationsFromAnotherThreadAreNeverLost) {
+TEST_P(Lifecycle, notifications_from_another_thread_are_never_lost) {
   const SteadyClock clock;
   Graph g(clock);
   auto& source = g.add<LiveSource>();
@@ -92,7 +92,7 @@ TEST_P(Lifecycle, NotificationsFromAnotherThreadAreNeverLost) {
   EXPECT_EQ(sink.items.size(), kItems);
 }
 
-TEST_P(Lifecycle, ParkedSourceIsNotPolledAndStopWakesIt) {
+TEST_P(Lifecycle, parked_source_is_not_polled_and_stop_wakes_it) {
   const SteadyClock clock;
   Graph g(clock);
   auto& source = g.add<LiveSource>();
@@ -111,7 +111,7 @@ TEST_P(Lifecycle, ParkedSourceIsNotPolledAndStopWakesIt) {
   EXPECT_EQ(source.pulls.load(), 2U) << "once at the start, once for the notification";
 }
 
-TEST(Waker, MayOutliveItsGraph) {
+TEST(Waker, may_outlive_its_graph) {
   const SteadyClock clock;
   auto g = std::make_unique<Graph>(clock);
   const Waker waker = g->waker();
@@ -160,7 +160,7 @@ struct FailingRun {
   Result<void> result;
 };
 
-TEST_P(Lifecycle, FatalErrorEndsTheRunAndClosesEveryStage) {
+TEST_P(Lifecycle, fatal_error_ends_the_run_and_closes_every_stage) {
   const FailingRun r(GetParam(), OnError::kFatal);
   ASSERT_FALSE(r.result);
   EXPECT_EQ(r.result.error().code, ErrorCode::kHal);
@@ -169,7 +169,7 @@ TEST_P(Lifecycle, FatalErrorEndsTheRunAndClosesEveryStage) {
   EXPECT_EQ(r.sink_stops, 1);
   EXPECT_EQ(stage_of(r.graph.snapshot(), "failing").errors, 1U);
 }
-TEST_P(Lifecycle, SkippedErrorBecomesATombstone) {
+TEST_P(Lifecycle, skipped_error_becomes_a_tombstone) {
   const FailingRun r(GetParam(), OnError::kSkip);
   ASSERT_TRUE(r.result);
   ASSERT_EQ(r.sink->items.size(), 200U);
@@ -177,7 +177,7 @@ TEST_P(Lifecycle, SkippedErrorBecomesATombstone) {
   EXPECT_FALSE(r.sink->items[6].degraded);
   EXPECT_THAT(stage_of(r.graph.snapshot(), "failing").rejected, ElementsAre(std::make_pair("stage_error", 1)));
 }
-TEST_P(Lifecycle, DegradedStageMarksEverythingAfter) {
+TEST_P(Lifecycle, degraded_stage_marks_everything_after) {
   const FailingRun r(GetParam(), OnError::kDegrade);
   ASSERT_TRUE(r.result);
   EXPECT_FALSE(r.sink->items[4].degraded);
@@ -186,13 +186,13 @@ TEST_P(Lifecycle, DegradedStageMarksEverythingAfter) {
   EXPECT_TRUE(r.sink->items[6].ok());
   EXPECT_EQ(stage_of(r.graph.snapshot(), "failing").degraded, 194U);
 }
-TEST_P(Lifecycle, ExceptionIsAnErrorThatNamesTheStage) {
+TEST_P(Lifecycle, exception_is_an_error_that_names_the_stage) {
   const FailingRun r(GetParam(), OnError::kFatal, true);
   ASSERT_FALSE(r.result);
   EXPECT_EQ(r.result.error().code, ErrorCode::kInternal);
   EXPECT_THAT(r.result.error().detail, HasSubstr("stage 'failing' threw: out of luck"));
 }
-TEST_P(Lifecycle, FatalErrorInsideTheFeedbackLoopDoesNotHang) {
+TEST_P(Lifecycle, fatal_error_inside_the_feedback_loop_does_not_hang) {
   ToyPipeline p(100);
   p.fuse->before = [](Number n) {
     if (n == 30) throw std::runtime_error("volume full");
@@ -212,7 +212,7 @@ class StartFails final : public Stage {
   void stop() noexcept override { ++stops; }
   int stops = 0;
 };
-TEST_P(Lifecycle, FailedStartStopsWhatHadStarted) {
+TEST_P(Lifecycle, failed_start_stops_what_had_started) {
   const SteadyClock clock;
   Graph g(clock);
   auto& source = g.add<CountingSource>("source", 3);
@@ -228,7 +228,7 @@ TEST_P(Lifecycle, FailedStartStopsWhatHadStarted) {
   EXPECT_EQ(source.pulled.load(), 0U);
 }
 
-TEST(Run, GraphRunsOnce) {
+TEST(Run, graph_runs_once) {
   ToyPipeline p(3);
   ASSERT_TRUE(run_with(0, p.graph));
   EXPECT_THAT(run_with(0, p.graph).error().detail, HasSubstr("only once"));

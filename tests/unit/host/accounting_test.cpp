@@ -16,14 +16,14 @@ LossLedger ledger_of_ten() {
   return ledger;
 }
 
-TEST(LossLedger, BalancesWhenEveryBurstArrives) {
+TEST(LossLedger, balances_when_every_burst_arrives) {
   const BurstCounts counts = ledger_of_ten().counts();
   EXPECT_EQ(counts.captured, 10U);
   EXPECT_EQ(counts.fused, 10U);
   EXPECT_TRUE(check(counts));
 }
 
-TEST(LossLedger, CountsLossOnTheWireIncludingTheTail) {
+TEST(LossLedger, counts_loss_on_the_wire_including_the_tail) {
   LossLedger ledger = ledger_of_ten();
   ledger.probe_status({.begun = 12, .emitted = 12, .given_up = 0, .queue_full = 0});
   const BurstCounts counts = ledger.counts();
@@ -33,7 +33,7 @@ TEST(LossLedger, CountsLossOnTheWireIncludingTheTail) {
   EXPECT_EQ(verdict.error().code, ErrorCode::kDataLoss);
 }
 
-TEST(LossLedger, SheddingAloneIsNoError) {
+TEST(LossLedger, shedding_alone_is_no_error) {
   LossLedger ledger = ledger_of_ten();
   ledger.received(10);
   ledger.shed();
@@ -42,7 +42,7 @@ TEST(LossLedger, SheddingAloneIsNoError) {
   EXPECT_TRUE(check(ledger.counts()));
 }
 
-TEST(LossLedger, ReasonsOfRejectionAddUpToAccepted) {
+TEST(LossLedger, reasons_of_rejection_add_up_to_accepted) {
   LossLedger ledger = ledger_of_ten();
   ledger.received(10);
   ledger.accepted();
@@ -53,7 +53,7 @@ TEST(LossLedger, ReasonsOfRejectionAddUpToAccepted) {
 }
 
 // Negative controls: a burst that vanishes without a counter must be noticed on either side.
-TEST(LossLedger, NoticesAStageThatFiltersSilently) {
+TEST(LossLedger, notices_a_stage_that_filters_silently) {
   LossLedger ledger = ledger_of_ten();
   ledger.received(10);
   ledger.accepted();  // neither fused nor rejected
@@ -63,7 +63,7 @@ TEST(LossLedger, NoticesAStageThatFiltersSilently) {
   EXPECT_EQ(verdict.error().code, ErrorCode::kAccounting);
 }
 
-TEST(LossLedger, NoticesABurstDroppedOnTheHostWithoutACounter) {
+TEST(LossLedger, notices_a_burst_dropped_on_the_host_without_a_counter) {
   LossLedger ledger = ledger_of_ten();
   ledger.received(10);  // neither shed, damaged nor accepted
   ledger.probe_status({.begun = 11, .emitted = 11, .given_up = 0, .queue_full = 0});
@@ -72,7 +72,7 @@ TEST(LossLedger, NoticesABurstDroppedOnTheHostWithoutACounter) {
   EXPECT_EQ(verdict.error().code, ErrorCode::kAccounting);
 }
 
-TEST(LossLedger, KeepsTheCountsOfAProbeThatDiedAndCameBack) {
+TEST(LossLedger, keeps_the_counts_of_a_probe_that_died_and_came_back) {
   LossLedger ledger = ledger_of_ten();
   // Killed while it assembled burst 11: that one is incomplete, and one more arrived after its last status.
   ledger.probe_status({.begun = 11, .emitted = 10, .given_up = 0, .queue_full = 0});
@@ -88,7 +88,7 @@ TEST(LossLedger, KeepsTheCountsOfAProbeThatDiedAndCameBack) {
   EXPECT_EQ(counts.accepted, 15U);
 }
 
-TEST(LossLedger, ShowsGapsBeforeTheFinalStatus) {
+TEST(LossLedger, shows_gaps_before_the_final_status) {
   LossLedger ledger;
   ledger.received(0);
   ledger.received(1);

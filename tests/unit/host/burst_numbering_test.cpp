@@ -12,14 +12,14 @@ proto::Burst burst(std::uint64_t seq, std::uint64_t index) {
   return b;
 }
 
-TEST(BurstNumbering, KeepsTheProbesOwnNumbersWithinOneLife) {
+TEST(BurstNumbering, keeps_the_probes_own_numbers_within_one_life) {
   BurstNumbering numbering;
   EXPECT_EQ(numbering.number(burst(3, 5)).value, 5U);
   EXPECT_EQ(numbering.number(burst(4, 6)).value, 6U);
   EXPECT_EQ(numbering.number(burst(6, 9)).value, 9U) << "a gap stays a gap";
 }
 
-TEST(BurstNumbering, ARestartedProbeGoesOnBehindTheLastNumber) {
+TEST(BurstNumbering, a_restarted_probe_goes_on_behind_the_last_number) {
   BurstNumbering numbering;
   static_cast<void>(numbering.number(burst(0, 0)));
   static_cast<void>(numbering.number(burst(7, 7)));
@@ -28,7 +28,7 @@ TEST(BurstNumbering, ARestartedProbeGoesOnBehindTheLastNumber) {
   EXPECT_EQ(numbering.number(burst(0, 4)).value, 10U) << "and again";
 }
 
-TEST(BurstNumbering, NeverGivesANumberTwice) {
+TEST(BurstNumbering, never_gives_a_number_twice) {
   BurstNumbering numbering;
   std::uint64_t last = numbering.number(burst(0, 2)).value;
   for (const auto& b : {burst(1, 2), burst(2, 1), burst(2, 50), burst(1, 60)}) {

@@ -9,52 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "host/compare/deviation_picture.hpp"
-#include "host/compare/triangle_tree.hpp"
+#include "tests/unit/host/mesh_shapes.hpp"
 #include "tests/unit/model/synthetic.hpp"
 
 namespace enamel::host {
 namespace {
-
-/// Grid over (a, b) in [0, 1]^2, triangles wound as the grid of a sphere or height field seen from outside.
-MeshFile grid(int na, int nb, const std::function<Vec3d(double, double)>& at) {
-  MeshFile file;
-  for (int j = 0; j <= nb; ++j) {
-    for (int i = 0; i <= na; ++i) {
-      file.mesh.vertices.push_back(at(static_cast<double>(i) / na, static_cast<double>(j) / nb).cast<float>());
-    }
-  }
-  for (int j = 0; j < nb; ++j) {
-    for (int i = 0; i < na; ++i) {
-      const auto v = static_cast<std::uint32_t>(j * (na + 1) + i);
-      const auto w = v + static_cast<std::uint32_t>(na) + 1;
-      file.mesh.triangles.push_back({v, v + 1, w + 1});
-      file.mesh.triangles.push_back({v, w + 1, w});
-    }
-  }
-  return file;
-}
-
-MeshFile ball(double radius, int n = 300) {
-  return grid(n, n / 2, [=](double a, double b) {
-    const double lon = 2 * M_PI * a;
-    const double lat = M_PI * (b - 0.5);
-    return Vec3d(radius * std::cos(lat) * std::cos(lon), radius * std::cos(lat) * std::sin(lon),
-                 radius * std::sin(lat));
-  });
-}
-
-/// 20 x 12 mm without any symmetry, outside is +z.
-MeshFile relief(double step_mm, const std::function<double(double, double)>& raise = {}) {
-  const int na = static_cast<int>(20.0 / step_mm);
-  const int nb = static_cast<int>(12.0 / step_mm);
-  return grid(na, nb, [&](double a, double b) {
-    const double x = 20 * a - 10;
-    const double y = 12 * b - 6;
-    const double z =
-        1.5 * std::sin(0.7 * x + 0.2) * std::cos(0.9 * y) + 0.05 * x * y + 0.3 * std::sin(2.1 * x) + 0.02 * x * x;
-    return Vec3d(x, y, z + (raise ? raise(x, y) : 0.0));
-  });
-}
 
 CompareResult compared(const Mesh& mesh, const std::vector<MeshFile>& references, const CompareInput& input = {}) {
   auto result = compare(mesh, references, input);
@@ -71,43 +30,7 @@ double area(const Mesh& mesh) {
   return sum;
 }
 
-TEST(TriangleTree, FindsWhatAFullSearchFinds) {
-  const Mesh mesh = relief(0.8).mesh;
-  const TriangleTree tree(mesh);
-  synthetic::Random random(4);
-  for (int k = 0; k < 300; ++k) {
-    const Vec3d p = random.vector().cwiseProduct(Vec3d(24, 16, 8));
-    double best = 1e9;
-    for (const auto& t : mesh.triangles) {
-      best = std::min(best, nearest_on_triangle(p, mesh.vertices[t[0]].cast<double>(),
-                                                mesh.vertices[t[1]].cast<double>(), mesh.vertices[t[2]].cast<double>())
-                                .distance_mm);
-    }
-    ASSERT_TRUE(tree.nearest(p).has_value());
-    EXPECT_DOUBLE_EQ(tree.nearest(p)->distance_mm, best);
-    EXPECT_EQ(tree.nearest(p, best * 0.99).has_value(), false);
-  }
-}
-
-TEST(TriangleTree, EveryFeatureOfATriangleIsExact) {
-  const Vec3d a(0, 0, 0);
-  const Vec3d b(2, 0, 0);
-  const Vec3d c(0, 1, 0);
-  const auto is = [&](const Vec3d& p, double distance, TriangleFeature feature) {
-    const Nearest n = nearest_on_triangle(p, a, b, c);
-    EXPECT_NEAR(n.distance_mm, distance, 1e-12);
-    EXPECT_EQ(n.feature, feature);
-  };
-  is({-3, -4, 0}, 5, TriangleFeature::kVertex0);
-  is({5, -4, 0}, 5, TriangleFeature::kVertex1);
-  is({0, 3, 0}, 2, TriangleFeature::kVertex2);
-  is({1, -2, 0}, 2, TriangleFeature::kEdge01);
-  is({-2, 0.5, 0}, 2, TriangleFeature::kEdge20);
-  is({2, 2, 0}, 4 / std::sqrt(5.0), TriangleFeature::kEdge12);
-  is({0.2, 0.2, -7}, 7, TriangleFeature::kFace);
-}
-
-TEST(Compare, ABallTenMicrometresTooLargeDeviatesByPlusTen) {
+TEST(Compare, a_ball_ten_micrometres_too_large_deviates_by_plus_ten) {
   const CompareResult r = compared(ball(3.010).mesh, {ball(3.0)});
   EXPECT_NEAR(r.mean_abs_um, 10.0, 0.2);
   EXPECT_NEAR(r.median_um, 10.0, 0.2);
@@ -116,13 +39,13 @@ TEST(Compare, ABallTenMicrometresTooLargeDeviatesByPlusTen) {
   EXPECT_NEAR(r.coverage_pct, 100.0, 1e-9);
 }
 
-TEST(Compare, OneTooSmallDeviatesByMinusTen) {
+TEST(Compare, one_too_small_deviates_by_minus_ten) {
   const CompareResult r = compared(ball(2.990).mesh, {ball(3.0)});
   EXPECT_NEAR(r.median_um, -10.0, 0.15);
   EXPECT_NEAR(r.mean_abs_um, 10.0, 0.15);
 }
 
-TEST(Compare, SignsHoldAtSharpCornersOfSoupsWithoutSharedVertices) {
+TEST(Compare, signs_hold_at_sharp_corners_of_soups_without_shared_vertices) {
   // A cube as twelve loose triangles: nearest points of these probes lie on its corners and edges.
   Mesh cube;
   for (int axis = 0; axis < 3; ++axis) {
@@ -151,7 +74,7 @@ TEST(Compare, SignsHoldAtSharpCornersOfSoupsWithoutSharedVertices) {
   }
 }
 
-TEST(Compare, CoverageIsTheShareOfReferenceAreaAndAHoleIsMissed) {
+TEST(Compare, coverage_is_the_share_of_reference_area_and_a_hole_is_missed) {
   const MeshFile whole = relief(0.25);
   MeshFile mesh = whole;
   std::erase_if(mesh.mesh.triangles, [&](const auto& t) { return mesh.mesh.vertices[t[0]].x() > 0.0F; });
@@ -162,7 +85,7 @@ TEST(Compare, CoverageIsTheShareOfReferenceAreaAndAHoleIsMissed) {
   EXPECT_LT(covered, expected + 2.0 * rim);
 }
 
-TEST(Compare, OnlyWhatTheProbeSawCountsForCoverage) {
+TEST(Compare, only_what_the_probe_saw_counts_for_coverage) {
   MeshFile mesh = relief(0.25);
   std::erase_if(mesh.mesh.triangles, [&](const auto& t) { return mesh.mesh.vertices[t[0]].x() > 0.0F; });
   MeshFile reference = relief(0.25);
@@ -172,7 +95,7 @@ TEST(Compare, OnlyWhatTheProbeSawCountsForCoverage) {
   EXPECT_NEAR(compared(mesh.mesh, {reference}).coverage_pct, 100.0, 1e-9);
 }
 
-TEST(Compare, SeveralReferencesAreOneSurface) {
+TEST(Compare, several_references_are_one_surface) {
   MeshFile left = relief(0.25);
   MeshFile right = left;
   std::erase_if(left.mesh.triangles, [&](const auto& t) { return left.mesh.vertices[t[0]].x() > 1.0F; });
@@ -183,7 +106,7 @@ TEST(Compare, SeveralReferencesAreOneSurface) {
   EXPECT_GT(compared(mesh, {left}).beyond_border_pct, 30.0);
 }
 
-TEST(Compare, PercentilesFollowTheDistribution) {
+TEST(Compare, percentiles_follow_the_distribution) {
   // A tenth of the surface is raised by 80 um.
   const Mesh mesh = relief(0.25, [](double x, double) { return x > 8.0 ? 0.08 : 0.0; }).mesh;
   const CompareResult r = compared(mesh, {relief(0.25)});
@@ -208,7 +131,7 @@ Mesh moved(Mesh mesh, const Pose& T) {
   return mesh;
 }
 
-TEST(Compare, BestFindsSmallAndLargeMotions) {
+TEST(Compare, best_finds_small_and_large_motions) {
   const MeshFile reference = relief(0.2);
   const Mesh mesh = relief(0.23).mesh;
   const double floor_um = compared(mesh, {reference}).mean_abs_um;  // other samples of the same relief
@@ -221,7 +144,7 @@ TEST(Compare, BestFindsSmallAndLargeMotions) {
   }
 }
 
-TEST(Compare, BestIsNotPulledByOutliers) {
+TEST(Compare, best_is_not_pulled_by_outliers) {
   const Mesh mesh =
       moved(relief(0.25, [](double x, double) { return x > 8.0 ? 0.8 : 0.0; }).mesh, motion(0.02, {0.1, 0.1, 0.1}));
   const CompareResult r = compared(mesh, {relief(0.2)}, {Alignment::kBest, nullptr, nullptr});
@@ -240,7 +163,7 @@ std::vector<PoseRow> track(const Pose& before, double scale, double drift_mm) {
   return rows;
 }
 
-TEST(Compare, StartLaysTheFirstPosesOnEachOtherAndTellsWhatIsLeftAtTheEnd) {
+TEST(Compare, start_lays_the_first_poses_on_each_other_and_tells_what_is_left_at_the_end) {
   const Pose frame = motion(1.0, {5, 6, 7});
   const auto truth = track(Pose::Identity(), 1.0, 0.0);
   const auto estimate = track(frame, 1.0, 0.05);
@@ -252,7 +175,7 @@ TEST(Compare, StartLaysTheFirstPosesOnEachOtherAndTellsWhatIsLeftAtTheEnd) {
   EXPECT_NEAR(r.end->end_rotation_deg, 0.0, 1e-5);
 }
 
-TEST(Compare, AnEstimateAThousandthTooLargeHasPositiveScale) {
+TEST(Compare, an_estimate_a_thousandth_too_large_has_positive_scale) {
   const auto truth = track(Pose::Identity(), 1.0, 0.0);
   auto estimate = truth;
   for (PoseRow& row : estimate) {  // the 48-mm points, not the cameras, grow by 1e-3
@@ -265,7 +188,7 @@ TEST(Compare, AnEstimateAThousandthTooLargeHasPositiveScale) {
   EXPECT_NEAR(*start->end.scale_ppm, 1000.0, 1.0);
 }
 
-TEST(Compare, StartNeedsPosesWithACommonBurst) {
+TEST(Compare, start_needs_poses_with_a_common_burst) {
   const auto truth = track(Pose::Identity(), 1.0, 0.0);
   auto later = truth;
   for (PoseRow& row : later) {
@@ -279,7 +202,7 @@ TEST(Compare, StartNeedsPosesWithACommonBurst) {
   EXPECT_EQ(compare(mesh, {}, {}).error().code, ErrorCode::kMeshInvalid);
 }
 
-TEST(Compare, JsonHasTheAgreedKeys) {
+TEST(Compare, json_has_the_agreed_keys) {
   const auto j = nlohmann::json::parse(compare_json(compared(relief(1.0).mesh, {relief(1.0)})));
   for (const char* key : {"mean_abs_um", "median_um", "rms_um", "p95_um", "p99_um", "max_um", "coverage_pct",
                           "end_error_um", "end_rotation_deg", "scale_ppm", "align"}) {
@@ -289,7 +212,7 @@ TEST(Compare, JsonHasTheAgreedKeys) {
   EXPECT_TRUE(j["end_error_um"].is_null());
 }
 
-TEST(DeviationPicture, ShowsBothSignsInTheirColours) {
+TEST(DeviationPicture, shows_both_signs_in_their_colours) {
   const Mesh mesh = relief(0.25, [](double x, double) { return x > 0 ? 0.08 : -0.08; }).mesh;
   const CompareResult r = compared(mesh, {relief(0.25)});
   const auto png = deviation_png(mesh, r);

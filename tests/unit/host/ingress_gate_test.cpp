@@ -7,7 +7,7 @@
 namespace enamel::host {
 namespace {
 
-TEST(IngressGate, ShedsTheOldestAndHandsItBack) {
+TEST(IngressGate, sheds_the_oldest_and_hands_it_back) {
   IngressGate<int> gate(2, GatePolicy::kShedOldest);
   EXPECT_FALSE(gate.push(1));
   EXPECT_FALSE(gate.push(2));
@@ -16,7 +16,7 @@ TEST(IngressGate, ShedsTheOldestAndHandsItBack) {
   EXPECT_EQ(gate.pop(), 3);
 }
 
-TEST(IngressGate, LosslessPushWaitsForRoom) {
+TEST(IngressGate, lossless_push_waits_for_room) {
   IngressGate<int> gate(1, GatePolicy::kLossless);
   std::thread pusher([&] {
     for (int i = 0; i < 1000; ++i) EXPECT_FALSE(gate.push(i));
@@ -28,7 +28,7 @@ TEST(IngressGate, LosslessPushWaitsForRoom) {
   pusher.join();
 }
 
-TEST(IngressGate, ClosedGateGivesTheItemBackAndDrains) {
+TEST(IngressGate, closed_gate_gives_the_item_back_and_drains) {
   IngressGate<int> gate(4, GatePolicy::kShedOldest);
   EXPECT_FALSE(gate.push(1));
   gate.close();
@@ -37,7 +37,7 @@ TEST(IngressGate, ClosedGateGivesTheItemBackAndDrains) {
   EXPECT_EQ(gate.pop(), std::nullopt);
 }
 
-TEST(IngressGate, EveryItemComesOutOrComesBack) {
+TEST(IngressGate, every_item_comes_out_or_comes_back) {
   IngressGate<int> gate(3, GatePolicy::kShedOldest);
   int shed = 0;
   int taken = 0;

@@ -34,7 +34,7 @@ std::string reason(const Result<MeshFile>& result) {
   return result.error().detail;
 }
 
-TEST(MeshFile, PlyKeepsEverythingBitForBit) {
+TEST(MeshFile, ply_keeps_everything_bit_for_bit) {
   const Mesh mesh = tetrahedron();
   const auto back = parse_mesh(ply_bytes(mesh), MeshFormat::kPly);
   ASSERT_TRUE(back.has_value()) << back.error().detail;
@@ -45,13 +45,13 @@ TEST(MeshFile, PlyKeepsEverythingBitForBit) {
   EXPECT_TRUE(back->vertex_values.empty());
 }
 
-TEST(MeshFile, ColoursAreKeptUnderTheirNames) {
+TEST(MeshFile, colours_are_kept_under_their_names) {
   const auto back = parse_mesh(ply_bytes(tetrahedron(), VertexColours(4, {1, 2, 255})), MeshFormat::kPly);
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(back->vertex_values.at("blue"), std::vector<float>(4, 255.0F));
 }
 
-TEST(MeshFile, AsciiPlyWithForeignPropertiesAndQuadsIsRead) {
+TEST(MeshFile, ascii_ply_with_foreign_properties_and_quads_is_read) {
   const std::string text =
       "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty double y\nproperty double "
       "z\n"
@@ -66,7 +66,7 @@ TEST(MeshFile, AsciiPlyWithForeignPropertiesAndQuadsIsRead) {
   EXPECT_EQ(file->mesh.vertices[3].z(), 0.5F);
 }
 
-TEST(MeshFile, StlBinaryWeldsEqualPositions) {
+TEST(MeshFile, stl_binary_welds_equal_positions) {
   const Mesh mesh = tetrahedron();
   const auto back = parse_mesh(stl_bytes(mesh), MeshFormat::kStl);
   ASSERT_TRUE(back.has_value());
@@ -79,7 +79,7 @@ TEST(MeshFile, StlBinaryWeldsEqualPositions) {
   }
 }
 
-TEST(MeshFile, StlAsciiIsRead) {
+TEST(MeshFile, stl_ascii_is_read) {
   const auto file = parse_mesh(
       "solid a\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1e0 0 0\n   vertex 0 +1 0\n  endloop\n "
       "endfacet\nendsolid a\n",
@@ -89,7 +89,7 @@ TEST(MeshFile, StlAsciiIsRead) {
   EXPECT_EQ(file->mesh.vertices[2].y(), 1.0F);
 }
 
-TEST(MeshFile, ObjKeepsFloatsExactly) {
+TEST(MeshFile, obj_keeps_floats_exactly) {
   Mesh mesh = tetrahedron();
   mesh.vertices[1].x() = 0.1F;
   const auto back = parse_mesh(obj_text(mesh), MeshFormat::kObj);
@@ -99,13 +99,13 @@ TEST(MeshFile, ObjKeepsFloatsExactly) {
   EXPECT_EQ(back->mesh.triangles, mesh.triangles);
 }
 
-TEST(MeshFile, ObjNegativeIndicesCountFromTheEnd) {
+TEST(MeshFile, obj_negative_indices_count_from_the_end) {
   const auto file = parse_mesh("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3/1 -2/2 -1/3\n", MeshFormat::kObj);
   ASSERT_TRUE(file.has_value());
   EXPECT_EQ(file->mesh.triangles[0], (std::array<std::uint32_t, 3>{0, 1, 2}));
 }
 
-TEST(MeshFile, EveryTruncationIsRefused) {
+TEST(MeshFile, every_truncation_is_refused) {
   const std::string ply = ply_bytes(tetrahedron());
   const std::string stl = stl_bytes(tetrahedron());
   for (std::size_t n = 0; n < ply.size(); ++n) {
@@ -116,7 +116,7 @@ TEST(MeshFile, EveryTruncationIsRefused) {
   }
 }
 
-TEST(MeshFile, FlippedBytesNeverCrash) {
+TEST(MeshFile, flipped_bytes_never_crash) {
   for (const bool is_ply : {true, false}) {
     const std::string good = is_ply ? ply_bytes(tetrahedron()) : stl_bytes(tetrahedron());
     std::size_t refused = 0;
@@ -131,7 +131,7 @@ TEST(MeshFile, FlippedBytesNeverCrash) {
   }
 }
 
-TEST(MeshFile, DamageIsNamed) {
+TEST(MeshFile, damage_is_named) {
   Mesh nan = tetrahedron();
   nan.vertices[2].y() = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THAT(reason(parse_mesh(ply_bytes(nan), MeshFormat::kPly)), HasSubstr("vertex 2 is not a finite position"));
@@ -162,7 +162,7 @@ class MeshFolder : public testing::Test {
   std::string folder_ = testing::TempDir() + "enamel_mesh_" + std::to_string(reinterpret_cast<std::uintptr_t>(this));
 };
 
-TEST_F(MeshFolder, FormatsFollowTheExtension) {
+TEST_F(MeshFolder, formats_follow_the_extension) {
   for (const char* name : {"/a.ply", "/a.STL", "/a.obj"}) {
     ASSERT_TRUE(write_mesh(folder_ + name, tetrahedron()).has_value()) << name;
     const auto back = read_mesh(folder_ + name);
@@ -173,12 +173,12 @@ TEST_F(MeshFolder, FormatsFollowTheExtension) {
   EXPECT_EQ(read_mesh(folder_ + "/none.ply").error().code, ErrorCode::kFileNotFound);
 }
 
-TEST_F(MeshFolder, AFailedWriteLeavesNothingBehind) {
+TEST_F(MeshFolder, a_failed_write_leaves_nothing_behind) {
   EXPECT_EQ(write_mesh(folder_ + "/missing/a.ply", tetrahedron()).error().code, ErrorCode::kFileWrite);
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
-TEST(PosesCsv, RoundTripIsExactToANanometreAndTheOrderIsByBurst) {
+TEST(PosesCsv, round_trip_is_exact_to_a_nanometre_and_the_order_is_by_burst) {
   std::vector<PoseRow> rows(2);
   rows[0] = {7, 123456789012345, Pose::Identity()};
   rows[0].T_model_cam.linear() = Eigen::AngleAxisd(3.0, Vec3d(1, 2, -2).normalized()).toRotationMatrix();
@@ -192,7 +192,7 @@ TEST(PosesCsv, RoundTripIsExactToANanometreAndTheOrderIsByBurst) {
   EXPECT_LT(((*back)[1].T_model_cam.matrix() - rows[0].T_model_cam.matrix()).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-TEST(PosesCsv, MalformedRowsAreNamed) {
+TEST(PosesCsv, malformed_rows_are_named) {
   const std::string header = "burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw\n";
   const auto detail = [&](const std::string& text) {
     const auto rows = parse_poses_csv(text);

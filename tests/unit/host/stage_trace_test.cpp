@@ -11,14 +11,14 @@ StageTrace three_bursts() {
   return trace;
 }
 
-TEST(StageTrace, SurvivesItsFile) {
+TEST(StageTrace, survives_its_file) {
   const auto back = StageTrace::from_csv(three_bursts().to_csv(), "stages.csv");
   ASSERT_TRUE(back);
   EXPECT_EQ(back->to_csv(), three_bursts().to_csv());
   EXPECT_FALSE(first_difference(three_bursts(), *back));
 }
 
-TEST(StageTrace, NamesTheFirstStageAndBurstThatDiffer) {
+TEST(StageTrace, names_the_first_stage_and_burst_that_differ) {
   const StageTrace original = three_bursts();
   StageTrace other;
   for (TraceRow row : original.rows()) {
@@ -31,7 +31,7 @@ TEST(StageTrace, NamesTheFirstStageAndBurstThatDiffer) {
   EXPECT_EQ(d->stage, "track");
 }
 
-TEST(StageTrace, OneFlippedBitAnywhereChangesTheHash) {
+TEST(StageTrace, one_flipped_bit_anywhere_changes_the_hash) {
   const StageTrace original = three_bursts();
   const std::string whole = original.hash("mesh");
   for (std::size_t stage = 0; stage < kTracedStages.size(); ++stage) {
@@ -45,7 +45,7 @@ TEST(StageTrace, OneFlippedBitAnywhereChangesTheHash) {
   EXPECT_NE(three_bursts().hash("nesh"), whole);
 }
 
-TEST(StageTrace, ReportsABurstThatOneRunLacks) {
+TEST(StageTrace, reports_a_burst_that_one_run_lacks) {
   StageTrace shorter;
   shorter.add(three_bursts().rows()[0]);
   const auto d = first_difference(shorter, three_bursts());
@@ -54,7 +54,7 @@ TEST(StageTrace, ReportsABurstThatOneRunLacks) {
   EXPECT_EQ(d->burst_id, 1U);
 }
 
-TEST(StageTrace, RefusesADamagedFileNamingTheLine) {
+TEST(StageTrace, refuses_a_damaged_file_naming_the_line) {
   std::string text = three_bursts().to_csv();
   text[text.find("000b")] = 'x';
   const auto back = StageTrace::from_csv(text, "stages.csv");

@@ -48,7 +48,7 @@ Pose around(synthetic::Random& random) {
   return looking_at({shift.x(), shift.y(), 0}, {tilt.x(), tilt.y(), 1}, 48 + 4 * rest.x(), rest.y());
 }
 
-TEST(Fuse, AnEmptyModelShowsAnEmptyView) {
+TEST(Fuse, an_empty_model_shows_an_empty_view) {
   const calib::Rig rig = synthetic::small_rig();
   const TsdfModel model(rig);
   const Pose pose = looking_at(Vec3d::Zero(), Vec3d::UnitZ(), 48);
@@ -56,7 +56,7 @@ TEST(Fuse, AnEmptyModelShowsAnEmptyView) {
   EXPECT_TRUE(view.empty);
 }
 
-TEST(Fuse, AfterOneNoiseFreeBurstTheViewIsTheSphereWithinAMicrometre) {
+TEST(Fuse, after_one_noise_free_burst_the_view_is_the_sphere_within_a_micrometre) {
   const calib::Rig rig = synthetic::rig();
   TsdfModel model(rig);
   const Pose pose = looking_at({0.3, -0.2, -3}, {0.05, 0.02, 1}, 48, 0.3);
@@ -73,7 +73,7 @@ TEST(Fuse, AfterOneNoiseFreeBurstTheViewIsTheSphereWithinAMicrometre) {
   EXPECT_LT(d.normal_rad, 0.01);
 }
 
-TEST(Fuse, ViewPixelsLieOnIdealPinholeRays) {
+TEST(Fuse, view_pixels_lie_on_ideal_pinhole_rays) {
   const calib::Rig rig = synthetic::small_rig();
   TsdfModel model(rig);
   const Pose pose = looking_at(Vec3d::Zero(), {0.1, 0.2, 1}, 47, 1.0);
@@ -95,7 +95,7 @@ TEST(Fuse, ViewPixelsLieOnIdealPinholeRays) {
   EXPECT_GT(seen, view.points.size() * 95 / 100);
 }
 
-TEST(Fuse, ATiltedPlaneIsExactFromEveryViewUpToTheGrazingLimit) {
+TEST(Fuse, a_tilted_plane_is_exact_from_every_view_up_to_the_grazing_limit) {
   const calib::Rig rig = synthetic::small_rig();
   for (const double tilt_deg : {0.0, 30.0, 50.0, 65.0}) {
     TsdfModel model(rig);
@@ -118,7 +118,7 @@ TEST(Fuse, ATiltedPlaneIsExactFromEveryViewUpToTheGrazingLimit) {
   }
 }
 
-TEST(Fuse, ASurfaceBeyondTheGrazingLimitIsNotFused) {
+TEST(Fuse, a_surface_beyond_the_grazing_limit_is_not_fused) {
   const calib::Rig rig = synthetic::small_rig();
   TsdfModel model(rig);
   const double tilt = 86.0 * M_PI / 180;
@@ -130,7 +130,7 @@ TEST(Fuse, ASurfaceBeyondTheGrazingLimitIsNotFused) {
   EXPECT_TRUE(model.empty());
 }
 
-TEST(Fuse, TwentyNoisyBurstsOfASphereLeaveLittleBiasAndNoise) {
+TEST(Fuse, twenty_noisy_bursts_of_a_sphere_leave_little_bias_and_noise) {
   const calib::Rig rig = synthetic::rig();
   TsdfModel model(rig);
   synthetic::Random random(3);
@@ -149,7 +149,7 @@ TEST(Fuse, TwentyNoisyBurstsOfASphereLeaveLittleBiasAndNoise) {
   EXPECT_LT(d.rms_um, 4.0);
 }
 
-TEST(Fuse, HolesOfTheHintAreFilledFromTheModelNearby) {
+TEST(Fuse, holes_of_the_hint_are_filled_from_the_model_nearby) {
   const calib::Rig rig = synthetic::small_rig();
   TsdfModel model(rig);
   const Pose pose = looking_at(Vec3d::Zero(), Vec3d::UnitZ(), 48);
@@ -170,7 +170,7 @@ TEST(Fuse, HolesOfTheHintAreFilledFromTheModelNearby) {
   }
 }
 
-TEST(Fuse, TheSameCallsGiveTheSameBits) {
+TEST(Fuse, the_same_calls_give_the_same_bits) {
   const calib::Rig rig = synthetic::small_rig();
   const auto surface = synthetic::sphere(Vec3d::Zero(), 4.0);
   const Pose a = looking_at({0, 0, -4}, {0.1, 0, 1}, 48);
@@ -188,7 +188,7 @@ TEST(Fuse, TheSameCallsGiveTheSameBits) {
   EXPECT_EQ(0, std::memcmp(&first.normals[0], &second.normals[0], first.normals.size() * sizeof(Vec3f)));
 }
 
-TEST(Fuse, UnusablePatchesAndPosesChangeNothing) {
+TEST(Fuse, unusable_patches_and_poses_change_nothing) {
   const calib::Rig rig = synthetic::small_rig();
   TsdfModel model(rig);
   const Pose pose = looking_at(Vec3d::Zero(), Vec3d::UnitZ(), 48);
@@ -208,7 +208,7 @@ TEST(Fuse, UnusablePatchesAndPosesChangeNothing) {
   EXPECT_TRUE(model.view(far, good).points.pixels().empty() || std::isnan(model.view(far, good).points[0].x()));
 }
 
-TEST(Fuse, AnOutlierSeenThroughByALaterBurstIsCarved) {
+TEST(Fuse, an_outlier_seen_through_by_a_later_burst_is_carved) {
   const calib::Rig rig = synthetic::small_rig();
   TsdfModel model(rig);
   const Pose pose = looking_at(Vec3d::Zero(), Vec3d::UnitZ(), 48);

@@ -104,14 +104,14 @@ class Guide : public ::testing::Test {
   }
 };
 
-TEST_F(Guide, FindsTheOrderOfAPlantedRegion) {
+TEST_F(Guide, finds_the_order_of_a_planted_region) {
   for (const int k : {-2, 0, 1, 3}) {
     const auto orders = guide.decide(block(k), view, some_pose());
     EXPECT_EQ(orders, std::vector<std::int32_t>(40 * 30, k));
   }
 }
 
-TEST_F(Guide, AddsTheRegionWhereTheSurfaceIs) {
+TEST_F(Guide, adds_the_region_where_the_surface_is) {
   const RelativeSurface relative = block(2);
   SurfacePatch holed = patch;
   for (const auto& s : relative.spans)
@@ -131,7 +131,7 @@ bool none(const std::vector<std::int32_t>& orders) {
   return std::all_of(orders.begin(), orders.end(), [](std::int32_t k) { return k == kOpenOrder; });
 }
 
-TEST_F(Guide, LeavesAloneWhatTheModelDoesNotShow) {
+TEST_F(Guide, leaves_alone_what_the_model_does_not_show) {
   EXPECT_TRUE(none(guide.decide(block(1), ModelView{}, some_pose())));
   ModelView elsewhere = view;
   for (Vec3f& p : elsewhere.points.pixels()) p.setConstant(std::nanf(""));
@@ -143,7 +143,7 @@ TEST_F(Guide, LeavesAloneWhatTheModelDoesNotShow) {
 }
 
 // What a jump of exactly one fringe leaves: a region that looks like one surface and is two.
-TEST_F(Guide, SpansOfATornRegionGoTheirOwnWay) {
+TEST_F(Guide, spans_of_a_torn_region_go_their_own_way) {
   RelativeSurface torn = block(1);
   for (std::size_t n = torn.phase_rad.size() / 2; n < torn.phase_rad.size(); ++n)
     torn.phase_rad[n] += static_cast<float>(kTurn);
@@ -151,7 +151,7 @@ TEST_F(Guide, SpansOfATornRegionGoTheirOwnWay) {
   for (std::size_t n = 0; n < orders.size(); ++n) ASSERT_EQ(orders[n], n < orders.size() / 2 ? 1 : 0) << n;
 }
 
-TEST_F(Guide, ASpanThatIsTwoStaysOpen) {
+TEST_F(Guide, a_span_that_is_two_stays_open) {
   RelativeSurface torn = block(0);
   for (std::size_t n = 0; n < torn.phase_rad.size(); ++n)
     torn.phase_rad[n] += n % 40 < 20 ? static_cast<float>(kTurn) : 0;
@@ -164,7 +164,7 @@ void expect_open_at_ends(const std::vector<std::int32_t>& orders, std::size_t op
     ASSERT_EQ(orders[n], n % 40 < 40 - open ? 1 : kOpenOrder) << "column " << n % 40;
 }
 
-TEST_F(Guide, ANarrowStripThatTheModelDoesNotShowStaysOpen) {
+TEST_F(Guide, a_narrow_strip_that_the_model_does_not_show_stays_open) {
   const auto blank_from = [&](int u) {
     ModelView out = view;
     for (int j = 0; j < out.points.height(); ++j)
@@ -175,7 +175,7 @@ TEST_F(Guide, ANarrowStripThatTheModelDoesNotShowStaysOpen) {
   expect_open_at_ends(guide.decide(block(1), blank_from(178), some_pose()), 0);  // new surface, beside what is known
 }
 
-TEST_F(Guide, WhereTheModelsEdgeFitsTwoOrdersPixelsStayOpen) {
+TEST_F(Guide, where_the_models_edge_fits_two_orders_pixels_stay_open) {
   SurfacePatch stepped = patch;
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 190; u < kWidth; ++u) {
@@ -188,7 +188,7 @@ TEST_F(Guide, WhereTheModelsEdgeFitsTwoOrdersPixelsStayOpen) {
   expect_open_at_ends(guide.decide(block(1), view, some_pose()), 0);
 }
 
-TEST_F(Guide, ARightBurstContradictsNothing) {
+TEST_F(Guide, a_right_burst_contradicts_nothing) {
   const OrderCheck all = guide.check(patch, view, some_pose());
   EXPECT_GT(all.checked, 4000U);
   EXPECT_EQ(all.contradicting, 0U);
@@ -196,7 +196,7 @@ TEST_F(Guide, ARightBurstContradictsNothing) {
   EXPECT_EQ(guide.withdraw(view, some_pose(), patch), 0U);
 }
 
-TEST_F(Guide, AWrongOrderIsFoundAndWithdrawn) {
+TEST_F(Guide, a_wrong_order_is_found_and_withdrawn) {
   move_block([this](std::size_t i) { return next_order_mm(i); });
   const OrderCheck all = guide.check(patch, view, some_pose());
   EXPECT_NEAR(static_cast<double>(all.contradicting), 60 * 40 / 16.0, 8);
@@ -208,7 +208,7 @@ TEST_F(Guide, AWrongOrderIsFoundAndWithdrawn) {
   EXPECT_FALSE(std::isnan(patch.depth_mm(200, 80)));
 }
 
-TEST_F(Guide, NewSurfaceBeforeTheModelIsNoContradiction) {
+TEST_F(Guide, new_surface_before_the_model_is_no_contradiction) {
   move_block([this](std::size_t i) { return static_cast<float>(plane[i]) - 1; });
   const OrderCheck all = guide.check(patch, view, some_pose());
   EXPECT_EQ(all.contradicting, 0U);
@@ -217,7 +217,7 @@ TEST_F(Guide, NewSurfaceBeforeTheModelIsNoContradiction) {
 
 // Rows of teeth in mode T: isolated patches and steps of a fringe that the code alone leaves open, and a model that has
 // seen the place, placed 30 um beside the truth as registration may be.
-TEST(GuideOfTeeth, TheModelDecidesMostOfWhatTheCodeLeavesOpen) {
+TEST(GuideOfTeeth, the_model_decides_most_of_what_the_code_leaves_open) {
   const calib::Rig rig = cropped_rig(kWidth, kHeight);
   const auto decoder = pipeline::BurstDecoder::make(rig).value();
   const pipeline::ModelGuide guide(decoder.shared_rays(), rig.camera, {});

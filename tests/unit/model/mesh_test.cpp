@@ -3,12 +3,11 @@
 
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "pipeline/model/fuse/tsdf_model.hpp"
-#include "pipeline/model/mesh/cell_table.hpp"
 #include "pipeline/model/mesh/components.hpp"
 #include "pipeline/model/mesh/incremental_mesher.hpp"
+#include "tests/unit/model/mesh_checks.hpp"
 #include "tests/unit/model/synthetic.hpp"
 
 namespace enamel::pipeline {
@@ -16,109 +15,6 @@ namespace {
 
 using synthetic::looking_at;
 using synthetic::render;
-
-struct EdgeUse {
-  int forward = 0, backward = 0;
-};
-
-std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeUse> edges_of(const Mesh& mesh) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeUse> edges;
-  for (const auto& t : mesh.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = t[k];
-      const std::uint32_t b = t[(k + 1) % 3];
-      (a < b ? edges[{a, b}].forward : edges[{b, a}].backward) += 1;
-    }
-  }
-  return edges;
-}
-
-/// Edges that are not used exactly once in each direction.
-std::size_t open_or_crowded_edges(const Mesh& mesh) {
-  std::size_t bad = 0;
-  for (const auto& [edge, use] : edges_of(mesh)) {
-    bad += use.forward == 1 && use.backward == 1 ? 0U : 1U;
-  }
-  return bad;
-}
-
-std::size_t crowded_edges(const Mesh& mesh) {
-  std::size_t bad = 0;
-  for (const auto& [edge, use] : edges_of(mesh)) {
-    bad += use.forward > 1 || use.backward > 1 ? 1U : 0U;
-  }
-  return bad;
-}
-
-double volume(const Mesh& mesh) {
-  double sum = 0;
-  for (const auto& t : mesh.triangles) {
-    const auto p = [&](std::size_t k) -> Vec3d { return mesh.vertices[t[k]].cast<double>(); };
-    sum += p(0).dot(p(1).cross(p(2))) / 6.0;
-  }
-  return sum;
-}
-
-/// Marching cubes over a dense random field through cell_table alone.
-Mesh mesh_of_random_field(std::uint64_t seed, int n) {
-  synthetic::Random random(seed);
-  std::vector<double> field(static_cast<std::size_t>(n * n * n), 1.0);
-  const auto at = [n](int x, int y, int z) { return static_cast<std::size_t>(x + n * (y + n * z)); };
-  for (int z = 1; z < n - 1; ++z) {
-    for (int y = 1; y < n - 1; ++y) {
-      for (int x = 1; x < n - 1; ++x) {
-        field[at(x, y, z)] = random.normal();  // outside all around, anything within
-      }
-    }
-  }
-  Mesh mesh;
-  std::map<std::array<int, 4>, std::uint32_t> vertex;
-  for (int cell = 0; cell < (n - 1) * (n - 1) * (n - 1); ++cell) {
-    const std::array<int, 3> c{cell % (n - 1), (cell / (n - 1)) % (n - 1), cell / ((n - 1) * (n - 1))};
-    unsigned inside = 0;
-    for (int k = 0; k < 8; ++k) {
-      inside |= (field[at(c[0] + (k & 1), c[1] + ((k >> 1) & 1), c[2] + (k >> 2))] < 0 ? 1U : 0U)
-                << static_cast<unsigned>(k);
-    }
-    for (const auto& triangle : cell_table()[inside]) {
-      std::array<std::uint32_t, 3> t{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        const int lower = kCellEdge[triangle[k]][0];
-        const std::array<int, 4> key{c[0] + (lower & 1), c[1] + ((lower >> 1) & 1), c[2] + (lower >> 2),
-                                     triangle[k] / 4};
-        const auto found = vertex.try_emplace(key, static_cast<std::uint32_t>(mesh.vertices.size()));
-        if (found.second) {
-          Vec3f p(static_cast<float>(key[0]), static_cast<float>(key[1]), static_cast<float>(key[2]));
-          p[key[3]] += 0.5F;
-          mesh.vertices.push_back(p);
-        }
-        t[k] = found.first->second;
-      }
-      mesh.triangles.push_back(t);
-    }
-  }
-  return mesh;
-}
-
-TEST(CellTable, RandomFieldsGiveClosedOrientedManifoldSurfaces) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Mesh mesh = mesh_of_random_field(seed, 12);
-    ASSERT_GT(mesh.triangles.size(), 1000U);
-    EXPECT_EQ(open_or_crowded_edges(mesh), 0U) << seed;
-  }
-}
-
-TEST(CellTable, OneInsideCornerFacesOutwards) {
-  const auto& triangles = cell_table()[1];  // inside: corner (0, 0, 0)
-  ASSERT_EQ(triangles.size(), 1U);
-  const auto middle = [](std::uint8_t edge) -> Vec3d {
-    const auto corner = [](int c) { return Vec3d(c & 1, (c >> 1) & 1, c >> 2); };
-    return 0.5 * (corner(kCellEdge[edge][0]) + corner(kCellEdge[edge][1]));
-  };
-  const auto& t = triangles[0];
-  const Vec3d n = (middle(t[1]) - middle(t[0])).cross(middle(t[2]) - middle(t[0]));
-  EXPECT_GT(n.dot(Vec3d::Ones()), 0.0);
-}
 
 /// Fuses views from all around, each pose twice.
 void scan_all_around(TsdfModel& model, const calib::Rig& rig, const synthetic::Surface& surface, bool noisy) {
@@ -139,7 +35,7 @@ void scan_all_around(TsdfModel& model, const calib::Rig& rig, const synthetic::S
   }
 }
 
-TEST(Mesh, ASphereScannedAllAroundIsOneClosedManifoldOfTheRightVolume) {
+TEST(Mesh, a_sphere_scanned_all_around_is_one_closed_manifold_of_the_right_volume) {
   const calib::Rig rig = synthetic::small_rig();
   TsdfModel model(rig);
   scan_all_around(model, rig, synthetic::sphere(Vec3d::Zero(), 2.0), true);
@@ -162,7 +58,7 @@ TEST(Mesh, ASphereScannedAllAroundIsOneClosedManifoldOfTheRightVolume) {
   EXPECT_LT(worst, 0.015);
 }
 
-TEST(Mesh, IncrementalEqualsFullBitForBit) {
+TEST(Mesh, incremental_equals_full_bit_for_bit) {
   const calib::Rig rig = synthetic::small_rig();
   const auto surface = synthetic::sphere(Vec3d::Zero(), 3.0);
   TsdfModel model(rig);
@@ -189,7 +85,7 @@ TEST(Mesh, IncrementalEqualsFullBitForBit) {
   EXPECT_EQ(crowded_edges(a), 0U);
 }
 
-TEST(Mesh, UnchangedBlocksAreSharedBetweenSnapshots) {
+TEST(Mesh, unchanged_blocks_are_shared_between_snapshots) {
   const calib::Rig rig = synthetic::small_rig();
   const auto surface = synthetic::plane({0, 0, -1}, 0.0);
   TsdfModel model(rig);
@@ -243,11 +139,11 @@ std::size_t vertices_near_outlier(int min_bursts, int min_observations) {
   return near;
 }
 
-TEST(Mesh, OutliersOfOneBurstNeverReachTheMesh) { EXPECT_EQ(vertices_near_outlier(2, 3), 0U); }
+TEST(Mesh, outliers_of_one_burst_never_reach_the_mesh) { EXPECT_EQ(vertices_near_outlier(2, 3), 0U); }
 
-TEST(Mesh, WithoutTheBurstRuleTheSameOutliersWouldReachIt) { EXPECT_GT(vertices_near_outlier(1, 1), 100U); }
+TEST(Mesh, without_the_burst_rule_the_same_outliers_would_reach_it) { EXPECT_GT(vertices_near_outlier(1, 1), 100U); }
 
-TEST(Mesh, ARoundedEdgeOfATenthOfAMillimetreStaysSharperThanFifteenHundredths) {
+TEST(Mesh, a_rounded_edge_of_a_tenth_of_a_millimetre_stays_sharper_than_fifteen_hundredths) {
   const calib::Rig rig = synthetic::rig();
   const auto surface = synthetic::wedge(0.1);
   TsdfModel model(rig);
@@ -278,7 +174,7 @@ TEST(Mesh, ARoundedEdgeOfATenthOfAMillimetreStaysSharperThanFifteenHundredths) {
   EXPECT_LT(radius, 0.15);
 }
 
-TEST(Components, SmallPiecesAreRemovedAndCounted) {
+TEST(Components, small_pieces_are_removed_and_counted) {
   Mesh mesh;
   const auto strip = [&](int triangles, float z) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -301,7 +197,7 @@ TEST(Components, SmallPiecesAreRemovedAndCounted) {
   EXPECT_EQ(mesh.vertices[0].z(), 1.0F);
 }
 
-TEST(Mesh, AnEmptyModelGivesAnEmptyMesh) {
+TEST(Mesh, an_empty_model_gives_an_empty_mesh) {
   const TsdfModel model(synthetic::small_rig());
   IncrementalMesher mesher;
   mesher.update(model, {});

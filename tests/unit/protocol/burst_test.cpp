@@ -9,13 +9,13 @@
 namespace enamel::proto {
 namespace {
 
-TEST(Burst, AWholeOneIsConsistent) {
+TEST(Burst, a_whole_one_is_consistent) {
   EXPECT_TRUE(is_consistent(test::camera_burst(3, 16, 12)));
   EXPECT_TRUE(is_consistent(test::camera_burst(3, 16, 12, 12)));
   EXPECT_FALSE(is_consistent(Burst{}));
 }
 
-TEST(Burst, EveryDamageIsFound) {
+TEST(Burst, every_damage_is_found) {
   const std::vector<std::pair<const char*, std::function<void(Burst&)>>> damages{
       {"pixel", [](Burst& b) { b.payload[5] ^= 1U; }},
       {"crc", [](Burst& b) { b.payload_crc32 ^= 1U; }},
@@ -40,14 +40,14 @@ TEST(Burst, EveryDamageIsFound) {
   }
 }
 
-TEST(Burst, MidIsBetweenFirstStartAndLastEnd) {
+TEST(Burst, mid_is_between_first_start_and_last_end) {
   Burst b = test::camera_burst(0, 4, 4);
   for (std::size_t k = 0; k < 4; ++k) b.meta[k].t_strobe_ns = 1000 + 100 * k;
   b.meta[3].exposure_us = 3;
   EXPECT_EQ(to_ns(mid_burst(b)), (1000 + 1300 + 3000) / 2);
 }
 
-TEST(Burst, PeriodAndSpreadOfTheLight) {
+TEST(Burst, period_and_spread_of_the_light) {
   Burst b = test::camera_burst(0, 4, 4);
   for (std::size_t k = 0; k < 4; ++k) {
     b.meta[k].t_strobe_ns = 1'000'000 + 4'000'000 * k;
@@ -61,7 +61,7 @@ TEST(Burst, PeriodAndSpreadOfTheLight) {
   EXPECT_EQ(exposure_spread_s2(b), 0);
 }
 
-TEST(Burst, FramesLieBehindOneAnother) {
+TEST(Burst, frames_lie_behind_one_another) {
   const Burst b = test::camera_burst(0, 4, 3);
   for (int k = 0; k < 4; ++k) {
     ASSERT_EQ(frame_bytes(b, k).size(), 12U);

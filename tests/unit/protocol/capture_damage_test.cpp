@@ -8,8 +8,9 @@
 #include <csignal>
 
 #include "protocol/mcap/reader.hpp"
+#include "tests/support/file_bytes.hpp"
+#include "tests/support/temp_folder.hpp"
 #include "tests/unit/protocol/sample_capture.hpp"
-#include "tests/unit/protocol/temp_folder.hpp"
 
 namespace enamel::capture {
 namespace {
@@ -33,7 +34,7 @@ class Damage : public ::testing::TestWithParam<bool> {
 };
 INSTANTIATE_TEST_SUITE_P(Compression, Damage, ::testing::Bool());
 
-TEST_P(Damage, ATruncatedFileOpensUpToItsLastWholeChunk) {
+TEST_P(Damage, a_truncated_file_opens_up_to_its_last_whole_chunk) {
   std::size_t seen = records_.size();
   bool opened_some = false;
   for (std::size_t n = bytes_.size() - 1; n > 0; n -= std::min<std::size_t>(n, 37)) {
@@ -59,7 +60,7 @@ TEST_P(Damage, ATruncatedFileOpensUpToItsLastWholeChunk) {
 }
 
 // Every flipped bit is noticed by at least one check, and never gives a record that was not written.
-TEST_P(Damage, AFlippedBitIsFoundWhereverItIs) {
+TEST_P(Damage, a_flipped_bit_is_found_wherever_it_is) {
   test::Random random(3);
   int corrupt = 0;
   for (std::size_t at = 0; at < bytes_.size(); at += 1 + random.below(40)) {
@@ -83,7 +84,7 @@ TEST_P(Damage, AFlippedBitIsFoundWhereverItIs) {
   EXPECT_GT(corrupt, 20);
 }
 
-TEST_P(Damage, ADamagedChunkIsNamedAndTheOthersAreRead) {
+TEST_P(Damage, a_damaged_chunk_is_named_and_the_others_are_read) {
   const auto mcap = mcap::Reader::open(path_);
   ASSERT_EQ(mcap->chunks().size(), 6U);
   const auto& chunk = mcap->chunks()[2];
@@ -101,7 +102,7 @@ TEST_P(Damage, ADamagedChunkIsNamedAndTheOthersAreRead) {
 }
 
 // Random rubbish between the right magics, and rubbish with a right first part: an answer, never a crash.
-TEST_P(Damage, RubbishIsAnError) {
+TEST_P(Damage, rubbish_is_an_error) {
   test::Random random(8);
   for (int i = 0; i < 400; ++i) {
     auto damaged = bytes_;
@@ -118,7 +119,7 @@ TEST_P(Damage, RubbishIsAnError) {
   }
 }
 
-TEST_P(Damage, AKilledWriterLosesAtMostTheBurstInHand) {
+TEST_P(Damage, a_killed_writer_loses_at_most_the_burst_in_hand) {
   const pid_t child = fork();
   if (child == 0) {
     auto out = CaptureWriter::create(path_, test::sample_header(), {.compress = GetParam()});
@@ -136,7 +137,7 @@ TEST_P(Damage, AKilledWriterLosesAtMostTheBurstInHand) {
   EXPECT_EQ(in->burst(5).value(), test::camera_burst(5, 16, 12));
 }
 
-TEST_P(Damage, AFullDiskIsReportedOnceAndWhatWasWrittenStaysReadable) {
+TEST_P(Damage, a_full_disk_is_reported_once_and_what_was_written_stays_readable) {
   signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
@@ -170,7 +171,7 @@ TEST_P(Damage, AFullDiskIsReportedOnceAndWhatWasWrittenStaysReadable) {
   EXPECT_EQ(in->burst(written - 1).value(), test::camera_burst(written - 1, 16, 12));
 }
 
-TEST(FullDisk, IsReportedAtCreationToo) {
+TEST(FullDisk, is_reported_at_creation_too) {
   const auto out = CaptureWriter::create("/dev/full", {});
   ASSERT_FALSE(out);
   EXPECT_EQ(out.error().code, ErrorCode::kFileWrite);

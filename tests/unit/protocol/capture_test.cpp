@@ -3,8 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "protocol/dds/qos.hpp"
+#include "tests/support/file_bytes.hpp"
+#include "tests/support/temp_folder.hpp"
 #include "tests/unit/protocol/sample_capture.hpp"
-#include "tests/unit/protocol/temp_folder.hpp"
 
 namespace enamel::capture {
 namespace {
@@ -20,7 +21,7 @@ class Capture : public ::testing::TestWithParam<bool> {
 };
 INSTANTIATE_TEST_SUITE_P(Compression, Capture, ::testing::Bool());
 
-TEST_P(Capture, EverythingComesBackInOrder) {
+TEST_P(Capture, everything_comes_back_in_order) {
   auto out = CaptureWriter::create(path_, test::sample_header(), options());
   ASSERT_TRUE(out) << out.error().message();
   const auto records = test::write_sample(*out, 5);
@@ -54,7 +55,7 @@ TEST_P(Capture, EverythingComesBackInOrder) {
   }
 }
 
-TEST_P(Capture, BurstsAreFoundByPositionAndByNumber) {
+TEST_P(Capture, bursts_are_found_by_position_and_by_number) {
   auto out = CaptureWriter::create(path_, test::sample_header(), options());
   test::write_sample(*out, 6);
   ASSERT_TRUE(out->finish());
@@ -68,7 +69,7 @@ TEST_P(Capture, BurstsAreFoundByPositionAndByNumber) {
   EXPECT_EQ(in->next_burst().value()->burst_index, 10U);
 }
 
-TEST_P(Capture, ARecordingWithoutBurstsIsARecording) {
+TEST_P(Capture, a_recording_without_bursts_is_a_recording) {
   ASSERT_TRUE(CaptureWriter::create(path_, {}, options())->finish());
   auto in = CaptureReader::open(path_);
   ASSERT_TRUE(in);
@@ -77,7 +78,7 @@ TEST_P(Capture, ARecordingWithoutBurstsIsARecording) {
   EXPECT_FALSE(in->next().value());
 }
 
-TEST_P(Capture, ABurstAsReceivedIsKeptByteForByte) {
+TEST_P(Capture, a_burst_as_received_is_kept_byte_for_byte) {
   const proto::Burst burst = test::camera_burst(4, 8, 8);
   const proto::Bytes cdr = proto::to_cdr(burst).value();
   auto out = CaptureWriter::create(path_, {}, options());
@@ -89,7 +90,7 @@ TEST_P(Capture, ABurstAsReceivedIsKeptByteForByte) {
   EXPECT_EQ(proto::to_cdr(*in->next_burst().value()).value(), cdr);
 }
 
-TEST_P(Capture, AMessageBeyondItsBoundIsRefusedAndNothingIsWritten) {
+TEST_P(Capture, a_message_beyond_its_bound_is_refused_and_nothing_is_written) {
   auto out = CaptureWriter::create(path_, {}, options());
   EXPECT_EQ(out->write_event({.text = std::string(500, 'x')}, 1).error().code, ErrorCode::kMessageInvalid);
   EXPECT_FALSE(out->failed());
@@ -97,7 +98,7 @@ TEST_P(Capture, AMessageBeyondItsBoundIsRefusedAndNothingIsWritten) {
   EXPECT_EQ(CaptureReader::open(path_)->info().events, 0U);
 }
 
-TEST_P(Capture, AttachmentNamesAreUnique) {
+TEST_P(Capture, attachment_names_are_unique) {
   auto out = CaptureWriter::create(path_, test::sample_header(), options());
   EXPECT_FALSE(out->attach("rig.json", "application/json", {}));
   EXPECT_TRUE(out->attach("empty", "text/plain", {}));
@@ -105,7 +106,7 @@ TEST_P(Capture, AttachmentNamesAreUnique) {
   EXPECT_TRUE(CaptureReader::open(path_)->attachment("empty").value().empty());
 }
 
-TEST(CaptureFiles, ForeignOnesAreRefused) {
+TEST(CaptureFiles, foreign_ones_are_refused) {
   const TempFolder folder;
   EXPECT_EQ(CaptureReader::open(folder / "none").error().code, ErrorCode::kFileNotFound);
   EXPECT_EQ(CaptureReader::open(folder / ".").error().code, ErrorCode::kFileRead);
@@ -116,7 +117,7 @@ TEST(CaptureFiles, ForeignOnesAreRefused) {
   EXPECT_EQ(CaptureWriter::create(folder / "no/such/folder.mcap", {}).error().code, ErrorCode::kFileWrite);
 }
 
-TEST(CaptureFiles, ChannelsAreNamedAsTheTopics) {
+TEST(CaptureFiles, channels_are_named_as_the_topics) {
   const TempFolder folder;
   auto out = CaptureWriter::create(folder / "c.mcap", {}, {.compress = false});
   ASSERT_TRUE(out->finish());

@@ -8,8 +8,9 @@
 #include "host/record/burst_stream.hpp"
 #include "protocol/base/crc32.hpp"
 #include "protocol/mcap/reader.hpp"
+#include "tests/support/file_bytes.hpp"
+#include "tests/support/temp_folder.hpp"
 #include "tests/unit/protocol/sample_capture.hpp"
-#include "tests/unit/protocol/temp_folder.hpp"
 
 namespace enamel::host {
 namespace {
@@ -43,12 +44,12 @@ class CaptureTools : public ::testing::Test {
   std::string other_ = folder_ / "other.mcap";
 };
 
-TEST_F(CaptureTools, DiffOfEqualRecordingsIsNothing) {
+TEST_F(CaptureTools, diff_of_equal_recordings_is_nothing) {
   write(other_);
   EXPECT_FALSE(capture_diff(good_, other_, true).value());
 }
 
-TEST_F(CaptureTools, DiffNamesTheFirstDifference) {
+TEST_F(CaptureTools, diff_names_the_first_difference) {
   struct Case {
     const char* field;
     std::function<void(proto::Burst&)> change;
@@ -78,14 +79,14 @@ TEST_F(CaptureTools, DiffNamesTheFirstDifference) {
   }
 }
 
-TEST_F(CaptureTools, DiffSeesRigKindAndLength) {
+TEST_F(CaptureTools, diff_sees_rig_kind_and_length) {
   write(other_, {}, "{}");
   EXPECT_EQ(capture_diff(good_, other_).value()->field, "rig");
   ASSERT_TRUE(capture_cut(good_, other_, 0, 8));
   EXPECT_EQ(capture_diff(good_, other_).value()->field, "records");
 }
 
-TEST_F(CaptureTools, CutKeepsTheRangeAndEverythingElse) {
+TEST_F(CaptureTools, cut_keeps_the_range_and_everything_else) {
   ASSERT_EQ(capture_cut(good_, other_, 3, 6).value(), 4U);
   const auto stream = open_bursts(other_).value();
   EXPECT_EQ(stream->info().bursts, 4U);
@@ -102,7 +103,7 @@ TEST_F(CaptureTools, CutKeepsTheRangeAndEverythingElse) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "none.mcap.partial"));
 }
 
-TEST_F(CaptureTools, CutMakesACleanCopyOfATruncatedRecording) {
+TEST_F(CaptureTools, cut_makes_a_clean_copy_of_a_truncated_recording) {
   const auto size = std::filesystem::file_size(good_);
   const auto chunk = mcap::Reader::open(good_)->chunks()[7];
   ASSERT_EQ(truncate(good_.c_str(), static_cast<off_t>(chunk.offset + chunk.length)), 0);
@@ -112,7 +113,7 @@ TEST_F(CaptureTools, CutMakesACleanCopyOfATruncatedRecording) {
   EXPECT_TRUE(capture_verify(other_)->clean());
 }
 
-TEST_F(CaptureTools, VerifyFindsWhatIsWrong) {
+TEST_F(CaptureTools, verify_finds_what_is_wrong) {
   EXPECT_TRUE(capture_verify(good_)->clean());
   EXPECT_EQ(capture_verify(good_)->bursts, 10U);
   const auto says = [&](const std::string& text) {
@@ -131,7 +132,7 @@ TEST_F(CaptureTools, VerifyFindsWhatIsWrong) {
   EXPECT_EQ(capture_verify(folder_ / "none").error().code, ErrorCode::kFileNotFound);
 }
 
-TEST_F(CaptureTools, VerifyFindsEveryFlippedBit) {
+TEST_F(CaptureTools, verify_finds_every_flipped_bit) {
   const auto bytes = test::slurp(good_);
   test::Random random(6);
   for (int i = 0; i < 300; ++i) {

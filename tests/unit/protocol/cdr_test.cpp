@@ -15,7 +15,7 @@ using Messages =
     ::testing::Types<Burst, DeviceInfo, Status, Command, CommandReply, Event, TimeSyncReq, TimeSyncRep, ShedNote>;
 TYPED_TEST_SUITE(Cdr, Messages);
 
-TYPED_TEST(Cdr, ComesBackEqual) {
+TYPED_TEST(Cdr, comes_back_equal) {
   Random random(1);
   for (int i = 0; i < 200; ++i) {
     TypeParam value;
@@ -28,7 +28,7 @@ TYPED_TEST(Cdr, ComesBackEqual) {
   }
 }
 
-TYPED_TEST(Cdr, EveryTruncationIsAnError) {
+TYPED_TEST(Cdr, every_truncation_is_an_error) {
   Random random(2);
   for (int i = 0; i < 10; ++i) {
     TypeParam value;
@@ -43,7 +43,7 @@ TYPED_TEST(Cdr, EveryTruncationIsAnError) {
 }
 
 // A flipped bit may make another valid value; it must then encode again without complaint, and never crash.
-TYPED_TEST(Cdr, FlippedBitsGiveAValueOrAnError) {
+TYPED_TEST(Cdr, flipped_bits_give_a_value_or_an_error) {
   Random random(3);
   int errors = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -64,7 +64,7 @@ TYPED_TEST(Cdr, FlippedBitsGiveAValueOrAnError) {
   EXPECT_GT(errors, 0);
 }
 
-TYPED_TEST(Cdr, GarbageGivesAValueOrAnError) {
+TYPED_TEST(Cdr, garbage_gives_a_value_or_an_error) {
   Random random(4);
   for (int i = 0; i < 3000; ++i) {
     Bytes bytes = random.octets(random.below(400));
@@ -79,7 +79,7 @@ TYPED_TEST(Cdr, GarbageGivesAValueOrAnError) {
   }
 }
 
-TEST(CdrBounds, TooLongTextsAndSequencesAreRefused) {
+TEST(CdrBounds, too_long_texts_and_sequences_are_refused) {
   EXPECT_TRUE(to_cdr(Event{.text = std::string(200, 'x')}));
   EXPECT_EQ(to_cdr(Event{.text = std::string(201, 'x')}).error().code, ErrorCode::kMessageInvalid);
   EXPECT_EQ(to_cdr(Event{.text = std::string("a\0b", 3)}).error().code, ErrorCode::kMessageInvalid);
@@ -89,7 +89,7 @@ TEST(CdrBounds, TooLongTextsAndSequencesAreRefused) {
   EXPECT_EQ(to_cdr(Burst{.meta = std::vector<FrameMeta>(9)}).error().code, ErrorCode::kMessageInvalid);
 }
 
-TEST(CdrBounds, MembersOfALaterMinorVersionAreSkipped) {
+TEST(CdrBounds, members_of_a_later_minor_version_are_skipped) {
   const Event event{.probe_id = 7, .seq = 8, .t_ns = 9, .code = 10, .severity = Severity::kError, .text = "abc"};
   Bytes bytes = *to_cdr(event);
   bytes.resize(bytes.size() - bytes[3]);
@@ -99,7 +99,7 @@ TEST(CdrBounds, MembersOfALaterMinorVersionAreSkipped) {
   EXPECT_EQ(from_cdr<Event>(bytes).value(), event);
 }
 
-TEST(CdrBounds, AStateOutOfRangeIsAnError) {
+TEST(CdrBounds, a_state_out_of_range_is_an_error) {
   Bytes bytes = *to_cdr(Status{});
   const std::size_t state = 4 + 4 + 4 + 4 + 8;
   bytes[state] = 10;
@@ -108,14 +108,14 @@ TEST(CdrBounds, AStateOutOfRangeIsAnError) {
   EXPECT_FALSE(from_cdr<Status>(bytes));
 }
 
-TEST(Texts, AreClippedAtACharacter) {
+TEST(Texts, are_clipped_at_a_character) {
   EXPECT_EQ(clip_text("abc", 8), "abc");
   EXPECT_EQ(clip_text("abcdef", 3), "abc");
   EXPECT_EQ(clip_text("ab\xC3\xA9z", 3), "ab");
   EXPECT_EQ(clip_text("\xE2\x82\xAC", 2), "");
 }
 
-TEST(Names, CoverEveryEnumerator) {
+TEST(Names, cover_every_enumerator) {
   EXPECT_EQ(name_of(ProbeState::kScanning), "SCANNING");
   EXPECT_EQ(name_of(static_cast<ProbeState>(11)), "?");
   EXPECT_EQ(name_of(DropReason::kQueueFull), "queue_full");

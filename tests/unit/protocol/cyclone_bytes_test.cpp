@@ -18,7 +18,7 @@ TYPED_TEST_SUITE(CycloneBytes, Messages);
 
 constexpr TopicQos kTestQos{"enamel/test/bytes", true, false, 0, 512, 1000, 0};
 
-TYPED_TEST(CycloneBytes, EqualOursBothWays) {
+TYPED_TEST(CycloneBytes, equal_ours_both_ways) {
   const auto participant = Participant::create({.tag = "bytes-" + std::to_string(getpid())});
   ASSERT_TRUE(participant) << participant.error().message();
   auto reader = ReaderEnd::create(*participant, kTestQos, Wire<TypeParam>::descriptor());

@@ -95,7 +95,7 @@ void expect_bursts(Reader<proto::Burst>& reader, std::uint64_t count, int width,
   }
 }
 
-TEST(Dds, SixtyVgaBurstsArriveWholeFromAnotherProcess) {
+TEST(Dds, sixty_vga_bursts_arrive_whole_from_another_process) {
   const std::string tag = fresh_tag();
   const auto participant = Participant::create({.tag = tag});
   ASSERT_TRUE(participant) << participant.error().message();
@@ -107,7 +107,7 @@ TEST(Dds, SixtyVgaBurstsArriveWholeFromAnotherProcess) {
 }
 
 // 200 bursts are more than reader and writer hold together: the writer has to wait, and nothing may vanish.
-TEST(Dds, ALateReaderHoldsTheWriterBackAndLosesNothing) {
+TEST(Dds, a_late_reader_holds_the_writer_back_and_loses_nothing) {
   const std::string tag = fresh_tag();
   const auto participant = Participant::create({.tag = tag});
   auto reader = Reader<proto::Burst>::create(*participant);
@@ -119,7 +119,7 @@ TEST(Dds, ALateReaderHoldsTheWriterBackAndLosesNothing) {
   EXPECT_EQ(peer.exit_code(), 0);
 }
 
-TEST(Dds, AKilledPeerIsNoticedAndItsReturnToo) {
+TEST(Dds, a_killed_peer_is_noticed_and_its_return_too) {
   const std::string tag = fresh_tag();
   const auto participant = Participant::create({.tag = tag});
   auto statuses = Reader<proto::Status>::create(*participant);
@@ -135,7 +135,7 @@ TEST(Dds, AKilledPeerIsNoticedAndItsReturnToo) {
   EXPECT_EQ(statuses->peers().ever_matched, 2U);
 }
 
-TEST(Dds, OnlyTheSameTagIsSeen) {
+TEST(Dds, only_the_same_tag_is_seen) {
   const std::string tag = fresh_tag();
   const auto participant = Participant::create({.tag = tag});
   auto statuses = Reader<proto::Status>::create(*participant);
@@ -150,7 +150,7 @@ TEST(Dds, OnlyTheSameTagIsSeen) {
   EXPECT_EQ(taken[0].value.seq, 2U);
 }
 
-TEST(Dds, ADomainHasOneTagInAProcess) {
+TEST(Dds, a_domain_has_one_tag_in_a_process) {
   const auto first = Participant::create({.tag = fresh_tag()});
   ASSERT_TRUE(first);
   const auto second = Participant::create({.tag = fresh_tag()});
@@ -177,7 +177,7 @@ T exchanged(const Participant& from, const Participant& to, const T& value) {
   return taken.empty() ? T{} : taken[0].value;
 }
 
-TEST_F(DdsInProcess, EveryTopicCarriesItsType) {
+TEST_F(DdsInProcess, every_topic_carries_its_type) {
   test::Random random(9);
   const auto check = [&](auto value) {
     test::randomize(random, value);
@@ -193,7 +193,7 @@ TEST_F(DdsInProcess, EveryTopicCarriesItsType) {
   check(proto::TimeSyncRep{});
 }
 
-TEST_F(DdsInProcess, ALaterReaderGetsTheLastStatusButNoOldCommand) {
+TEST_F(DdsInProcess, a_later_reader_gets_the_last_status_but_no_old_command) {
   auto statuses = Writer<proto::Status>::create(left_).value();
   auto commands = Writer<proto::Command>::create(left_).value();
   ASSERT_TRUE(statuses.write({.seq = 1}));
@@ -208,7 +208,7 @@ TEST_F(DdsInProcess, ALaterReaderGetsTheLastStatusButNoOldCommand) {
   EXPECT_EQ(command_reader.wait(200ms), Wake::kTimeout);
 }
 
-TEST_F(DdsInProcess, AWakeEndsTheWait) {
+TEST_F(DdsInProcess, a_wake_ends_the_wait) {
   auto reader = Reader<proto::Burst>::create(right_).value();
   EXPECT_EQ(reader.wait(0ns), Wake::kTimeout);
   reader.wake();
@@ -222,7 +222,7 @@ TEST_F(DdsInProcess, AWakeEndsTheWait) {
   other.join();
 }
 
-TEST_F(DdsInProcess, AValueBeyondItsBoundIsNotSent) {
+TEST_F(DdsInProcess, a_value_beyond_its_bound_is_not_sent) {
   auto writer = Writer<proto::Event>::create(left_).value();
   EXPECT_EQ(writer.write({.text = std::string(201, 'x')}).error().code, ErrorCode::kMessageInvalid);
   EXPECT_TRUE(writer.write({.text = std::string(200, 'x')}));
@@ -230,14 +230,14 @@ TEST_F(DdsInProcess, AValueBeyondItsBoundIsNotSent) {
   EXPECT_EQ(bursts.write({.meta = std::vector<proto::FrameMeta>(9)}).error().code, ErrorCode::kMessageInvalid);
 }
 
-TEST(Dds, EndsOutliveTheirParticipant) {
+TEST(Dds, ends_outlive_their_participant) {
   auto participant = std::make_unique<Participant>(Participant::create({.tag = fresh_tag()}).value());
   auto writer = Writer<proto::Event>::create(*participant).value();
   participant.reset();
   EXPECT_TRUE(writer.write({.text = "still here"}));
 }
 
-TEST(Dds, AWrongConfigurationIsAnError) {
+TEST(Dds, a_wrong_configuration_is_an_error) {
   setenv("CYCLONEDDS_URI", "<CycloneDDS><Nonsense/></CycloneDDS>", 1);
   const auto participant = Participant::create({.domain = 79, .tag = fresh_tag()});
   unsetenv("CYCLONEDDS_URI");

@@ -34,7 +34,7 @@ std::vector<std::string> files_of(const std::string& folder) {
   return names;
 }
 
-TEST_P(Exchange, EveryPixelAndTimeIsRead) {
+TEST_P(Exchange, every_pixel_and_time_is_read) {
   const auto reader = ExchangeReader::open(in_);
   ASSERT_TRUE(reader) << reader.error().message();
   ASSERT_EQ(reader->rows().size(), 3U);
@@ -54,7 +54,7 @@ TEST_P(Exchange, EveryPixelAndTimeIsRead) {
   }
 }
 
-TEST_P(Exchange, ImportAndExportLoseNothing) {
+TEST_P(Exchange, import_and_export_lose_nothing) {
   const auto imported = import_folder(in_, capture_, "test 1");
   ASSERT_TRUE(imported) << imported.error().message();
   EXPECT_EQ(imported->bursts, 3U);
@@ -76,7 +76,7 @@ TEST_P(Exchange, ImportAndExportLoseNothing) {
   EXPECT_FALSE(fs::exists(capture_ + ".partial"));
 }
 
-TEST_P(Exchange, FolderAndRecordingAreTheSameStream) {
+TEST_P(Exchange, folder_and_recording_are_the_same_stream) {
   ASSERT_TRUE(import_folder(in_, capture_, "test 1"));
   const auto difference = capture_diff(in_, capture_, true);
   ASSERT_TRUE(difference) << difference.error().message();
@@ -93,7 +93,7 @@ TEST_P(Exchange, FolderAndRecordingAreTheSameStream) {
   EXPECT_TRUE(capture_verify(capture_)->clean());
 }
 
-TEST_P(Exchange, ExportDoesNotOverwriteBursts) {
+TEST_P(Exchange, export_does_not_overwrite_bursts) {
   ASSERT_TRUE(import_folder(in_, capture_, "test 1"));
   EXPECT_EQ(export_folder(capture_, in_).error().code, ErrorCode::kFileWrite);
 }
@@ -166,7 +166,7 @@ class BadFolder : public ::testing::TestWithParam<Fault> {};
 INSTANTIATE_TEST_SUITE_P(Faults, BadFolder, ::testing::ValuesIn(kFaults),
                          [](const auto& p) { return std::string(p.param.name); });
 
-TEST_P(BadFolder, IsRefusedWithFileAndLineAndLeavesNoRecording) {
+TEST_P(BadFolder, is_refused_with_file_and_line_and_leaves_no_recording) {
   const TempFolder folder;
   test::make_folder_sample(folder / "in", 8);
   GetParam().make(folder / "in");
@@ -178,7 +178,7 @@ TEST_P(BadFolder, IsRefusedWithFileAndLineAndLeavesNoRecording) {
   EXPECT_FALSE(fs::exists(folder / "c.mcap.partial"));
 }
 
-TEST(BadPng, EveryTruncationIsAnErrorAndFlipsNeverCrash) {
+TEST(BadPng, every_truncation_is_an_error_and_flips_never_crash) {
   const TempFolder folder;
   const std::string path = folder / "a.png";
   ASSERT_TRUE(write_grey_png(path, 20, 14, 8, test::frame_pixels(1, 0, 8)));
@@ -199,7 +199,7 @@ TEST(BadPng, EveryTruncationIsAnErrorAndFlipsNeverCrash) {
   }
 }
 
-TEST(BadPng, OfFewerThanEightBitsIsRefused) {
+TEST(BadPng, of_fewer_than_eight_bits_is_refused) {
   const TempFolder folder;
   const std::string path = folder / "a.png";
   const cv::Mat stripes = cv::Mat_<std::uint8_t>(8, 8, 255);
@@ -212,7 +212,7 @@ TEST(BadPng, OfFewerThanEightBitsIsRefused) {
   EXPECT_TRUE(read_grey_png(path));
 }
 
-TEST(ExchangePaths, AttachmentsCannotLeaveTheFolder) {
+TEST(ExchangePaths, attachments_cannot_leave_the_folder) {
   const TempFolder folder;
   auto out = ExchangeWriter::create(folder / "x", "{}");
   ASSERT_TRUE(out);
@@ -222,7 +222,7 @@ TEST(ExchangePaths, AttachmentsCannotLeaveTheFolder) {
   EXPECT_TRUE(out->write_file("truth/a/b.txt", {}));
 }
 
-TEST(ExchangeRows, AreWrittenAsTheyAreRead) {
+TEST(ExchangeRows, are_written_as_they_are_read) {
   proto::Burst b = test::camera_burst(7, 4, 4);
   for (const int centi : {0, 5, -5, 3213, -50, -1234}) {
     b.temp_centi_c = static_cast<std::int16_t>(centi);

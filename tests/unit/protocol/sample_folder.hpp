@@ -7,8 +7,9 @@
 #include <string>
 
 #include "host/record/png_image.hpp"
+#include "tests/support/file_bytes.hpp"
+#include "tests/support/temp_folder.hpp"
 #include "tests/unit/protocol/random_messages.hpp"
-#include "tests/unit/protocol/temp_folder.hpp"
 
 namespace enamel::test {
 

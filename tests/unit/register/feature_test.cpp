@@ -25,7 +25,7 @@ bool same(const std::vector<Feature>& a, const std::vector<Feature>& b) {
          });
 }
 
-TEST(Features, DoNotDependOnTheNumberOfOpenCvThreads) {
+TEST(Features, do_not_depend_on_the_number_of_open_cv_threads) {
   const SurfacePatch patch = patch_at(ts::looking_down(0, 0));
   const int before = cv::getNumThreads();
   std::vector<std::vector<Feature>> runs;
@@ -38,7 +38,7 @@ TEST(Features, DoNotDependOnTheNumberOfOpenCvThreads) {
   for (const auto& run : runs) EXPECT_TRUE(same(run, runs[0]));
 }
 
-TEST(Features, BothPicturesContribute) {
+TEST(Features, both_pictures_contribute) {
   const auto features = extract_features(patch_at(ts::looking_down(0, 0)), kPxPerMm, {});
   std::size_t relief = 0;
   for (const Feature& f : features) relief += f.kind == FeatureKind::kRelief;
@@ -46,7 +46,7 @@ TEST(Features, BothPicturesContribute) {
   EXPECT_GT(features.size() - relief, 20U);
 }
 
-TEST(Features, PicturesDropFormAndKeepDetail) {
+TEST(Features, pictures_drop_form_and_keep_detail) {
   const calib::LensValues lens = ts::test_rig().camera;
   // A tilted plane has form but no relief.
   const SurfacePatch plane =
@@ -65,7 +65,7 @@ TEST(Features, PicturesDropFormAndKeepDetail) {
   EXPECT_GT(inner, all * 9 / 10) << "nearly every inner pixel was looked at";
 }
 
-TEST(Features, MatchesOfOneSurfaceAgreeInSpaceAndThoseOfAnotherDoNot) {
+TEST(Features, matches_of_one_surface_agree_in_space_and_those_of_another_do_not) {
   const Pose a = ts::looking_down(0, 0);
   const Pose b = ts::looking_down(2, 1, {0.1, -0.1, 0.6});
   const auto fa = extract_features(patch_at(a, 11, 1), kPxPerMm, {});
@@ -106,7 +106,7 @@ std::vector<PointPair> mixed_pairs(const Pose& T, int good, int wrong, std::uint
   return pairs;
 }
 
-TEST(RigidFit, FindsAFifthOfGoodPairs) {
+TEST(RigidFit, finds_a_fifth_of_good_pairs) {
   const Pose T = ts::looking_down(4, -3, {0.2, 0.1, 0.9});
   int found = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
@@ -116,20 +116,20 @@ TEST(RigidFit, FindsAFifthOfGoodPairs) {
   EXPECT_GE(found, 39);
 }
 
-TEST(RigidFit, FindsNothingInNoise) {
+TEST(RigidFit, finds_nothing_in_noise) {
   const Pose T = ts::looking_down(4, -3);
   for (std::uint64_t seed = 0; seed < 40; ++seed)
     EXPECT_FALSE(fit_rigid(mixed_pairs(T, 0, 120, seed), seed, {})) << seed;
 }
 
-TEST(RigidFit, NeedsTwelveWhoeverTheyAre) {
+TEST(RigidFit, needs_twelve_whoever_they_are) {
   const Pose T = ts::looking_down(4, -3);
   EXPECT_FALSE(fit_rigid(mixed_pairs(T, 11, 0, 1), 1, {}));
   EXPECT_TRUE(fit_rigid(mixed_pairs(T, 12, 0, 1), 1, {}));
   EXPECT_FALSE(fit_rigid({}, 1, {}));
 }
 
-TEST(RigidFit, NeverReflects) {
+TEST(RigidFit, never_reflects) {
   const Pose T = ts::looking_down(0, 0);
   auto pairs = mixed_pairs(T, 40, 0, 3);
   for (PointPair& pair : pairs) pair.to.x() = -pair.to.x();

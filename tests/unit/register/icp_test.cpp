@@ -39,7 +39,7 @@ Pose displaced(const Pose& T, std::uint64_t seed, double shift_mm, double turn_r
   return apply_motion(x, T * Vec3d(0, 0, 48), 1.0, T);
 }
 
-TEST(NormalSystem, MotionBetweenInvertsApplyMotion) {
+TEST(NormalSystem, motion_between_inverts_apply_motion) {
   const Pose a = ts::looking_down(3, -2, {0.2, 0.1, -0.3});
   Vector6 x;
   x << 0.1, -0.2, 0.05, 0.3, 0.2, -0.4;
@@ -48,7 +48,7 @@ TEST(NormalSystem, MotionBetweenInvertsApplyMotion) {
   EXPECT_LT((back - x).norm(), 1e-12);
 }
 
-TEST(NormalSystem, PriorTakesOnlyTheDirectionThatPointsLeaveFree) {
+TEST(NormalSystem, prior_takes_only_the_direction_that_points_leave_free) {
   NormalSystem system;
   for (int i = 0; i < 6; ++i) {
     if (i == 3) continue;
@@ -64,7 +64,7 @@ TEST(NormalSystem, PriorTakesOnlyTheDirectionThatPointsLeaveFree) {
 
 double error_um(const IcpResult& r, const Pose& truth) { return 1e3 * ts::point_error_mm(r.T_model_cam, truth); }
 
-TEST(Icp, RecoversKnownMotionsFromNoiselessPatches) {
+TEST(Icp, recovers_known_motions_from_noiseless_patches) {
   const Scene& s = scene();
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const Pose truth = displaced(s.view.T_model_cam, seed, 0.3, 0.02);
@@ -78,7 +78,7 @@ TEST(Icp, RecoversKnownMotionsFromNoiselessPatches) {
   }
 }
 
-TEST(Icp, ConvergesFromHalfAMillimetreAndThreeDegrees) {
+TEST(Icp, converges_from_half_a_millimetre_and_three_degrees) {
   const Scene& s = scene();
   const Pose truth = displaced(s.view.T_model_cam, 50, 0.1, 0.01);
   const SurfacePatch patch = ts::make_patch(s.surface, s.lens, truth, {0.01, 0.03, 3});
@@ -90,7 +90,7 @@ TEST(Icp, ConvergesFromHalfAMillimetreAndThreeDegrees) {
   EXPECT_GE(converged, 57);
 }
 
-TEST(Icp, ErrorGrowsWithNoiseAndNoFaster) {
+TEST(Icp, error_grows_with_noise_and_no_faster) {
   const Scene& s = scene();
   std::array<double, 2> rms_um{};
   const std::array<double, 2> sigma{0.02, 0.08};
@@ -111,7 +111,7 @@ TEST(Icp, ErrorGrowsWithNoiseAndNoFaster) {
   EXPECT_LT(rms_um[1] / rms_um[0], 8.0);
 }
 
-TEST(Icp, OnAPlaneThePriorHoldsWhatThePlaneLeavesFree) {
+TEST(Icp, on_a_plane_the_prior_holds_what_the_plane_leaves_free) {
   const calib::LensValues lens = ts::test_rig().camera;
   const IcpConfig config;
   const ts::SyntheticSurface plane(5, 0.0);
@@ -131,7 +131,7 @@ TEST(Icp, OnAPlaneThePriorHoldsWhatThePlaneLeavesFree) {
   EXPECT_LT((axis - truth.linear().col(2)).norm(), 2e-4);
 }
 
-TEST(Icp, WithoutPriorStiffnessThePlaneSlides) {
+TEST(Icp, without_prior_stiffness_the_plane_slides) {
   const calib::LensValues lens = ts::test_rig().camera;
   IcpConfig config;
   config.prior.stiffness = 0;
@@ -151,7 +151,7 @@ TEST(Icp, WithoutPriorStiffnessThePlaneSlides) {
   EXPECT_GT(slide(config), 4 * slide(IcpConfig{}));
 }
 
-TEST(Icp, AnotherSurfaceContradicts) {
+TEST(Icp, another_surface_contradicts) {
   const Scene& s = scene();
   for (std::uint64_t seed = 100; seed < 106; ++seed) {
     const ts::SyntheticSurface other(seed);
@@ -173,7 +173,7 @@ SurfacePatch with_a_part_behind(SurfacePatch patch, float behind_mm) {
   return patch;
 }
 
-TEST(Icp, WhatTheReferenceHidesDoesNotContradictItAndWhatStandsBeforeItDoes) {
+TEST(Icp, what_the_reference_hides_does_not_contradict_it_and_what_stands_before_it_does) {
   const Scene& s = scene();
   const SurfacePatch patch = ts::make_patch(s.surface, s.lens, s.view.T_model_cam, {0.01, 0.03, 5});
   const auto consistency = [&](float behind_mm, double hidden_mm) {
@@ -186,7 +186,7 @@ TEST(Icp, WhatTheReferenceHidesDoesNotContradictItAndWhatStandsBeforeItDoes) {
   EXPECT_LT(consistency(-1.5F, IcpConfig{}.hidden_mm), 0.7);  // nothing was there a moment ago
 }
 
-TEST(Icp, SameArgumentsSameBits) {
+TEST(Icp, same_arguments_same_bits) {
   const Scene& s = scene();
   const Pose truth = displaced(s.view.T_model_cam, 3, 0.2, 0.01);
   const SurfacePatch patch = ts::make_patch(s.surface, s.lens, truth, {0.01, 0.03, 3});
@@ -196,7 +196,7 @@ TEST(Icp, SameArgumentsSameBits) {
   EXPECT_EQ(a.rms_mm, b.rms_mm);
 }
 
-TEST(Samples, KeepAwayFromSilhouettesAndSteepSurface) {
+TEST(Samples, keep_away_from_silhouettes_and_steep_surface) {
   const Scene& s = scene();
   SurfacePatch patch = ts::make_patch(s.surface, s.lens, s.view.T_model_cam, {0, 0, 1});
   const SampleConfig config;
@@ -209,7 +209,7 @@ TEST(Samples, KeepAwayFromSilhouettesAndSteepSurface) {
   EXPECT_GT(before, after.size());
 }
 
-TEST(Reference, PatchAsViewIsTheViewFromThatPose) {
+TEST(Reference, patch_as_view_is_the_view_from_that_pose) {
   const Scene& s = scene();
   const SurfacePatch patch = ts::make_patch(s.surface, s.lens, s.view.T_model_cam, {0, 0, 1});
   const ModelView view = view_from_patch(patch, s.view.T_model_cam, s.lens, 2);
@@ -228,7 +228,7 @@ TEST(Reference, PatchAsViewIsTheViewFromThatPose) {
   EXPECT_GT(compared, view.points.size() / 2);
 }
 
-TEST(Reference, AnEmptyViewAlignsNothing) {
+TEST(Reference, an_empty_view_aligns_nothing) {
   const Scene& s = scene();
   const Reference none(ModelView{}, s.config.reference);
   EXPECT_TRUE(none.empty());

@@ -77,7 +77,7 @@ Errors errors(double rate_hz, double tremor_hz, bool with_twist) {
   return out;
 }
 
-TEST(MidBurst, TremorLeavesMicronsAndTheTrajectoryTakesThemBack) {
+TEST(MidBurst, tremor_leaves_microns_and_the_trajectory_takes_them_back) {
   for (const double tremor_hz : {8.0, 10.0, 12.0}) {
     const Errors with = errors(30, tremor_hz, true), without = errors(30, tremor_hz, false);
     EXPECT_GT(with.before, 1.5) << tremor_hz;
@@ -87,7 +87,7 @@ TEST(MidBurst, TremorLeavesMicronsAndTheTrajectoryTakesThemBack) {
   }
 }
 
-TEST(MidBurst, WithoutBothNeighboursNothingIsGuessed) {
+TEST(MidBurst, without_both_neighbours_nothing_is_guessed) {
   std::vector<MeasuredPose> poses;
   for (const double t : {0.0, 0.033, 0.066, 0.2, 0.233}) poses.push_back(measured(t, 10, true));
   const std::vector<Pose> found = poses_at_mid_burst(poses, {});
@@ -96,7 +96,7 @@ TEST(MidBurst, WithoutBothNeighboursNothingIsGuessed) {
   EXPECT_TRUE(poses_at_mid_burst({}, {}).empty());
 }
 
-TEST(MidBurst, SteadyMotionStays) {
+TEST(MidBurst, steady_motion_stays) {
   std::vector<MeasuredPose> poses;
   for (int n = 0; n < 5; ++n) {
     MeasuredPose p{device_time(n * 33'000'000), pose_at(0.033 * n, 0), {}};
@@ -107,7 +107,7 @@ TEST(MidBurst, SteadyMotionStays) {
   for (std::size_t n = 0; n < poses.size(); ++n) EXPECT_LT(error_um(found[n], poses[n].T_model_cam), 0.01) << n;
 }
 
-TEST(MidBurst, BurstsAtOneInstantDoNotDivideByZero) {
+TEST(MidBurst, bursts_at_one_instant_do_not_divide_by_zero) {
   std::vector<MeasuredPose> poses(3, measured(0.1, 10, true));
   const std::vector<Pose> found = poses_at_mid_burst(poses, {});
   for (const Pose& T : found) EXPECT_TRUE(T.matrix().allFinite());

@@ -6,17 +6,13 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "tests/unit/register/burst_times.hpp"
 #include "tests/unit/register/synthetic_surface.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
 namespace ts = ::enamel::testing;
-
-constexpr std::int64_t kPeriodNs = 33'333'333;
-
-DeviceTime time_of(int n) { return device_time(1'000'000'000 + n * kPeriodNs); }
-double seconds_of(int n) { return n * 1e-9 * kPeriodNs; }
 
 /// A hand moving 10 mm/s along x with 60 µm of 9 Hz tremor and a slow turn.
 Pose hand(double t_s) {
@@ -53,7 +49,7 @@ class Session {
   Tracker tracker_;
 };
 
-TEST(Tracker, FollowsASweepWithTheModelTwoBurstsBehind) {
+TEST(Tracker, follows_a_sweep_with_the_model_two_bursts_behind) {
   Session s(11, 2);
   for (int n = 0; n < 8; ++n) {
     const Pose truth = hand(seconds_of(n));
@@ -64,7 +60,7 @@ TEST(Tracker, FollowsASweepWithTheModelTwoBurstsBehind) {
   }
 }
 
-TEST(Tracker, TracksFromPatchToPatchWhileThereIsNoModel) {
+TEST(Tracker, tracks_from_patch_to_patch_while_there_is_no_model) {
   Session s(12);
   for (int n = 0; n < 5; ++n) {
     const Pose truth = hand(seconds_of(n));
@@ -74,7 +70,7 @@ TEST(Tracker, TracksFromPatchToPatchWhileThereIsNoModel) {
   }
 }
 
-TEST(Tracker, KeepsUpWithThirtyMillimetresASecond) {
+TEST(Tracker, keeps_up_with_thirty_millimetres_a_second) {
   Session s(20);
   for (int n = 0; n < 8; ++n) {
     const Pose truth = hand(3 * seconds_of(n));  // the tremor too is three times as fast
@@ -84,7 +80,7 @@ TEST(Tracker, KeepsUpWithThirtyMillimetresASecond) {
   }
 }
 
-TEST(Tracker, StandsTheNoiseOfBareTeeth) {
+TEST(Tracker, stands_the_noise_of_bare_teeth) {
   Session s(21);
   s.sigma_mm = 0.04;
   for (int n = 0; n < 6; ++n) {
@@ -95,7 +91,7 @@ TEST(Tracker, StandsTheNoiseOfBareTeeth) {
   }
 }
 
-TEST(Tracker, BridgesBurstsThatNeverCame) {
+TEST(Tracker, bridges_bursts_that_never_came) {
   Session s(13);
   for (const int n : {0, 1, 2, 3, 6, 7, 11, 12}) {
     const Pose truth = hand(seconds_of(n));
@@ -118,7 +114,7 @@ int followed_over_a_wrist_turn(const TrackerConfig& config) {
   return followed;
 }
 
-TEST(Tracker, FollowsAWristTurnThatSparseBurstsDoNotForetell) {
+TEST(Tracker, follows_a_wrist_turn_that_sparse_bursts_do_not_foretell) {
   TrackerConfig blind;
   blind.wrist_deg = {0, 0};
   blind.features.ratio = 0;  // no match: features cannot help out
@@ -128,14 +124,14 @@ TEST(Tracker, FollowsAWristTurnThatSparseBurstsDoNotForetell) {
   EXPECT_LT(followed_over_a_wrist_turn(blind), 4) << "negative control: without turned starts";
 }
 
-TEST(Tracker, AnEmptyFirstPatchDoesNotDefineTheModel) {
+TEST(Tracker, an_empty_first_patch_does_not_define_the_model) {
   Session s(14);
   const Pose away = ts::looking_down(0, 0, Vec3d::Zero(), 30);  // everything nearer than 40 mm is not measured
   EXPECT_EQ(s.feed(0, ts::SyntheticSurface(14), away).state, TrackState::kLost);
   EXPECT_EQ(s.feed(1, hand(0)).state, TrackState::kStarted);
 }
 
-TEST(Tracker, IsLostOnAnotherSurfaceAndKeepsItsModel) {
+TEST(Tracker, is_lost_on_another_surface_and_keeps_its_model) {
   Session s(15);
   for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
   const std::size_t keyframes = s.tracker().keyframes().size();
@@ -150,7 +146,7 @@ TEST(Tracker, IsLostOnAnotherSurfaceAndKeepsItsModel) {
   EXPECT_LT(Session::error_mm(r, truth), 0.02);
 }
 
-TEST(Tracker, AfterATimeGapFindsTheSameModelFrame) {
+TEST(Tracker, after_a_time_gap_finds_the_same_model_frame) {
   Session s(16);
   for (int n = 0; n < 4; ++n) (void)s.feed(n, hand(seconds_of(n)));
   const Pose truth = ts::looking_down(-2, 1.5, {0.05, -0.08, 0.4});
@@ -159,13 +155,13 @@ TEST(Tracker, AfterATimeGapFindsTheSameModelFrame) {
   EXPECT_LT(Session::error_mm(r, truth), 0.02);
 }
 
-TEST(Tracker, AfterATimeGapOverUnknownGroundStartsNoSecondModel) {
+TEST(Tracker, after_a_time_gap_over_unknown_ground_starts_no_second_model) {
   Session s(17);
   for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
   for (int n = 60; n < 63; ++n) EXPECT_EQ(s.feed(n, ts::looking_down(60, 60)).state, TrackState::kLost) << n;
 }
 
-TEST(Tracker, FindsItsPlaceAfterJumpsOnManySurfaces) {
+TEST(Tracker, finds_its_place_after_jumps_on_many_surfaces) {
   int found = 0;
   int wrong = 0;
   constexpr int kTrials = 20;
@@ -203,14 +199,14 @@ std::optional<Relocalised> search_where_teeth_repeat(std::int64_t repeat) {
                     config.icp, config.relocalise);
 }
 
-TEST(Relocalise, RefusesToChooseBetweenTwoPlacesThatLookAlike) {
+TEST(Relocalise, refuses_to_choose_between_two_places_that_look_alike) {
   EXPECT_FALSE(search_where_teeth_repeat(3));
   const auto unique = search_where_teeth_repeat(0);
   ASSERT_TRUE(unique);
   EXPECT_EQ(unique->keyframe, 1U);
 }
 
-TEST(Tracker, RefusesForeignSurfacesAfterJumps) {
+TEST(Tracker, refuses_foreign_surfaces_after_jumps) {
   Session s(18);
   for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
   for (int trial = 0; trial < 12; ++trial) {
@@ -219,7 +215,7 @@ TEST(Tracker, RefusesForeignSurfacesAfterJumps) {
   }
 }
 
-TEST(Tracker, TheSameSequenceGivesTheSameBitsWhateverTheThreads) {
+TEST(Tracker, the_same_sequence_gives_the_same_bits_whatever_the_threads) {
   const int before = cv::getNumThreads();
   std::vector<std::vector<TrackResult>> runs;
   for (const int threads : {1, 4}) {
@@ -236,73 +232,6 @@ TEST(Tracker, TheSameSequenceGivesTheSameBitsWhateverTheThreads) {
     EXPECT_EQ(runs[0][i].T_model_cam.matrix(), runs[1][i].T_model_cam.matrix());
   }
   EXPECT_EQ(runs[0][2].state, TrackState::kRelocalised);
-}
-
-TEST(MotionModel, CarriesMeanVelocityOnAndStopsInTime) {
-  MotionModel motion({});
-  for (int n = 0; n < 4; ++n) motion.add(time_of(n), ts::looking_down(10 * seconds_of(n), 0));
-  const auto x_at = [&](int n) { return (motion.predict(time_of(n)) * Vec3d(0, 0, 48)).x(); };
-  EXPECT_NEAR(x_at(4), 10 * seconds_of(4), 1e-9);
-  EXPECT_NEAR(x_at(5), 10 * seconds_of(5), 1e-9);
-  EXPECT_NEAR(x_at(20), 10 * (seconds_of(3) + 0.1), 1e-9);
-}
-
-TEST(MotionModel, TheBurstsOwnVelocityIsThePriorOfTheNext) {
-  const ProbeTwist twist{{4, 0, 0}, {0, 0, 0.5}, 40};  // turns about the optical axis: the work point only shifts
-  MotionModel fresh({});
-  fresh.add(time_of(0), ts::looking_down(0, 0));
-  EXPECT_FALSE(fresh.predict_by_twist(time_of(1)).has_value());
-  fresh.clear();
-  fresh.add(time_of(0), ts::looking_down(0, 0), twist);
-  const Pose one = ts::looking_down(0, 0).inverse() * fresh.predict(time_of(1));
-  EXPECT_NEAR((one * Vec3d(0, 0, 48)).x(), 4 * seconds_of(1), 1e-9);
-  EXPECT_NEAR(Eigen::AngleAxisd(one.linear()).angle(), 0.5 * seconds_of(1), 1e-9);
-  // With a history, half of each; alone where it is asked for.
-  MotionModel moving({});
-  for (int n = 0; n < 4; ++n) moving.add(time_of(n), ts::looking_down(0, 0), twist);
-  const auto ahead = [&](const Pose& T) { return (ts::looking_down(0, 0).inverse() * T * Vec3d(0, 0, 48)).x(); };
-  EXPECT_NEAR(ahead(moving.predict(time_of(4))), 2 * seconds_of(1), 1e-9);
-  EXPECT_NEAR(ahead(*moving.predict_by_twist(time_of(4))), 4 * seconds_of(1), 1e-9);
-}
-
-TEST(MotionModel, ATwistAboutAnotherPointMovesTheWorkPointByItsLever) {
-  MotionModel motion({});
-  motion.add(time_of(0), Pose::Identity(), ProbeTwist{{0, 0, 0}, {0, 0.1, 0}, 40});
-  const Vec3d moved = *motion.predict_by_twist(time_of(1)) * Vec3d(0, 0, 48);
-  EXPECT_NEAR(moved.x(), 8 * 0.1 * seconds_of(1), 1e-4);
-  EXPECT_NEAR((*motion.predict_by_twist(time_of(1)) * Vec3d(0, 0, 40) - Vec3d(0, 0, 40)).norm(), 0, 1e-4);
-}
-
-TEST(MotionModel, TimeThatStandsStillOrRunsBackwardsPredictsTheLastPose) {
-  MotionModel motion({});
-  for (int n = 0; n < 4; ++n) motion.add(time_of(n), ts::looking_down(10 * seconds_of(n), 0));
-  EXPECT_EQ(motion.predict(time_of(3)).matrix(), motion.last_pose().matrix());
-  EXPECT_EQ(motion.predict(time_of(1)).matrix(), motion.last_pose().matrix());
-}
-
-TEST(Keyframes, AreSpacedInPlaceAndAngle) {
-  KeyframeStore store(ts::test_rig().camera, {});
-  const SurfacePatch nothing =
-      ts::make_patch(ts::SyntheticSurface(1), ts::test_rig(8).camera, ts::looking_down(0, 0), {});
-  EXPECT_TRUE(store.wants(ts::looking_down(0, 0)));
-  store.add(nothing, ts::looking_down(0, 0), {});
-  EXPECT_FALSE(store.wants(ts::looking_down(1.9, 0)));
-  EXPECT_TRUE(store.wants(ts::looking_down(2.1, 0)));
-  EXPECT_TRUE(store.wants(ts::looking_down(0, 0, {0, 0.06, 0})));
-}
-
-TEST(Keyframes, EveryOneIsTriedWithinAFewBursts) {
-  KeyframeStore store(ts::test_rig(8).camera, {});
-  const SurfacePatch nothing =
-      ts::make_patch(ts::SyntheticSurface(1), ts::test_rig(8).camera, ts::looking_down(0, 0), {});
-  for (int i = 0; i < 70; ++i) store.add(nothing, ts::looking_down(3.0 * i, 0), {});
-  std::vector<int> tried(70, 0);
-  for (std::uint64_t turn = 0; turn < 4; ++turn) {
-    const auto chosen = store.candidates(ts::looking_down(0, 0), turn);
-    EXPECT_LE(chosen.size(), 32U);
-    for (const std::size_t i : chosen) ++tried[i];
-  }
-  for (int i = 0; i < 70; ++i) EXPECT_GT(tried[static_cast<std::size_t>(i)], 0) << i;
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 
 SensorConfig sensor() { return {}; }
 
-TEST(FrameAverager, HasTheMeanAndVarianceOfSingleExposures) {
+TEST(FrameAverager, has_the_mean_and_variance_of_single_exposures) {
   const SensorConfig config = sensor();
   const FrameAverager averager(config, 1);
   for (const double mean_e : {0.5, 15.0, 60.0, 400.0, 3000.0, 9000.0, 9990.0}) {
@@ -32,7 +32,7 @@ TEST(FrameAverager, HasTheMeanAndVarianceOfSingleExposures) {
   }
 }
 
-TEST(FrameAverager, SixteenFramesHaveAQuarterOfTheNoise) {
+TEST(FrameAverager, sixteen_frames_have_a_quarter_of_the_noise) {
   const std::vector<float> light(100'000, 3000.0F);
   const auto scatter = [&](int frames) {
     const auto dn = FrameAverager(sensor(), frames).average(light, {7, 2, 1});
@@ -47,7 +47,7 @@ TEST(FrameAverager, SixteenFramesHaveAQuarterOfTheNoise) {
   EXPECT_NEAR(scatter(1) / scatter(16), 4.0, 0.1);
 }
 
-TEST(BoardPoses, ShowEveryDotTiltedAllOverTheDepth) {
+TEST(BoardPoses, show_every_dot_tilted_all_over_the_depth) {
   const Instrument instrument(probe_rig(), {});
   const DotBoardConfig board;
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
@@ -74,7 +74,7 @@ TEST(BoardPoses, ShowEveryDotTiltedAllOverTheDepth) {
   }
 }
 
-TEST(BoardPoses, ABoardThatDoesNotFitIsNamed) {
+TEST(BoardPoses, a_board_that_does_not_fit_is_named) {
   DotBoardConfig board;
   board.pitch_mm = 4;
   const auto poses = board_poses(Instrument(probe_rig(), {}), board, 3, 1);
@@ -83,7 +83,7 @@ TEST(BoardPoses, ABoardThatDoesNotFitIsNamed) {
   EXPECT_NE(poses.error().detail.find("board.pitch_mm"), std::string::npos);
 }
 
-TEST(StillRenderer, GivesTheLightThatTheScanRendererGives) {
+TEST(StillRenderer, gives_the_light_that_the_scan_renderer_gives) {
   const Instrument instrument(small_rig(), {});
   PlaneConfig plane;
   plane.grid_mm = 2;
@@ -104,7 +104,7 @@ TEST(StillRenderer, GivesTheLightThatTheScanRendererGives) {
   }
 }
 
-TEST(DotPrint, IsSharpAndWhereItWasPrinted) {
+TEST(DotPrint, is_sharp_and_where_it_was_printed) {
   DotBoardConfig config;
   config.dot_error_um = 3;
   const Surroundings board = make_dot_board(config, 9);
@@ -117,7 +117,7 @@ TEST(DotPrint, IsSharpAndWhereItWasPrinted) {
   EXPECT_EQ(albedo(config.radius_mm + 1e-9), board.print->ground_albedo);
 }
 
-TEST(NominalRig, IsOffTheTruthWithinTolerancesAndSaysSo) {
+TEST(NominalRig, is_off_the_truth_within_tolerances_and_says_so) {
   const calib::Rig truth = probe_rig();
   const MultiPatterns patterns(truth, {1, 4, 16, 64}, 127, 120);
   const auto text = nominal_rig_text(truth, patterns, 16, 3);
@@ -134,7 +134,7 @@ TEST(NominalRig, IsOffTheTruthWithinTolerancesAndSaysSo) {
   EXPECT_NE(*text, *nominal_rig_text(truth, patterns, 16, 4));
 }
 
-TEST(BoardSource, ShowsEverySetAtEveryStandInOrder) {
+TEST(BoardSource, shows_every_set_at_every_stand_in_order) {
   SceneConfig scene;
   scene.rig_path = std::string(ENAMEL_SOURCE_DIR) + "/config/rigs/probe.json";
   scene.object = ObjectKind::kBoard;

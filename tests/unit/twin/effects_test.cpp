@@ -40,7 +40,7 @@ double dark_share(const Light& I) {
   return dark / static_cast<double>(I[0].size());
 }
 
-TEST(TwinEffects, ShadowDarkensBehindSteps) {
+TEST(TwinEffects, shadow_darkens_behind_steps) {
   SceneConfig scene = plane_scene();
   scene.object = ObjectKind::kSteps;
   scene.effects = ideal();
@@ -49,7 +49,7 @@ TEST(TwinEffects, ShadowDarkensBehindSteps) {
   EXPECT_GT(dark_share(light_of(scene)), without + 0.01);
 }
 
-TEST(TwinEffects, ShadowRaysThatAreLeftOutHardlyMatter) {
+TEST(TwinEffects, shadow_rays_that_are_left_out_hardly_matter) {
   SceneConfig scene = plane_scene(48, 5, 0);
   scene.object = ObjectKind::kSteps;
   scene.effects = ideal();
@@ -72,7 +72,7 @@ TEST(TwinEffects, ShadowRaysThatAreLeftOutHardlyMatter) {
   EXPECT_GT(differ(light_of(scene, rig)), static_cast<int>(full[0].size()) / 100);
 }
 
-TEST(TwinEffects, AmbientLightensShadows) {
+TEST(TwinEffects, ambient_lightens_shadows) {
   SceneConfig scene = plane_scene();
   scene.object = ObjectKind::kSteps;
   scene.effects = ideal();
@@ -83,7 +83,7 @@ TEST(TwinEffects, AmbientLightensShadows) {
   EXPECT_NEAR(mean(lit[0]) - mean(dark[0]), 0.01 * 0.8, 0.002);
 }
 
-TEST(TwinEffects, FalloffDimsTheCorner) {
+TEST(TwinEffects, falloff_dims_the_corner) {
   SceneConfig scene = plane_scene();
   scene.effects = ideal();
   const auto ratio = [](const Light& I) {
@@ -101,7 +101,7 @@ TEST(TwinEffects, FalloffDimsTheCorner) {
   EXPECT_LT(ratio(light_of(scene)), without - 0.03);
 }
 
-TEST(TwinEffects, DefocusAndPointSpreadLowerTheModulation) {
+TEST(TwinEffects, defocus_and_point_spread_lower_the_modulation) {
   SceneConfig scene = plane_scene(41.5);
   scene.effects = ideal();
   const double sharp = mean_modulation(light_of(scene));
@@ -112,7 +112,7 @@ TEST(TwinEffects, DefocusAndPointSpreadLowerTheModulation) {
   EXPECT_LT(mean_modulation(light_of(scene)), 0.98 * defocused);
 }
 
-TEST(TwinEffects, UnlinearisedProjectorDarkensTheMean) {
+TEST(TwinEffects, unlinearised_projector_darkens_the_mean) {
   SceneConfig scene = plane_scene();
   scene.effects = ideal();
   scene.projector.gamma = 2.2;
@@ -124,7 +124,7 @@ TEST(TwinEffects, UnlinearisedProjectorDarkensTheMean) {
   EXPECT_NEAR(mean(light_of(scene)[0]), linear, 0.01 * linear);
 }
 
-TEST(TwinEffects, TextureMottlesTheAlbedo) {
+TEST(TwinEffects, texture_mottles_the_albedo) {
   SceneConfig scene = plane_scene();
   scene.effects = ideal();
   scene.plane.grid_mm = 0.5;
@@ -140,7 +140,7 @@ TEST(TwinEffects, TextureMottlesTheAlbedo) {
   EXPECT_NEAR(range(mottled->surroundings.mesh.albedo), 2 * 0.05 * 0.8, 0.03);
 }
 
-TEST(TwinEffects, MotionAndExposureMoveThePoses) {
+TEST(TwinEffects, motion_and_exposure_move_the_poses) {
   SceneConfig scene = plane_scene();
   scene.views[0].velocity_mm_s = {10, 0, 0};
   const calib::Rig rig = small_rig();
@@ -160,7 +160,7 @@ TEST(TwinEffects, MotionAndExposureMoveThePoses) {
   EXPECT_TRUE(source_of(scene, small_rig())->poses(0).is_static);
 }
 
-TEST(TwinEffects, WithoutDistortionTheRigHasNone) {
+TEST(TwinEffects, without_distortion_the_rig_has_none) {
   SceneConfig scene = plane_scene(48, 10, 10);
   calib::Rig rig = probe_rig();
   scene.effects.lens_distortion = false;
@@ -172,7 +172,7 @@ TEST(TwinEffects, WithoutDistortionTheRigHasNone) {
   EXPECT_EQ(effective->camera.fx, rig.camera.fx);
 }
 
-TEST(TwinEffects, WithoutConverterSamplesHaveSixteenBits) {
+TEST(TwinEffects, without_converter_samples_have_sixteen_bits) {
   SceneConfig scene = plane_scene();
   scene.effects.adc = false;
   const auto effective = apply_effects(probe_rig(), scene.effects);
@@ -189,7 +189,7 @@ fw::SimBurst burst_of(const SceneConfig& scene, std::size_t threads) {
   return **burst;
 }
 
-TEST(TwinDeterminism, ThreadsChangeNothingAndTheSeedEverything) {
+TEST(TwinDeterminism, threads_change_nothing_and_the_seed_everything) {
   SceneConfig scene = plane_scene();
   scene.object = ObjectKind::kJaw;
   scene.path = PathKind::kArch;
@@ -202,7 +202,7 @@ TEST(TwinDeterminism, ThreadsChangeNothingAndTheSeedEverything) {
   for (std::size_t k = 0; k < 4; ++k) EXPECT_NE(one.frames[k], other.frames[k]);
 }
 
-TEST(TwinSource, StampsAndCountsBursts) {
+TEST(TwinSource, stamps_and_counts_bursts) {
   SceneConfig scene = plane_scene();
   scene.views[0].bursts = 2;
   const auto source = source_of(scene, small_rig());
@@ -222,7 +222,7 @@ TEST(TwinSource, StampsAndCountsBursts) {
   EXPECT_FALSE(end->has_value());
 }
 
-TEST(TwinSource, SeenCountsWhatCouldBeMeasured) {
+TEST(TwinSource, seen_counts_what_could_be_measured) {
   SceneConfig scene = plane_scene();
   scene.views[0].bursts = 3;
   scene.plane.grid_mm = 1.0;

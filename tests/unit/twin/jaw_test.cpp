@@ -27,7 +27,7 @@ double longest_edge(const TriSurface& m) {
   return longest;
 }
 
-TEST(TwinJaw, MeshKeepsItsEdgeLimitAndHasNoHoles) {
+TEST(TwinJaw, mesh_keeps_its_edge_limit_and_has_no_holes) {
   const JawConfig config = coarse_jaw();
   const Jaw jaw = make_jaw(config, 5);
   EXPECT_LE(longest_edge(jaw.mesh), config.max_edge_mm * 1.0001);
@@ -46,7 +46,7 @@ TEST(TwinJaw, MeshKeepsItsEdgeLimitAndHasNoHoles) {
   EXPECT_EQ(open_inside, 0);
 }
 
-TEST(TwinJaw, SurfaceIsWoundOutwardsAndCarriesEnamelAndGum) {
+TEST(TwinJaw, surface_is_wound_outwards_and_carries_enamel_and_gum) {
   const Jaw jaw = make_jaw(coarse_jaw(), 5);
   double up = 0;
   for (const auto& n : jaw.mesh.normals) up += static_cast<double>(n.z());
@@ -59,7 +59,7 @@ TEST(TwinJaw, SurfaceIsWoundOutwardsAndCarriesEnamelAndGum) {
 }
 
 /// Seen by the probe at its own pixel pitch, enamel and gum are closed: no ray slips through a hole or a folded facet.
-TEST(TwinJaw, ProbeSeesNoPinholes) {
+TEST(TwinJaw, probe_sees_no_pinholes) {
   SceneConfig scene = testing::plane_scene();
   scene.object = ObjectKind::kJaw;
   scene.path = PathKind::kArch;
@@ -87,7 +87,7 @@ TEST(TwinJaw, ProbeSeesNoPinholes) {
   EXPECT_LE(holes, 3);
 }
 
-TEST(TwinJaw, SeedMakesThePatient) {
+TEST(TwinJaw, seed_makes_the_patient) {
   const Jaw a = make_jaw(coarse_jaw(), 5), again = make_jaw(coarse_jaw(), 5), b = make_jaw(coarse_jaw(), 6);
   ASSERT_EQ(a.mesh.vertices.size(), again.mesh.vertices.size());
   EXPECT_TRUE(std::equal(a.mesh.vertices.begin(), a.mesh.vertices.end(), again.mesh.vertices.begin()));
@@ -100,7 +100,7 @@ TEST(TwinJaw, SeedMakesThePatient) {
   EXPECT_NE(a.dentition.shape.depth_mm, b.dentition.shape.depth_mm);
 }
 
-TEST(TwinJaw, TeethStandInOrderWithNarrowGaps) {
+TEST(TwinJaw, teeth_stand_in_order_with_narrow_gaps) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     const auto d = make_dentition(JawSide::kLower, 7, true, seed);
     ASSERT_EQ(d.teeth.size(), 14U);
@@ -115,7 +115,7 @@ TEST(TwinJaw, TeethStandInOrderWithNarrowGaps) {
 
 /// What lets the polygoniser skip a cube: from a point of the surface the field rises by no more than the bound times
 /// the way.
-TEST(TwinJaw, FieldRisesNoFasterThanItsBound) {
+TEST(TwinJaw, field_rises_no_faster_than_its_bound) {
   const JawField field(make_dentition(JawSide::kLower, 7, false, 3), JawSide::kLower, 3);
   const CounterRandom random(1, 1);
   int tried = 0;
@@ -135,7 +135,7 @@ TEST(TwinJaw, FieldRisesNoFasterThanItsBound) {
   EXPECT_GT(steepest, 0.5 * JawField::kLipschitz);  // and the bound is not idle
 }
 
-TEST(TwinArtefacts, StairsHaveTheStatedRises) {
+TEST(TwinArtefacts, stairs_have_the_stated_rises) {
   StepsConfig config;
   const auto steps = make_steps(config);
   std::vector<float> heights;
@@ -155,7 +155,7 @@ TEST(TwinArtefacts, StairsHaveTheStatedRises) {
   }
 }
 
-TEST(TwinArtefacts, BallsTessellateOnTheirSphere) {
+TEST(TwinArtefacts, balls_tessellate_on_their_sphere) {
   const Ball ball{Vec3d(1, 2, 3), 2.5, 0.8F};
   const auto mesh = tessellate(ball, 0.2);
   EXPECT_LE(longest_edge(mesh), 0.2 * 1.5);
@@ -169,7 +169,7 @@ TriSurface triangle() {
   return m;
 }
 
-TEST(TwinMeshFile, PlyRoundTripKeepsVerticesAndFaces) {
+TEST(TwinMeshFile, ply_round_trip_keeps_vertices_and_faces) {
   const TriSurface m = triangle();
   const std::vector<std::uint8_t> seen{1, 2, 255};
   for (const bool with : {false, true}) {
@@ -181,7 +181,7 @@ TEST(TwinMeshFile, PlyRoundTripKeepsVerticesAndFaces) {
   }
 }
 
-TEST(TwinMeshFile, ReadsAsciiFormsAndSplitsPolygons) {
+TEST(TwinMeshFile, reads_ascii_forms_and_splits_polygons) {
   const auto obj = parse_obj("# square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1 2/2 3/3 -1\n");
   ASSERT_TRUE(obj);
   EXPECT_EQ(obj->triangles.size(), 2U);
@@ -197,7 +197,7 @@ TEST(TwinMeshFile, ReadsAsciiFormsAndSplitsPolygons) {
   EXPECT_EQ(stl->vertices.size(), 3U);
 }
 
-TEST(TwinMeshFile, DamagedFilesAreErrorsNotCrashes) {
+TEST(TwinMeshFile, damaged_files_are_errors_not_crashes) {
   const std::string good = write_ply(triangle(), {});
   for (std::size_t length = 0; length < good.size(); length += 7) EXPECT_FALSE(parse_ply(good.substr(0, length)));
   EXPECT_FALSE(parse_obj("v 0 0 0\nv 1 0 0\nv nan 0 0\nf 1 2 3\n"));

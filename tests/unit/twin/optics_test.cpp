@@ -10,10 +10,11 @@
 namespace enamel::twin {
 namespace {
 
-using testing::probe_rig;
-constexpr double kPi = std::numbers::pi;
+using testing::kPi;
 
-TEST(TwinLens, ProjectsLikeOpenCv) {
+using testing::probe_rig;
+
+TEST(TwinLens, projects_like_open_cv) {
   const auto rig = probe_rig();
   for (const auto& l : {rig.camera, rig.projector}) {
     const Lens lens(l);
@@ -33,7 +34,7 @@ TEST(TwinLens, ProjectsLikeOpenCv) {
   }
 }
 
-TEST(TwinLens, DirectionInvertsProjection) {
+TEST(TwinLens, direction_inverts_projection) {
   const Lens lens(probe_rig().camera);
   for (double u = -0.5; u <= 639.5; u += 40) {
     for (double v = -0.5; v <= 479.5; v += 40) {
@@ -46,7 +47,7 @@ TEST(TwinLens, DirectionInvertsProjection) {
   }
 }
 
-TEST(TwinLens, RefusesPointsBehindAndFarOutside) {
+TEST(TwinLens, refuses_points_behind_and_far_outside) {
   const Lens lens(probe_rig().camera);
   double u = 0, v = 0;
   EXPECT_FALSE(lens.project(0, 0, -48, u, v));
@@ -82,14 +83,14 @@ double four_step_error(double gamma, double* peak = nullptr) {
   return std::sqrt(sum / kPoints);
 }
 
-TEST(TwinProjector, GammaErrorFollowsTheTableOfFourSteps) {
+TEST(TwinProjector, gamma_error_follows_the_table_of_four_steps) {
   EXPECT_NEAR(four_step_error(1.5), 0.0101, 0.0003);
   EXPECT_NEAR(four_step_error(2.2), 0.0075, 0.0003);
   EXPECT_NEAR(four_step_error(2.8), 0.0364, 0.0008);
   EXPECT_LT(four_step_error(1.0), 3e-5);  // control: linear projector, no error
 }
 
-TEST(TwinProjector, BlurAttenuatesAFringeByItsTransferFunction) {
+TEST(TwinProjector, blur_attenuates_a_fringe_by_its_transfer_function) {
   calib::Rig rig = probe_rig();
   rig.patterns.mode = calib::PatternMode::kPlain4;
   ProjectorConfig config;
@@ -112,7 +113,7 @@ TEST(TwinProjector, BlurAttenuatesAFringeByItsTransferFunction) {
   }
 }
 
-TEST(TwinProjector, PolarityTurnsOnlyTheFourthFrame) {
+TEST(TwinProjector, polarity_turns_only_the_fourth_frame) {
   const auto p = probe_rig().patterns;
   calib::PatternValues plain = p;
   plain.mode = calib::PatternMode::kPlain4;
@@ -158,7 +159,7 @@ Moments exposed(double electrons, const SensorConfig& config) {
   return {mean, sum2 / n - mean * mean};
 }
 
-TEST(TwinSensor, PhotonTransferHasUnitSlopeAndReadNoiseAsIntercept) {
+TEST(TwinSensor, photon_transfer_has_unit_slope_and_read_noise_as_intercept) {
   SensorConfig config;
   config.bits = 16;
   config.gain_e_per_dn = 1;
@@ -181,7 +182,7 @@ TEST(TwinSensor, PhotonTransferHasUnitSlopeAndReadNoiseAsIntercept) {
   EXPECT_LT(exposed(5000, config).variance, 1e-9);
 }
 
-TEST(TwinSensor, FullWellAndConverterClip) {
+TEST(TwinSensor, full_well_and_converter_clip) {
   SensorConfig config;
   const auto bright = digitise(std::vector<float>(1000, 20000.0F), config, {1, 0, 0});
   for (const auto v : bright) EXPECT_GE(v, 254);
@@ -192,7 +193,7 @@ TEST(TwinSensor, FullWellAndConverterClip) {
   EXPECT_EQ(exact[2], 255);
 }
 
-TEST(TwinSensor, NoiseIsAFunctionOfSeedBurstFrameAndPixel) {
+TEST(TwinSensor, noise_is_a_function_of_seed_burst_frame_and_pixel) {
   const std::vector<float> light(5000, 4000.0F);
   const SensorConfig config;
   const auto a = digitise(light, config, {1, 2, 3});

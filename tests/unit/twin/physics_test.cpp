@@ -5,7 +5,6 @@ namespace enamel::twin {
 namespace {
 
 using namespace testing;  // NOLINT: the fixture is this file's vocabulary
-constexpr double kPi = std::numbers::pi;
 
 /// Largest distance between the truth map's points and the analytic plane at `pose`, mm along the ray's z.
 double worst_plane_error(const TwinSource& source, const TruthMaps& maps, const Pose& pose) {
@@ -21,7 +20,7 @@ double worst_plane_error(const TwinSource& source, const TruthMaps& maps, const 
   return worst;
 }
 
-TEST(TwinPhysics, PlaneHitsAgreeWithTheClosedForm) {
+TEST(TwinPhysics, plane_hits_agree_with_the_closed_form) {
   const auto source = source_of(plane_scene(47, 25, -18), small_rig());
   ASSERT_TRUE(source->next());
   const BurstTruth& truth = source->truth();
@@ -31,7 +30,7 @@ TEST(TwinPhysics, PlaneHitsAgreeWithTheClosedForm) {
   EXPECT_GT(worst_plane_error(*source, truth.maps, wrong), 0.05e-3);
 }
 
-TEST(TwinPhysics, SphereHitsAgreeWithTheClosedForm) {
+TEST(TwinPhysics, sphere_hits_agree_with_the_closed_form) {
   SceneConfig scene = plane_scene();
   scene.object = ObjectKind::kSpheres;
   const auto source = source_of(scene, small_rig());
@@ -89,7 +88,7 @@ PhaseError phase_error(const TwinSource& source) {
   return out;
 }
 
-TEST(TwinPhysics, PhaseOnAPlaneIsThatOfTheClosedForm) {
+TEST(TwinPhysics, phase_on_a_plane_is_that_of_the_closed_form) {
   SceneConfig scene = plane_scene(48, 8, -6);
   scene.effects = ideal();
   // Falloff stays off: light that changes across the point spread moves the phase by sigma^2 phi' B'/B, 1e-4 rad, in a
@@ -140,7 +139,7 @@ double ripple_ratio(bool motion) {
   return num / den;
 }
 
-TEST(TwinPhysics, MotionRipplesByHalfThePhaseStep) {
+TEST(TwinPhysics, motion_ripples_by_half_the_phase_step) {
   EXPECT_NEAR(ripple_ratio(true), 1.0, 0.03);
   EXPECT_NEAR(ripple_ratio(false), 0.0, 1e-3);
 }
@@ -200,7 +199,7 @@ std::vector<double> edge_mtf(const std::vector<float>& image, int width, int hei
   return out;
 }
 
-TEST(TwinPhysics, SlantedEdgeHasTheSpecifiedTransferFunction) {
+TEST(TwinPhysics, slanted_edge_has_the_specified_transfer_function) {
   calib::Rig rig = small_rig();
   rig.camera.dist = {};
   rig.camera.fx = rig.camera.fy = 1707;
@@ -243,7 +242,7 @@ TEST(TwinPhysics, SlantedEdgeHasTheSpecifiedTransferFunction) {
 }
 
 /// A fringe that the border cuts goes on beyond it on a real sensor.
-TEST(PointSpread, LeavesThePhaseOfAFringeAtTheBorder) {
+TEST(PointSpread, leaves_the_phase_of_a_fringe_at_the_border) {
   constexpr int kSize = 40;
   constexpr double kPerPx = 2 * kPi / 25;
   const auto diagonal_of = [](int i) { return i % kSize + i / kSize; };

@@ -16,7 +16,7 @@ Result<SceneConfig> parse(const std::string& text) {
   return c;
 }
 
-TEST(TwinScene, ShippedScenesAndTheirRigLoad) {
+TEST(TwinScene, shipped_scenes_and_their_rig_load) {
   for (const char* name : {"quadrant", "quadrant_small", "plane", "spheres", "steps", "calibration"}) {
     const auto scene = load_scene(std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + name + ".toml");
     ASSERT_TRUE(scene) << scene.error().message();
@@ -24,7 +24,7 @@ TEST(TwinScene, ShippedScenesAndTheirRigLoad) {
   }
 }
 
-TEST(TwinScene, QuadrantIsScannedInAboutTenSeconds) {
+TEST(TwinScene, quadrant_is_scanned_in_about_ten_seconds) {
   const auto path = [](const char* name) {
     const auto s = *load_scene(std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + name);
     const int bursts = make_arch_path(s.arch_path, Arch(ArchShape{}), s.timing)->bursts();
@@ -34,7 +34,7 @@ TEST(TwinScene, QuadrantIsScannedInAboutTenSeconds) {
   EXPECT_NEAR(path("quadrant_small.toml").first, 40, 5);
 }
 
-TEST(TwinScene, OverridesActLikeTheFile) {
+TEST(TwinScene, overrides_act_like_the_file) {
   const auto scene = load_scene(std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/plane.toml",
                                 {"seed=9", "effects.shot_noise=false", "render.samples_grid=3"});
   ASSERT_TRUE(scene);
@@ -43,7 +43,7 @@ TEST(TwinScene, OverridesActLikeTheFile) {
   EXPECT_EQ(scene->render.grid, 3);
 }
 
-TEST(TwinScene, MistakesAreNamed) {
+TEST(TwinScene, mistakes_are_named) {
   const std::string view = "[path]\ntype='views'\n[[path.view]]\nbursts=1\n";
   EXPECT_TRUE(parse("[object]\ntype='plane'\n" + view));
   const auto unknown = parse("[object]\ntype='plane'\n[effects]\nshaddow=true\n" + view);
@@ -57,7 +57,7 @@ TEST(TwinScene, MistakesAreNamed) {
   EXPECT_FALSE(parse("[object]\ntype='plane'\n[timing]\nburst_rate_hz=100.0\n" + view));
 }
 
-TEST(TwinScene, RigWithoutNoiseOrWithACalibrationSetIsRefused) {
+TEST(TwinScene, rig_without_noise_or_with_a_calibration_set_is_refused) {
   calib::Rig rig = testing::probe_rig();
   rig.noise.reset();
   EXPECT_EQ(TwinSource::create(testing::plane_scene(), rig).error().code, ErrorCode::kRigInvalid);
@@ -66,7 +66,7 @@ TEST(TwinScene, RigWithoutNoiseOrWithACalibrationSetIsRefused) {
   EXPECT_EQ(TwinSource::create(testing::plane_scene(), rig).error().code, ErrorCode::kPatternSet);
 }
 
-TEST(TwinPath, ProbeKeepsItsDistanceAndMovesSmoothly) {
+TEST(TwinPath, probe_keeps_its_distance_and_moves_smoothly) {
   const auto scene = *load_scene(std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/quadrant.toml");
   const auto dentition = make_dentition(JawSide::kLower, 7, false, scene.seed);
   const Arch arch(dentition.shape);
@@ -84,7 +84,7 @@ TEST(TwinPath, ProbeKeepsItsDistanceAndMovesSmoothly) {
   }
 }
 
-TEST(TwinPath, ArchIsMeasuredByLength) {
+TEST(TwinPath, arch_is_measured_by_length) {
   const Arch arch(ArchShape{});
   for (double s = -55; s < 55; s += 0.5) {
     EXPECT_NEAR((arch.point(s + 0.1) - arch.point(s)).norm(), 0.1, 1e-3) << s;
@@ -94,7 +94,7 @@ TEST(TwinPath, ArchIsMeasuredByLength) {
   EXPECT_GT(arch.buccal(45).x(), 0.8);
 }
 
-TEST(TwinPath, TremorHasTheStatedSize) {
+TEST(TwinPath, tremor_has_the_stated_size) {
   const TremorConfig config;
   const Tremor tremor(config, 3), other(config, 4);
   double peak = 0, fast = 0, difference = 0;
@@ -116,7 +116,7 @@ TEST(TwinPath, TremorHasTheStatedSize) {
   EXPECT_GT(difference, 0.05);
 }
 
-TEST(TwinTruth, PfmIsBottomUpAndPosesUnit) {
+TEST(TwinTruth, pfm_is_bottom_up_and_poses_unit) {
   const std::string file = pfm({1, 2, 3, 4, 5, 6}, 3, 2);
   ASSERT_EQ(file.substr(0, 12), "Pf\n3 2\n-1.0\n");
   std::array<float, 6> v{};

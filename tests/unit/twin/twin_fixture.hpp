@@ -101,6 +101,8 @@ inline double plane_u(const calib::Rig& rig, const Pose& T_model_cam, double u, 
   return project(rig.projector, T_proj_cam(rig) * plane_point(rig, T_model_cam, u, v)).x();
 }
 
+inline constexpr double kPi = std::numbers::pi;
+
 inline double wrap(double phi) { return phi - 2 * std::numbers::pi * std::floor(phi / (2 * std::numbers::pi) + 0.5); }
 
 inline double phase4(const std::array<std::vector<float>, 4>& I, std::size_t i) {

@@ -43,7 +43,7 @@ std::optional<std::size_t> boots(const ControlBlock& block, bool a_good = true, 
 
 constexpr std::optional<std::size_t> kA = 0, kB = 1, kRecovery = std::nullopt;
 
-TEST(BootDecision, InTheOrderOfTheSpecification) {
+TEST(BootDecision, in_the_order_of_the_specification) {
   EXPECT_EQ(boots(block_of(kConfirmed, kPending)), kB);
   EXPECT_EQ(boots(block_of(kConfirmed, kTrial)), kB);
   EXPECT_EQ(boots(block_of(kConfirmed, kConfirmed, 1)), kB);
@@ -54,13 +54,13 @@ TEST(BootDecision, InTheOrderOfTheSpecification) {
   EXPECT_EQ(boots(block_of(kWriting, kBad)), kRecovery);
 }
 
-TEST(BootDecision, NothingBootsThatDoesNotVerify) {
+TEST(BootDecision, nothing_boots_that_does_not_verify) {
   EXPECT_EQ(boots(block_of(kConfirmed, kPending), true, false), kA);
   EXPECT_EQ(boots(block_of(kConfirmed, kConfirmed), false, true), kB);
   EXPECT_EQ(boots(block_of(kConfirmed, kConfirmed), false, false), kRecovery);
 }
 
-TEST(BootDecision, ZeroTriesLeadToTheOtherSlotWhateverTheStates) {
+TEST(BootDecision, zero_tries_lead_to_the_other_slot_whatever_the_states) {
   for (const SlotState a : {kVerified, kConfirmed}) {
     for (const SlotState b : {kEmpty, kWriting, kVerified, kPending, kTrial, kConfirmed, kBad}) {
       for (const std::uint8_t active : {std::uint8_t{0}, std::uint8_t{1}}) {
@@ -70,7 +70,7 @@ TEST(BootDecision, ZeroTriesLeadToTheOtherSlotWhateverTheStates) {
   }
 }
 
-TEST(BootDecision, TrialsArePaidForConfirmedSlotsNever) {
+TEST(BootDecision, trials_are_paid_for_confirmed_slots_never) {
   FixedJudge judge(true, true);
   const BootDecision trial = decide(block_of(kConfirmed, kPending), judge);
   EXPECT_EQ(trial.block.slot[1].tries, kTrialBoots - 1);
@@ -79,7 +79,7 @@ TEST(BootDecision, TrialsArePaidForConfirmedSlotsNever) {
   EXPECT_EQ(decide(confirmed, judge).block, confirmed);
 }
 
-TEST(BootDecision, ThreePowerCyclesDuringATrialEndInTheOldFirmware) {
+TEST(BootDecision, three_power_cycles_during_a_trial_end_in_the_old_firmware) {
   FlashModel flash(flash_map::kSize);
   ControlStore store(boot_regions(flash).control);
   ASSERT_TRUE(store.store(block_of(kConfirmed, kPending)));
@@ -90,7 +90,7 @@ TEST(BootDecision, ThreePowerCyclesDuringATrialEndInTheOldFirmware) {
   EXPECT_EQ(store.load()->slot[1].reason, bad_reason::kNoTriesLeft);
 }
 
-TEST(BootDecision, AHealthyTrialSurvivesPowerCyclesUpToItsLastTry) {
+TEST(BootDecision, a_healthy_trial_survives_power_cycles_up_to_its_last_try) {
   FlashModel flash(flash_map::kSize);
   ControlStore store(boot_regions(flash).control);
   ASSERT_TRUE(store.store(block_of(kConfirmed, kPending)));
@@ -119,7 +119,7 @@ bool may_boot(const SlotRecord& slot) {
   return slot.state == kConfirmed || slot.state == kVerified || slot.state == kEmpty;
 }
 
-TEST(BootDecision, EveryBlockBootsWhatVerifiesAndLosesNothingOverPowerCycles) {
+TEST(BootDecision, every_block_boots_what_verifies_and_loses_nothing_over_power_cycles) {
   for_every_block([](const ControlBlock& first, const std::array<bool, kSlots>& good) {
     ControlBlock block = first;
     for (int cycle = 0; cycle < 10; ++cycle) {
@@ -143,7 +143,7 @@ TEST(BootDecision, EveryBlockBootsWhatVerifiesAndLosesNothingOverPowerCycles) {
   });
 }
 
-TEST(BootDecision, RecoveryKeepsTheSlotThatIsLikelierToBoot) {
+TEST(BootDecision, recovery_keeps_the_slot_that_is_likelier_to_boot) {
   FlashModel flash(flash_map::kSize);
   ControlStore store(boot_regions(flash).control);
   FixedJudge both(true, true), only_b(false, true), none(false, false);
@@ -156,7 +156,7 @@ TEST(BootDecision, RecoveryKeepsTheSlotThatIsLikelierToBoot) {
   EXPECT_EQ(slot_to_keep(store, none), 1U);
 }
 
-TEST(BootDecision, CounterAndRevocationDoNotStopABoot) {
+TEST(BootDecision, counter_and_revocation_do_not_stop_a_boot) {
   for_every_block([](const ControlBlock& block, const std::array<bool, kSlots>& good) {
     ControlBlock strict = block;
     strict.min_security_counter = 0xFFFFFFFF;
@@ -165,7 +165,7 @@ TEST(BootDecision, CounterAndRevocationDoNotStopABoot) {
   });
 }
 
-TEST(BootDecision, ATrialThatCannotBeWrittenDownDoesNotBoot) {
+TEST(BootDecision, a_trial_that_cannot_be_written_down_does_not_boot) {
   FlashModel flash(flash_map::kSize);
   ControlStore store(boot_regions(flash).control);
   ASSERT_TRUE(store.store(block_of(kConfirmed, kPending)));
@@ -178,7 +178,7 @@ TEST(BootDecision, ATrialThatCannotBeWrittenDownDoesNotBoot) {
   EXPECT_EQ(decide(*loaded, judge, false).slot, kA);
 }
 
-TEST(BootDecision, WithoutABlockWhatVerifiesBoots) {
+TEST(BootDecision, without_a_block_what_verifies_boots) {
   FlashModel flash(flash_map::kSize);
   ControlStore store(boot_regions(flash).control);
   FixedJudge only_b(false, true), none(false, false);
@@ -186,7 +186,7 @@ TEST(BootDecision, WithoutABlockWhatVerifiesBoots) {
   EXPECT_EQ(choose_slot(store, none), kRecovery);
 }
 
-TEST(ControlBlockFormat, AnyFlippedBitIsSeen) {
+TEST(ControlBlockFormat, any_flipped_bit_is_seen) {
   ControlBlock block = block_of(kConfirmed, kTrial, 1);
   block.seq = 77;
   block.revoked = 2;
@@ -199,7 +199,7 @@ TEST(ControlBlockFormat, AnyFlippedBitIsSeen) {
   }
 }
 
-TEST(ControlBlockFormat, TheNewerCopyCountsAcrossTheWrapOfTheSequence) {
+TEST(ControlBlockFormat, the_newer_copy_counts_across_the_wrap_of_the_sequence) {
   FlashModel flash(flash_map::kSize);
   const BootRegions regions = boot_regions(flash);
   ControlBlock block = block_of(kConfirmed, kEmpty);

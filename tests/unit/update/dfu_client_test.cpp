@@ -114,7 +114,7 @@ class DfuHost : public Update {
   std::atomic<bool> stop_{false};
 };
 
-TEST_F(DfuHost, ABlockThatStaysBusyEndsAtADeadline) {
+TEST_F(DfuHost, a_block_that_stays_busy_ends_at_a_deadline) {
   manners_.busy_until = HostTime::max();
   const auto sent = send();
   ASSERT_FALSE(sent.has_value());
@@ -124,7 +124,7 @@ TEST_F(DfuHost, ABlockThatStaysBusyEndsAtADeadline) {
   EXPECT_LE(passed(), 12s);
 }
 
-TEST_F(DfuHost, ABlockThatIsBusyForAWhileIsWaitedFor) {
+TEST_F(DfuHost, a_block_that_is_busy_for_a_while_is_waited_for) {
   manners_.busy_until = clock_.now() + 9s;
   const auto sent = send();
   ASSERT_TRUE(sent.has_value()) << update::to_text(sent.error().fault);
@@ -132,7 +132,7 @@ TEST_F(DfuHost, ABlockThatIsBusyForAWhileIsWaitedFor) {
   EXPECT_GE(passed(), 9s);
 }
 
-TEST_F(DfuHost, AVerificationThatNeverEndsEndsAtADeadline) {
+TEST_F(DfuHost, a_verification_that_never_ends_ends_at_a_deadline) {
   ASSERT_TRUE(send().has_value());
   manners_.verifies_until = HostTime::max();
   DeviceLink link(*device_, clock_, manners_);
@@ -142,7 +142,7 @@ TEST_F(DfuHost, AVerificationThatNeverEndsEndsAtADeadline) {
   EXPECT_LE(passed(), 63s);
 }
 
-TEST_F(DfuHost, AVerificationThatTakesLongIsWaitedFor) {
+TEST_F(DfuHost, a_verification_that_takes_long_is_waited_for) {
   ASSERT_TRUE(send().has_value());
   manners_.verifies_until = clock_.now() + 50s;
   DeviceLink link(*device_, clock_, manners_);
@@ -150,7 +150,7 @@ TEST_F(DfuHost, AVerificationThatTakesLongIsWaitedFor) {
   EXPECT_EQ(control().slot[1].state, SlotState::kPending);
 }
 
-TEST_F(DfuHost, TheToolGivesUpOnABusyProbeWithCauseAndRemedy) {
+TEST_F(DfuHost, the_tool_gives_up_on_a_busy_probe_with_cause_and_remedy) {
   manners_.busy_until = HostTime::max();
   const auto result = flash();
   ASSERT_FALSE(result.has_value());
@@ -162,7 +162,7 @@ TEST_F(DfuHost, TheToolGivesUpOnABusyProbeWithCauseAndRemedy) {
   EXPECT_EQ(control().slot[0].state, SlotState::kConfirmed);
 }
 
-TEST_F(DfuHost, ARefusalAfterTheAcknowledgementIsNotTakenForSuccess) {
+TEST_F(DfuHost, a_refusal_after_the_acknowledgement_is_not_taken_for_success) {
   image::Serial other = kSerial;
   other[0] = 'X';
   for (const bool first : {false, true}) {

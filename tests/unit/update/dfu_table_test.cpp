@@ -61,7 +61,7 @@ std::vector<std::vector<std::string>> rows() {
   return out;
 }
 
-TEST(DfuTable, EveryRowIsTheStandards) {
+TEST(DfuTable, every_row_is_the_standards) {
   ASSERT_EQ(rows().size(), image::kDfuStates);
   const DfuConfig config;
   for (const std::vector<std::string>& row : rows()) {
@@ -78,7 +78,7 @@ TEST(DfuTable, EveryRowIsTheStandards) {
   }
 }
 
-TEST(DfuTable, ConditionsOfTheInterface) {
+TEST(DfuTable, conditions_of_the_interface) {
   const DfuConditions now;
   DfuConfig config;
   config.can_download = false;
@@ -92,19 +92,19 @@ TEST(DfuTable, ConditionsOfTheInterface) {
   EXPECT_EQ(on_poll_timeout({DfuState::kUploadIdle, DfuStatus::kOk}, {}).state, DfuState::kUploadIdle);
 }
 
-TEST(DfuTable, IncompleteImageIsCalledSo) {
+TEST(DfuTable, incomplete_image_is_called_so) {
   const DfuStep step = on_request({DfuState::kDownloadIdle, DfuStatus::kOk}, {}, kRequests[2], {});
   EXPECT_EQ(step.next, (DfuPosition{DfuState::kError, DfuStatus::kErrNotDone}));
 }
 
-TEST(DfuTable, AnErrorStaysReadableUntilCleared) {
+TEST(DfuTable, an_error_stays_readable_until_cleared) {
   const DfuPosition at = on_failure(DfuStatus::kErrVerify);
   EXPECT_EQ(on_request(at, {}, kRequests[4], {}).next, at);
   EXPECT_EQ(on_request(at, {}, kRequests[1], {}).next, at);
   EXPECT_EQ(on_request(at, {}, kRequests[5], {}).next, DfuPosition{});
 }
 
-TEST(DfuTable, RunTimeModeDetachesAndReturns) {
+TEST(DfuTable, run_time_mode_detaches_and_returns) {
   DfuConfig config;
   config.runtime = true;
   const DfuPosition detached = on_request({DfuState::kAppIdle, DfuStatus::kOk}, config, kRequests[0], {}).next;
@@ -117,7 +117,7 @@ TEST(DfuTable, RunTimeModeDetachesAndReturns) {
   EXPECT_EQ(on_bus_reset(detached, {}, true).state, DfuState::kIdle) << "the running firmware rests in dfuIDLE";
 }
 
-TEST(DfuTable, UnknownRequestsStallAsUnexpectedOnes) {
+TEST(DfuTable, unknown_requests_stall_as_unexpected_ones) {
   for (const SetupPacket& setup : {SetupPacket{0x21, 77, 0, 0, 0}, SetupPacket{0xA1, 1, 0, 0, 64},
                                    SetupPacket{0x21, 3, 0, 0, 6}, SetupPacket{0x00, 9, 1, 0, 0}}) {
     const DfuStep step = on_request({DfuState::kDownloadIdle, DfuStatus::kOk}, {}, setup, {});

@@ -30,7 +30,7 @@ class FileFlashTest : public testing::Test {
   std::string path_ = folder_ / "flash";
 };
 
-TEST_F(FileFlashTest, KeepsWhatWasWrittenBeside) {
+TEST_F(FileFlashTest, keeps_what_was_written_beside) {
   const std::vector<std::byte> bytes(5000, std::byte{0x5A});
   {
     const auto flash = open();
@@ -46,7 +46,7 @@ TEST_F(FileFlashTest, KeepsWhatWasWrittenBeside) {
   EXPECT_EQ(back[0], std::byte{0}) << "the block behind was not erased";
 }
 
-TEST_F(FileFlashTest, ABootBlockOutlivesTheProgram) {
+TEST_F(FileFlashTest, a_boot_block_outlives_the_program) {
   ControlBlock block;
   block.min_security_counter = 7;
   {
@@ -59,7 +59,7 @@ TEST_F(FileFlashTest, ABootBlockOutlivesTheProgram) {
   EXPECT_EQ(loaded->min_security_counter, 7U);
 }
 
-TEST_F(FileFlashTest, HasEdges) {
+TEST_F(FileFlashTest, has_edges) {
   const auto flash = open();
   std::array<std::byte, 2> two{};
   EXPECT_EQ(flash->size(), flash_map::kSize);
@@ -70,7 +70,7 @@ TEST_F(FileFlashTest, HasEdges) {
   EXPECT_EQ(flash->read(~0ULL, two), FlashStatus::kOutside);
 }
 
-TEST_F(FileFlashTest, RefusesWhatIsNoWholeFlash) {
+TEST_F(FileFlashTest, refuses_what_is_no_whole_flash) {
   const auto code = [&](const std::string& path) {
     const auto flash = FileFlash::open(path, flash_map::kSize);
     return flash ? ErrorCode::kInternal : flash.error().code;

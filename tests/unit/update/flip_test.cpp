@@ -37,7 +37,7 @@ class Flip : public testing::Test {
   Rng rng_{6, 0, 0};
 };
 
-TEST_F(Flip, EveryBitOfTheManifestIsRefusedBeforeTheFirstErase) {
+TEST_F(Flip, every_bit_of_the_manifest_is_refused_before_the_first_erase) {
   const image::Signer both[] = {keys_.signer(0), keys_.signer(1)};
   std::vector<std::byte> file = test::build(test::plain_description(), test::random_payload(1000, 5), both);
   const std::size_t length = image::parse_manifest(file)->manifest_len;
@@ -64,7 +64,7 @@ TEST_F(Flip, EveryBitOfTheManifestIsRefusedBeforeTheFirstErase) {
   EXPECT_GT(flash.operations(), 0U);
 }
 
-TEST_F(Flip, TenThousandOfAWholeImageAreSeenByTheirChunk) {
+TEST_F(Flip, ten_thousand_of_a_whole_image_are_seen_by_their_chunk) {
   std::vector<std::byte> file = make(16U << 20U);
   const auto manifest = image::parse_manifest(file);
   ASSERT_TRUE(manifest.has_value());
@@ -87,7 +87,7 @@ TEST_F(Flip, TenThousandOfAWholeImageAreSeenByTheirChunk) {
   RecordProperty("refused", refused);
 }
 
-TEST_F(Flip, PayloadsAreRefusedByTheProbeBeforeTheirChunkIsWritten) {
+TEST_F(Flip, payloads_are_refused_by_the_probe_before_their_chunk_is_written) {
   constexpr std::size_t kPayload = 5 * image::kChunkSize + 333;
   const std::vector<std::byte> good = make(kPayload);
   const std::uint32_t manifest_len = image::parse_manifest(good)->manifest_len;

@@ -22,7 +22,7 @@ std::string text_of(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-TEST(Descriptors, AreWhatTheKernelReads) {
+TEST(Descriptors, are_what_the_kernel_reads) {
   // magic 3, length, full + high + super speed, one descriptor each; interface FE/01/02 named by string 1.
   EXPECT_EQ(hex_of(function_descriptors({}, Functional::kWithout)),
             "03000000330000000700000001000000010000000100000009040000"
@@ -34,7 +34,7 @@ TEST(Descriptors, AreWhatTheKernelReads) {
   EXPECT_EQ(hex_of(function_strings()).substr(0, 36), "020000002900000001000000010000000904");
 }
 
-TEST(FunctionFs, SaysThatNothingIsMounted) {
+TEST(FunctionFs, says_that_nothing_is_mounted) {
   const TempFolder folder;
   SteadyClock clock;
   const auto port = FunctionFs::open(folder / "nothing", clock);
@@ -42,7 +42,7 @@ TEST(FunctionFs, SaysThatNothingIsMounted) {
   EXPECT_EQ(port.error().code, ErrorCode::kFileNotFound);
 }
 
-TEST(FunctionFs, WritesDescriptorsThenStrings) {
+TEST(FunctionFs, writes_descriptors_then_strings) {
   const TempFolder folder;
   ASSERT_TRUE(write_file(folder / "ep0", "").has_value());
   SteadyClock clock;
@@ -57,7 +57,7 @@ TEST(FunctionFs, WritesDescriptorsThenStrings) {
   EXPECT_EQ(event.error().code, ErrorCode::kGadget);
 }
 
-TEST(FunctionFs, AKernelThatTakesNoDescriptorsIsNamed) {
+TEST(FunctionFs, a_kernel_that_takes_no_descriptors_is_named) {
   const TempFolder folder;
   std::filesystem::create_symlink("/dev/full", folder / "ep0");
   SteadyClock clock;
@@ -66,7 +66,7 @@ TEST(FunctionFs, AKernelThatTakesNoDescriptorsIsNamed) {
   EXPECT_EQ(port.error().code, ErrorCode::kGadget);
 }
 
-TEST(UsbGadget, GetsItsIdentityAndTheFirstController) {
+TEST(UsbGadget, gets_its_identity_and_the_first_controller) {
   const TempFolder folder;
   const std::string gadget = folder / "gadget", controllers = folder / "udc";
   ASSERT_TRUE(make_folder(gadget + "/strings/0x409").has_value());

@@ -94,7 +94,7 @@ class Gadget : public Update {
   std::optional<ControlLoop> loop_;
 };
 
-TEST_F(Gadget, CarriesADownloadToItsEnd) {
+TEST_F(Gadget, carries_a_download_to_its_end) {
   const auto image = make({2, 0, 0, 0}, 1);
   for (std::size_t i = 0; i * 4096 < image.size(); ++i) {
     block(image, i);
@@ -118,7 +118,7 @@ TEST_F(Gadget, CarriesADownloadToItsEnd) {
   EXPECT_EQ(control().slot[1].state, SlotState::kPending);
 }
 
-TEST_F(Gadget, ADataStageThatIsBrokenOffChangesNothing) {
+TEST_F(Gadget, a_data_stage_that_is_broken_off_changes_nothing) {
   const auto image = make({2, 0, 0, 0}, 1);
   block(image, 0);
   ASSERT_EQ(status_state(), DfuState::kDownloadIdle);
@@ -130,14 +130,14 @@ TEST_F(Gadget, ADataStageThatIsBrokenOffChangesNothing) {
   EXPECT_EQ(status_state(), DfuState::kDownloadIdle) << "the block was repeated";
 }
 
-TEST_F(Gadget, AnAnswerThatWasLostIsGivenAgain) {
+TEST_F(Gadget, an_answer_that_was_lost_is_given_again) {
   block(make({2, 0, 0, 0}, 1), 0);
   port_.give_up_once();
   EXPECT_EQ(status_state(), DfuState::kAppIdle) << "no answer came";
   EXPECT_EQ(status_state(), DfuState::kDownloadIdle);
 }
 
-TEST_F(Gadget, ABusResetEndsADownloadAndSuspendDoesNot) {
+TEST_F(Gadget, a_bus_reset_ends_a_download_and_suspend_does_not) {
   const auto image = make({2, 0, 0, 0}, 1);
   for (const PortEventKind harmless :
        {PortEventKind::kBind, PortEventKind::kEnable, PortEventKind::kSuspend, PortEventKind::kResume}) {
@@ -157,7 +157,7 @@ TEST_F(Gadget, ABusResetEndsADownloadAndSuspendDoesNot) {
   EXPECT_EQ(loop().counts().resets, 2U);
 }
 
-TEST_F(Gadget, TransfersOfAnyLengthStayInsideTheBuffer) {
+TEST_F(Gadget, transfers_of_any_length_stay_inside_the_buffer) {
   transfer({0x21, 1, 0, 0, 4097});
   ASSERT_TRUE(port_.answer);
   EXPECT_TRUE(port_.answer->stalled);
@@ -167,7 +167,7 @@ TEST_F(Gadget, TransfersOfAnyLengthStayInsideTheBuffer) {
   EXPECT_EQ(port_.answer->data.size(), image::kStatusSize);
 }
 
-TEST_F(Gadget, ARefusalIsAStall) {
+TEST_F(Gadget, a_refusal_is_a_stall) {
   transfer({0x41, static_cast<std::uint8_t>(VendorRequest::kRollback), 0, 0, 0});
   ASSERT_TRUE(port_.answer);
   EXPECT_TRUE(port_.answer->stalled) << "the other slot is empty";
@@ -178,7 +178,7 @@ TEST_F(Gadget, ARefusalIsAStall) {
   EXPECT_EQ(loop().counts().stalled, 2U);
 }
 
-TEST_F(Gadget, APortThatIsGoneIsAnError) {
+TEST_F(Gadget, a_port_that_is_gone_is_an_error) {
   port_.die();
   const auto step = loop().step(0ms);
   ASSERT_FALSE(step.has_value());

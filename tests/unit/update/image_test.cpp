@@ -35,7 +35,7 @@ class Image : public testing::Test {
   Installed installed_;
 };
 
-TEST_F(Image, IsReadBackAsBuilt) {
+TEST_F(Image, is_read_back_as_built) {
   ImageDescription d = plain_description();
   d.components = {{1, 0, 0, 1000, {}}, {2, 0, 1000, kPayload - 1000, {}}};
   const std::vector<std::byte> file = signed_by(0, d);
@@ -61,7 +61,7 @@ TEST_F(Image, IsReadBackAsBuilt) {
   EXPECT_TRUE(check(file).has_value());
 }
 
-TEST_F(Image, EverySingleBitOfTheManifestCounts) {
+TEST_F(Image, every_single_bit_of_the_manifest_counts) {
   std::vector<std::byte> file = signed_by(0);
   ASSERT_TRUE(check(file).has_value());
   const std::size_t length = parse_manifest(file)->manifest_len;
@@ -74,7 +74,7 @@ TEST_F(Image, EverySingleBitOfTheManifestCounts) {
   EXPECT_TRUE(check(file).has_value());
 }
 
-TEST_F(Image, IdentityIsNamedBeforeSignatures) {
+TEST_F(Image, identity_is_named_before_signatures) {
   ImageDescription d = plain_description();
   d.product_id = 0x31303130;
   EXPECT_EQ(check(build(d, payload_, {})).error(), Refusal::kProduct);
@@ -89,7 +89,7 @@ TEST_F(Image, IdentityIsNamedBeforeSignatures) {
   EXPECT_EQ(check(signed_by(0, d)).error(), Refusal::kHardware);
 }
 
-TEST_F(Image, EveryReasonOfDistrustHasItsName) {
+TEST_F(Image, every_reason_of_distrust_has_its_name) {
   EXPECT_EQ(check(build(plain_description(), payload_, {})).error(), Refusal::kUnsigned);
   const Signer stranger = test::make_signer(99);
   EXPECT_EQ(check(build(plain_description(), payload_, {&stranger, 1})).error(), Refusal::kUnknownKey);
@@ -102,7 +102,7 @@ TEST_F(Image, EveryReasonOfDistrustHasItsName) {
   EXPECT_EQ(check(build(plain_description(), payload_, {&forger, 1})).error(), Refusal::kSignature);
 }
 
-TEST_F(Image, DevelopmentKeysNeedFuseAndFlag) {
+TEST_F(Image, development_keys_need_fuse_and_flag) {
   ImageDescription d = plain_description();
   EXPECT_EQ(check(signed_by(2, d)).error(), Refusal::kDevSigned);
   Trust fused = keys_.trust();
@@ -113,7 +113,7 @@ TEST_F(Image, DevelopmentKeysNeedFuseAndFlag) {
   EXPECT_TRUE(check(signed_by(2, d), fused).has_value());
 }
 
-TEST_F(Image, FactoryImagesAreForTheFactory) {
+TEST_F(Image, factory_images_are_for_the_factory) {
   ImageDescription d = plain_description();
   d.flags |= image_flags::kFactoryOnly;
   EXPECT_EQ(check(signed_by(0, d)).error(), Refusal::kFactoryOnly);
@@ -123,7 +123,7 @@ TEST_F(Image, FactoryImagesAreForTheFactory) {
   EXPECT_TRUE(check(signed_by(0), delivered_later).has_value());
 }
 
-TEST_F(Image, BothSignaturesMustVerify) {
+TEST_F(Image, both_signatures_must_verify) {
   const Signer both[] = {keys_.signer(0), keys_.signer(1)};
   EXPECT_TRUE(check(build(plain_description(), payload_, both)).has_value());
   Signer forged[] = {keys_.signer(0), keys_.signer(1)};
@@ -131,7 +131,7 @@ TEST_F(Image, BothSignaturesMustVerify) {
   EXPECT_EQ(check(build(plain_description(), payload_, forged)).error(), Refusal::kSignature);
 }
 
-TEST_F(Image, LowerCounterNeverLowerVersionOnlyWhenAsked) {
+TEST_F(Image, lower_counter_never_lower_version_only_when_asked) {
   const std::vector<std::byte> file = signed_by(0);
   installed_.running = ImageVersion{1, 2, 3, 5};
   EXPECT_EQ(check(file).error(), Refusal::kRollback);
@@ -141,7 +141,7 @@ TEST_F(Image, LowerCounterNeverLowerVersionOnlyWhenAsked) {
   EXPECT_EQ(check(file).error(), Refusal::kRollback);
 }
 
-TEST_F(Image, OtherFilesAreCalledWhatTheyAre) {
+TEST_F(Image, other_files_are_called_what_they_are) {
   const std::vector<std::byte> file = signed_by(0);
   for (const std::size_t size : {std::size_t{0}, std::size_t{64}, std::size_t{200}, std::size_t{4095}}) {
     EXPECT_EQ(parse_manifest(std::span(file).first(size)).error(), Refusal::kTruncated) << size;
@@ -158,7 +158,7 @@ TEST_F(Image, OtherFilesAreCalledWhatTheyAre) {
   EXPECT_EQ(check(signed_by(0, calibration)).error(), Refusal::kMagic);
 }
 
-TEST_F(Image, SuffixNamesTheDeviceAndGuardsTheFile) {
+TEST_F(Image, suffix_names_the_device_and_guards_the_file) {
   std::vector<std::byte> file = signed_by(0);
   const Checked<DfuSuffix> suffix = read_suffix(file);
   ASSERT_TRUE(suffix.has_value());
@@ -169,14 +169,14 @@ TEST_F(Image, SuffixNamesTheDeviceAndGuardsTheFile) {
   EXPECT_EQ(read_suffix(std::span(file).first(file.size() - 1)).error(), Refusal::kTruncated);
 }
 
-TEST_F(Image, WhatCannotBeIsNotBuilt) {
+TEST_F(Image, what_cannot_be_is_not_built) {
   ImageDescription d = plain_description();
   EXPECT_FALSE(build_image(d, {}, {}).has_value());
   d.components = {{1, 0, kPayload, 1, {}}};
   EXPECT_FALSE(build_image(d, payload_, {}).has_value());
 }
 
-TEST(Refusals, HaveTextsAndStatus) {
+TEST(Refusals, have_texts_and_status) {
   EXPECT_EQ(describe_refusal(704).name, "kSignature");
   EXPECT_TRUE(describe_refusal(0).what.empty());
   EXPECT_EQ(dfu_status(Refusal::kChunkHash), DfuStatus::kErrVerify);

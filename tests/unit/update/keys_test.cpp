@@ -33,7 +33,7 @@ class Keys : public testing::Test {
   test::TempFolder folder_;
 };
 
-TEST_F(Keys, TheBuildsOwnKeyIsForDevelopmentProbesOnly) {
+TEST_F(Keys, the_builds_own_key_is_for_development_probes_only) {
 #ifdef ENAMEL_GIVEN_KEYS
   GTEST_SKIP() << "this build was given keys (ENAMEL_FIRMWARE_KEYS)";
 #endif
@@ -56,7 +56,7 @@ TEST_F(Keys, TheBuildsOwnKeyIsForDevelopmentProbesOnly) {
   EXPECT_EQ(image::check_signatures(*manifest, test::KeyRing().trust()).error(), Refusal::kUnknownKey);
 }
 
-TEST_F(Keys, FilesOfKeysBecomeSourceInTheirOrder) {
+TEST_F(Keys, files_of_keys_become_source_in_their_order) {
   const std::string current = keygen("current"), next = keygen("next");
   const test::Ran made = embed(current + ".pub;" + next + ".pub");
   ASSERT_EQ(made.code, 0) << made.err;
@@ -70,7 +70,7 @@ TEST_F(Keys, FilesOfKeysBecomeSourceInTheirOrder) {
   EXPECT_LT(first, second);
 }
 
-TEST_F(Keys, WhatIsNoPublicKeyStopsTheBuildByItsName) {
+TEST_F(Keys, what_is_no_public_key_stops_the_build_by_its_name) {
   const std::string key = keygen("release");
   ASSERT_TRUE(write_file(folder_ / "other.pub", "{}").has_value());
   const std::string unsuitable[] = {key, folder_ / "other.pub", folder_ / "absent.pub", key + ".pub;" + key + ".pub",

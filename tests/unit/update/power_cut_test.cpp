@@ -1,10 +1,9 @@
 // The supply fails at every write of an update: the old firmware or the whole new one boots each time.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "firmware/boot/transitions.hpp"
 #include "protocol/base/rng.hpp"
+#include "tests/support/full_form.hpp"
 #include "tests/unit/update/cut_bench.hpp"
 
 namespace enamel::fw {
@@ -52,7 +51,7 @@ class Flow {
 
 bool in_control(const FlashModel::Operation& op) { return op.offset < flash_map::kSlot; }
 
-TEST(PowerCut, NoPositionBricks) {
+TEST(PowerCut, no_position_bricks) {
   CutBench bench(kOldPayload, kNewPayload);
   std::uint64_t positions = 0, scratch = 0;
   Flow(bench, ours).run([&](const FlashModel& memory, const FlashModel::Operation& op) {
@@ -95,7 +94,7 @@ std::optional<std::size_t> charges_everybody(ControlStore& store, SlotJudge& jud
   return std::nullopt;
 }
 
-TEST(PowerCut, ControlAPolicyThatChargesConfirmedSlotsIsCaught) {
+TEST(PowerCut, control_a_policy_that_charges_confirmed_slots_is_caught) {
   CutBench bench(kOldPayload, 100'000);
   ControlStore store(boot_regions(bench.flash()).control);
   ControlBlock block = *store.load();
@@ -111,7 +110,7 @@ std::optional<std::size_t> believes(ControlStore& store, SlotJudge&) {
   return block ? std::optional<std::size_t>(block->slot[1].state == SlotState::kEmpty ? 0 : 1) : std::nullopt;
 }
 
-TEST(PowerCut, ControlAPolicyThatDoesNotVerifyIsCaught) {
+TEST(PowerCut, control_a_policy_that_does_not_verify_is_caught) {
   CutBench bench(kOldPayload, 100'000);
   int caught = 0;
   Flow(bench, ours).run([&](const FlashModel& memory, const FlashModel::Operation& op) {
@@ -145,9 +144,9 @@ class Sample {
   std::vector<FlashModel> kept_;
 };
 
-TEST(PowerCut, TwoCutsInARowDoNotBrickAndTheUpdateStillSucceeds) {
+TEST(PowerCut, two_cuts_in_a_row_do_not_brick_and_the_update_still_succeeds) {
   constexpr std::size_t kFirstCuts = 110, kSecondCuts = 10;
-  const bool full = std::getenv("ENAMEL_FULL_TESTS") != nullptr;
+  const bool full = enamel::test::is_full_form();
   CutBench bench(kOldPayload, full ? kNewPayload : 1U << 20U);
   Rng rng(4, 0, 0);
   Sample first(kFirstCuts, rng);
@@ -178,7 +177,7 @@ TEST(PowerCut, TwoCutsInARowDoNotBrickAndTheUpdateStillSucceeds) {
   RecordProperty("pairs", pairs);
 }
 
-TEST(PowerCut, ResumeWritesOnlyWhatIsMissing) {
+TEST(PowerCut, resume_writes_only_what_is_missing) {
   CutBench bench(kOldPayload, 1U << 20U);
   FlashModel flash = bench.flash();
   // Manifest, boot block, half of the payload.

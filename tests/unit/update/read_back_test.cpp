@@ -51,7 +51,7 @@ class ReadBack : public Update {
   CountingFlash counted_{flash_};
 };
 
-TEST_F(ReadBack, APieceIsBoundedAndRequestsAreAnsweredInBetween) {
+TEST_F(ReadBack, a_piece_is_bounded_and_requests_are_answered_in_between) {
   send_all();
   std::size_t pieces = 0;
   while (device_->work_pending()) {
@@ -68,7 +68,7 @@ TEST_F(ReadBack, APieceIsBoundedAndRequestsAreAnsweredInBetween) {
   EXPECT_EQ(control().slot[1].state, SlotState::kPending);
 }
 
-TEST_F(ReadBack, AChunkThatTheFlashLostIsSeen) {
+TEST_F(ReadBack, a_chunk_that_the_flash_lost_is_seen) {
   send_all();
   device_->work();
   ASSERT_EQ(flash_.erase(flash_map::kSlot + flash_map::kSlotSize + 3 * kEraseBlock), FlashStatus::kOk);
@@ -80,7 +80,7 @@ TEST_F(ReadBack, AChunkThatTheFlashLostIsSeen) {
   EXPECT_EQ(download(make({2, 0, 0, 0}, 2)), 0U) << "the lost chunk is written again";
 }
 
-TEST_F(ReadBack, AResetInTheMiddleLeavesTheSlotUnbootable) {
+TEST_F(ReadBack, a_reset_in_the_middle_leaves_the_slot_unbootable) {
   send_all();
   device_->work();
   device_->work();

@@ -14,7 +14,7 @@ class ScanLockTest : public testing::Test {
   test::TempFolder folder_;
 };
 
-TEST_F(ScanLockTest, OneOfTwoHoldsIt) {
+TEST_F(ScanLockTest, one_of_two_holds_it) {
   const auto probe = open(), updater = open();
   EXPECT_FALSE(probe->held_elsewhere());
   EXPECT_TRUE(probe->take());
@@ -29,7 +29,7 @@ TEST_F(ScanLockTest, OneOfTwoHoldsIt) {
   EXPECT_TRUE(updater->take());
 }
 
-TEST_F(ScanLockTest, EndsWithItsHolder) {
+TEST_F(ScanLockTest, ends_with_its_holder) {
   const auto updater = open();
   {
     const auto probe = open();
@@ -39,7 +39,7 @@ TEST_F(ScanLockTest, EndsWithItsHolder) {
   EXPECT_TRUE(updater->take());
 }
 
-TEST_F(ScanLockTest, NamesAFileThatCannotBeMade) {
+TEST_F(ScanLockTest, names_a_file_that_cannot_be_made) {
   const auto lock = ScanLock::open(folder_ / "absent/scanning");
   ASSERT_FALSE(lock.has_value());
   EXPECT_EQ(lock.error().code, ErrorCode::kFileWrite);

@@ -4,7 +4,7 @@
 namespace enamel::fw {
 namespace {
 
-TEST_F(Update, NewerImageBecomesPendingAndIsConfirmedByTheNewFirmware) {
+TEST_F(Update, newer_image_becomes_pending_and_is_confirmed_by_the_new_firmware) {
   EXPECT_EQ(download(make({2, 0, 0, 0}, 2)), 0U);
   EXPECT_EQ(control().slot[1].state, SlotState::kPending);
   EXPECT_EQ(control().slot[0].state, SlotState::kConfirmed);
@@ -23,7 +23,7 @@ TEST_F(Update, NewerImageBecomesPendingAndIsConfirmedByTheNewFirmware) {
   EXPECT_EQ(control().min_security_counter, 2U);
 }
 
-TEST_F(Update, EachRefusalHasItsNumberAndWritesNothing) {
+TEST_F(Update, each_refusal_has_its_number_and_writes_nothing) {
   const std::vector<std::byte> good = make({2, 0, 0, 0}, 2);
   const std::uint64_t before = flash_.operations();
   image::ImageDescription d = test::plain_description();
@@ -53,7 +53,7 @@ TEST_F(Update, EachRefusalHasItsNumberAndWritesNothing) {
   EXPECT_EQ(download(good), 0U);
 }
 
-TEST_F(Update, RevokedKeyIsRefusedByTheUpdaterButStillBoots) {
+TEST_F(Update, revoked_key_is_refused_by_the_updater_but_still_boots) {
   ControlBlock block = control();
   block.revoked = 1;
   ASSERT_TRUE(ControlStore(boot_regions(flash_).control).store(block));
@@ -62,7 +62,7 @@ TEST_F(Update, RevokedKeyIsRefusedByTheUpdaterButStillBoots) {
   EXPECT_TRUE(check_slot(boot_regions(flash_).slot[0], test::test_hardware(), keys_.trust(), *workspace).has_value());
 }
 
-TEST_F(Update, DamagedChunkIsRefusedBeforeItIsWritten) {
+TEST_F(Update, damaged_chunk_is_refused_before_it_is_written) {
   const std::vector<std::byte> good = make({2, 0, 0, 0}, 2);
   std::vector<std::byte> damaged = good;
   damaged[damaged.size() - payload_.size() + image::kChunkSize + 9] ^= std::byte{4};
@@ -74,20 +74,20 @@ TEST_F(Update, DamagedChunkIsRefusedBeforeItIsWritten) {
   EXPECT_LT(resumed, 3 * 129U);
 }
 
-TEST_F(Update, OlderVersionNeedsAskingAndIsForgottenAfterwards) {
+TEST_F(Update, older_version_needs_asking_and_is_forgotten_afterwards) {
   const std::vector<std::byte> older = make({0, 9, 0, 0}, 1);
   EXPECT_TRUE(vendor(VendorRequest::kAllowOlder));
   EXPECT_EQ(download(older), 0U);
   EXPECT_EQ(download(older), number(Refusal::kRollback));
 }
 
-TEST_F(Update, MoreBytesThanTheImageHasAreRefused) {
+TEST_F(Update, more_bytes_than_the_image_has_are_refused) {
   std::vector<std::byte> longer = make({2, 0, 0, 0}, 2);
   longer.push_back(std::byte{0});
   EXPECT_EQ(download(longer), number(Refusal::kTruncated));
 }
 
-TEST_F(Update, TheLastErrorOutlivesClearingAndEndsWithTheNextAttempt) {
+TEST_F(Update, the_last_error_outlives_clearing_and_ends_with_the_next_attempt) {
   EXPECT_EQ(download(make({0, 9, 0, 0}, 1)), number(Refusal::kRollback)) << "read after CLRSTATUS";
   EXPECT_EQ(device_->status().last_error, number(Refusal::kRollback)) << "so that dfu-util -U can still read it";
   const std::vector<std::byte> good = make({2, 0, 0, 0}, 2);
@@ -103,7 +103,7 @@ TEST_F(Update, TheLastErrorOutlivesClearingAndEndsWithTheNextAttempt) {
   EXPECT_EQ(device_->status().last_error, 0U);
 }
 
-TEST_F(Update, ScansWaitFromTheFirstBlockUntilTheImageIsTakenBackOrRefused) {
+TEST_F(Update, scans_wait_from_the_first_block_until_the_image_is_taken_back_or_refused) {
   const std::vector<std::byte> good = make({2, 0, 0, 0}, 2);
   const auto first_block = [&] {
     EXPECT_FALSE(device_->control({0x21, 1, 0, 0, 4096}, std::span(good).first(4096)).stall);
@@ -126,7 +126,7 @@ TEST_F(Update, ScansWaitFromTheFirstBlockUntilTheImageIsTakenBackOrRefused) {
   EXPECT_TRUE(services_.holds_scans) << "until the restart";
 }
 
-TEST_F(Update, AbortReturnsToIdleAndTheOldFirmwareBoots) {
+TEST_F(Update, abort_returns_to_idle_and_the_old_firmware_boots) {
   const std::vector<std::byte> image = make({2, 0, 0, 0}, 2);
   EXPECT_FALSE(device_->control({0x21, 1, 0, 0, 4096}, std::span(image).first(4096)).stall);
   EXPECT_EQ(get_status().state, DfuState::kDownloadIdle);
@@ -136,7 +136,7 @@ TEST_F(Update, AbortReturnsToIdleAndTheOldFirmwareBoots) {
   EXPECT_EQ(download(image), 0U);
 }
 
-TEST_F(Update, ShortReadsAndStrangeBlocksAreSurvived) {
+TEST_F(Update, short_reads_and_strange_blocks_are_survived) {
   const std::vector<std::byte> image = make({2, 0, 0, 0}, 2);
   EXPECT_TRUE(device_->control({0x21, 1, 0, 0, 4096}, std::span(image).first(100)).stall);
   EXPECT_EQ(device_->position().state, DfuState::kIdle) << "a failed read changes nothing; the host repeats";
@@ -146,13 +146,13 @@ TEST_F(Update, ShortReadsAndStrangeBlocksAreSurvived) {
   EXPECT_EQ(get_status(), (DfuPosition{DfuState::kError, DfuStatus::kErrAddress}));
 }
 
-TEST_F(Update, RepliesAreNoLongerThanAskedFor) {
+TEST_F(Update, replies_are_no_longer_than_asked_for) {
   EXPECT_EQ(device_->control({0xA1, 3, 0, 0, 2}, {}).data.size(), 2U);
   EXPECT_EQ(device_->control({0xA1, 5, 0, 0, 0}, {}).data.size(), 0U);
   EXPECT_EQ(device_->control({0xC1, 0x10, 0, 0, 7}, {}).data.size(), 7U);
 }
 
-TEST_F(Update, StatusIsTheSameByUploadAndByVendorRequest) {
+TEST_F(Update, status_is_the_same_by_upload_and_by_vendor_request) {
   const ControlReply whole = device_->control({0xC1, 0x10, 0, 0, 4096}, {});
   const auto by_vendor = image::decode_status(whole.data);
   ASSERT_TRUE(by_vendor.has_value());

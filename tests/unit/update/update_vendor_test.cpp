@@ -5,7 +5,7 @@
 namespace enamel::fw {
 namespace {
 
-TEST_F(Update, RollbackGoesToAConfirmedSlotOnly) {
+TEST_F(Update, rollback_goes_to_a_confirmed_slot_only) {
   EXPECT_FALSE(vendor(VendorRequest::kRollback));
   EXPECT_EQ(device_->status().last_error, number(Refusal::kNotConfirmed));
   ControlBlock both = control();
@@ -15,7 +15,7 @@ TEST_F(Update, RollbackGoesToAConfirmedSlotOnly) {
   EXPECT_EQ(control().active, 1);
 }
 
-TEST_F(Update, FactoryResetNeedsTheSerialAndSparesTheRest) {
+TEST_F(Update, factory_reset_needs_the_serial_and_spares_the_rest) {
   const std::vector<std::byte> before = calibration();
   ASSERT_EQ(flash_.program(flash_map::kConfig, test::random_payload(100, 1)), FlashStatus::kOk);
   image::Serial other = kSerial;
@@ -31,7 +31,7 @@ TEST_F(Update, FactoryResetNeedsTheSerialAndSparesTheRest) {
   EXPECT_EQ(calibration(), before);
 }
 
-TEST_F(Update, CalibrationIsTheSameAfterFlashingRollbackAndFactoryReset) {
+TEST_F(Update, calibration_is_the_same_after_flashing_rollback_and_factory_reset) {
   const std::vector<std::byte> before = calibration();
   EXPECT_EQ(download(make({2, 0, 0, 0}, 2)), 0U);
   EXPECT_EQ(boot(), 1U);
@@ -48,7 +48,7 @@ TEST_F(Update, CalibrationIsTheSameAfterFlashingRollbackAndFactoryReset) {
   EXPECT_EQ(last.erase(kEraseBlock), FlashStatus::kOutside) << "the updater's view ends before the calibration";
 }
 
-TEST_F(Update, ATrialThatWasRolledBackNeitherConfirmsNorOverwritesTheOther) {
+TEST_F(Update, a_trial_that_was_rolled_back_neither_confirms_nor_overwrites_the_other) {
   EXPECT_EQ(download(make({2, 0, 0, 0}, 2)), 0U);
   EXPECT_EQ(boot(), 1U);
   EXPECT_TRUE(vendor(VendorRequest::kRollback));
@@ -59,7 +59,7 @@ TEST_F(Update, ATrialThatWasRolledBackNeitherConfirmsNorOverwritesTheOther) {
   EXPECT_EQ(boot(), 0U);
 }
 
-TEST_F(Update, AConfirmationSurvivesTheLossOfEitherCopy) {
+TEST_F(Update, a_confirmation_survives_the_loss_of_either_copy) {
   EXPECT_EQ(download(make({2, 0, 0, 0}, 2)), 0U);
   for (int cycle = 0; cycle < kTrialBoots; ++cycle) EXPECT_EQ(boot(), 1U);
   EXPECT_TRUE(device_->confirm_running(false));
@@ -72,7 +72,7 @@ TEST_F(Update, AConfirmationSurvivesTheLossOfEitherCopy) {
   }
 }
 
-TEST_F(Update, AnUpdateCutShortAfterTheBootBlockWasLostBootsTheOldFirmware) {
+TEST_F(Update, an_update_cut_short_after_the_boot_block_was_lost_boots_the_old_firmware) {
   for (const std::uint64_t copy : {std::uint64_t{0}, std::uint64_t{kEraseBlock}}) {
     ASSERT_EQ(flash_.erase(flash_map::kControl + copy), FlashStatus::kOk);
   }
@@ -86,7 +86,7 @@ TEST_F(Update, AnUpdateCutShortAfterTheBootBlockWasLostBootsTheOldFirmware) {
   EXPECT_EQ(control().slot[0].state, SlotState::kConfirmed);
 }
 
-TEST_F(Update, RecoveryTakesAnImageWhateverTheTriesAre) {
+TEST_F(Update, recovery_takes_an_image_whatever_the_tries_are) {
   ControlBlock spent = control();
   spent.slot[1] = spent.slot[0];
   for (SlotRecord& slot : spent.slot) slot.state = SlotState::kTrial;
@@ -106,7 +106,7 @@ TEST_F(Update, RecoveryTakesAnImageWhateverTheTriesAre) {
   EXPECT_EQ(boot(), 1U);
 }
 
-TEST(UsbIdentity, TellsRunModeFromRecovery) {
+TEST(UsbIdentity, tells_run_mode_from_recovery) {
   UpdateIdentity identity;
   EXPECT_EQ(usb_identity(identity).product, 0x0002);
   EXPECT_EQ(usb_identity(identity).bcd_device, 0);
@@ -118,7 +118,7 @@ TEST(UsbIdentity, TellsRunModeFromRecovery) {
   EXPECT_EQ(dfu_functional_descriptor({}), wanted);
 }
 
-TEST_F(Update, TheCalibrationIsReadInBlocksAndNeverWritten) {
+TEST_F(Update, the_calibration_is_read_in_blocks_and_never_written) {
   const auto block = [&](std::uint16_t i, std::uint16_t length = 4096) {
     return device_->control({0xC1, 0x11, i, 0, length}, {});
   };
@@ -132,7 +132,7 @@ TEST_F(Update, TheCalibrationIsReadInBlocksAndNeverWritten) {
   EXPECT_EQ(device_->status().last_error, number(Refusal::kNoCalibration));
 }
 
-TEST_F(Update, SelfTestAndReboot) {
+TEST_F(Update, self_test_and_reboot) {
   EXPECT_TRUE(vendor(VendorRequest::kSelfTest));
   services_.healthy = false;
   EXPECT_FALSE(vendor(VendorRequest::kSelfTest));

@@ -18,7 +18,7 @@ Eigen::Vector3d on_screen(const ViewCamera& camera, const Vec3d& point, double a
   return (clip.head<3>() / clip.w()).cast<double>();
 }
 
-TEST(ViewCamera, TargetIsInTheMiddleOfTheScreen) {
+TEST(ViewCamera, target_is_in_the_middle_of_the_screen) {
   ViewCamera camera;
   camera.target = {3, -5, 40};
   orbit(camera, 0.7, -0.3);
@@ -26,7 +26,7 @@ TEST(ViewCamera, TargetIsInTheMiddleOfTheScreen) {
   EXPECT_NEAR((eye(camera) - camera.target).norm(), camera.distance_mm, 1e-9);
 }
 
-TEST(ViewCamera, OrbitTurnsTheModelWithThePointer) {
+TEST(ViewCamera, orbit_turns_the_model_with_the_pointer) {
   ViewCamera camera;
   const Vec3d towards_viewer(0, 0, 5);
   orbit(camera, 0.2, 0);
@@ -36,7 +36,7 @@ TEST(ViewCamera, OrbitTurnsTheModelWithThePointer) {
   EXPECT_LT(on_screen(other, towards_viewer).y(), -0.01);
 }
 
-TEST(ViewCamera, PanMovesTheModelByTheSameShareOfThePicture) {
+TEST(ViewCamera, pan_moves_the_model_by_the_same_share_of_the_picture) {
   ViewCamera camera;
   orbit(camera, 0.4, 0.9);
   const Vec3d point = camera.target;
@@ -46,7 +46,7 @@ TEST(ViewCamera, PanMovesTheModelByTheSameShareOfThePicture) {
   EXPECT_NEAR(now.y(), -0.2, 1e-5);
 }
 
-TEST(ViewCamera, ZoomStaysWithinItsLimits) {
+TEST(ViewCamera, zoom_stays_within_its_limits) {
   ViewCamera camera;
   for (int i = 0; i < 100; ++i) {
     zoom(camera, 1.5);
@@ -59,7 +59,7 @@ TEST(ViewCamera, ZoomStaysWithinItsLimits) {
   EXPECT_DOUBLE_EQ(camera.distance_mm, kMaxDistanceMm);
 }
 
-TEST(FollowCamera, GoalLooksAtTheSurfaceFromTheProbesSide) {
+TEST(FollowCamera, goal_looks_at_the_surface_from_the_probes_side) {
   const FollowConfig config;
   const ViewCamera goal = follow_goal(Pose::Identity(), 48, ProbeField{}, config);
   const Eigen::Vector3d spot = on_screen(goal, Vec3d(0, 0, 48));
@@ -70,7 +70,7 @@ TEST(FollowCamera, GoalLooksAtTheSurfaceFromTheProbesSide) {
   EXPECT_LT(on_screen(goal, Vec3d(0, 0, 40)).z(), spot.z());  // nearer to the probe = nearer to the viewer
 }
 
-TEST(FollowCamera, RestsUnderTremorAndMovesForATravel) {
+TEST(FollowCamera, rests_under_tremor_and_moves_for_a_travel) {
   FollowCamera follow;
   const FollowConfig config;
   Pose pose = Pose::Identity();
@@ -95,7 +95,7 @@ TEST(FollowCamera, RestsUnderTremorAndMovesForATravel) {
   EXPECT_FALSE(follow.moving());
 }
 
-TEST(FollowCamera, NeverTurnsFasterThanThirtyDegreesASecond) {
+TEST(FollowCamera, never_turns_faster_than_thirty_degrees_a_second) {
   FollowCamera follow;
   const FollowConfig config;
   Pose pose = Pose::Identity();
@@ -110,7 +110,7 @@ TEST(FollowCamera, NeverTurnsFasterThanThirtyDegreesASecond) {
   EXPECT_LE(camera.R_model_view.angularDistance(goal.R_model_view), config.stop_rad);
 }
 
-TEST(FollowCamera, MotionDoesNotDependOnTheFrameRate) {
+TEST(FollowCamera, motion_does_not_depend_on_the_frame_rate) {
   const FollowConfig config;
   Pose pose = Pose::Identity();
   pose.translation().x() = 20;
@@ -127,7 +127,7 @@ TEST(FollowCamera, MotionDoesNotDependOnTheFrameRate) {
   EXPECT_NEAR((after_half_a_second(5) - after_half_a_second(50)).norm(), 0, 1e-9);
 }
 
-TEST(Overview, HoldsEveryVertexInsideThePicture) {
+TEST(Overview, holds_every_vertex_inside_the_picture) {
   const auto model = ToothScene{}.model(1.0, 10, nullptr);
   for (const double aspect : {1.0, 1.6, 2.4}) {
     const auto camera = overview(*model, aspect);
@@ -146,7 +146,7 @@ TEST(Overview, HoldsEveryVertexInsideThePicture) {
   }
 }
 
-TEST(Overview, EmptyModelHasNone) { EXPECT_FALSE(overview(ModelSnapshot{}, 1.6)); }
+TEST(Overview, empty_model_has_none) { EXPECT_FALSE(overview(ModelSnapshot{}, 1.6)); }
 
 TEST(ProbeField, CornersOfAPinholeAndOptimumInsideTheRange) {
   const ProbeField field = probe_field({640, 480, 1500, 1500, 319.5, 239.5}, 40, 56);
@@ -158,7 +158,7 @@ TEST(ProbeField, CornersOfAPinholeAndOptimumInsideTheRange) {
   EXPECT_EQ(probe_field({640, 480, 1500, 1500, 0, 0}, 56, 40).near_mm, ProbeField{}.near_mm);
 }
 
-TEST(ProbeField, FrustumFollowsThePose) {
+TEST(ProbeField, frustum_follows_the_pose) {
   Pose pose = Pose::Identity();
   pose.translation() = Vec3d(1, 2, 3);
   const FrustumGeometry shape = frustum(ProbeField{}, pose);
@@ -169,7 +169,7 @@ TEST(ProbeField, FrustumFollowsThePose) {
   }
 }
 
-TEST(Trail, BreaksWhereTrackingWasLostAndIgnoresStandingStill) {
+TEST(Trail, breaks_where_tracking_was_lost_and_ignores_standing_still) {
   Trail trail(ProbeField{});
   PreviewFrame frame;
   frame.placed = true;
@@ -195,7 +195,7 @@ TEST(Trail, BreaksWhereTrackingWasLostAndIgnoresStandingStill) {
   EXPECT_FLOAT_EQ(points[0].z(), 44.0F);
 }
 
-TEST(Trail, StaysBounded) {
+TEST(Trail, stays_bounded) {
   Trail trail(ProbeField{}, 0.1, 100);
   PreviewFrame frame;
   frame.placed = true;
@@ -209,7 +209,7 @@ TEST(Trail, StaysBounded) {
   EXPECT_FLOAT_EQ(trail.points().in_order().back().x(), 4999.0F);
 }
 
-TEST(FramePacer, KeepsTheRateAndTheBusyShare) {
+TEST(FramePacer, keeps_the_rate_and_the_busy_share) {
   FramePacer pacer(20, 0.4);
   const HostTime t0 = host_time(1'000'000'000);
   pacer.drawn(t0, t0 + Nanoseconds{5'000'000});

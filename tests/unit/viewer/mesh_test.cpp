@@ -31,7 +31,7 @@ ModelSnapshot snapshot(std::vector<std::shared_ptr<const BlockMesh>> blocks) {
 
 constexpr std::size_t kPlenty = std::size_t{1} << 30;
 
-TEST(MeshDiff, SendsOnlyWhatChanged) {
+TEST(MeshDiff, sends_only_what_changed) {
   MeshDiff diff;
   const auto a = block(0), b = block(1), c = block(2);
   EXPECT_EQ(diff.plan(snapshot({a, b, c}), kPlenty).upload.size(), 3U);
@@ -42,7 +42,7 @@ TEST(MeshDiff, SendsOnlyWhatChanged) {
   EXPECT_EQ(plan.upload[0], b2);
 }
 
-TEST(MeshDiff, NamesBlocksThatVanished) {
+TEST(MeshDiff, names_blocks_that_vanished) {
   MeshDiff diff;
   const auto a = block(0), b = block(1);
   static_cast<void>(diff.plan(snapshot({a, b}), kPlenty));
@@ -53,7 +53,7 @@ TEST(MeshDiff, NamesBlocksThatVanished) {
   EXPECT_EQ(diff.plan(snapshot({a, b}), kPlenty).upload.size(), 1U);  // and it can come back
 }
 
-TEST(MeshDiff, KeepsTheBudgetAndFinishesLater) {
+TEST(MeshDiff, keeps_the_budget_and_finishes_later) {
   MeshDiff diff;
   std::vector<std::shared_ptr<const BlockMesh>> blocks;
   blocks.reserve(20);
@@ -74,12 +74,12 @@ TEST(MeshDiff, KeepsTheBudgetAndFinishesLater) {
   EXPECT_EQ(sent.size(), 20U);
 }
 
-TEST(MeshDiff, BlockLargerThanTheBudgetStillGoes) {
+TEST(MeshDiff, block_larger_than_the_budget_still_goes) {
   MeshDiff diff;
   EXPECT_EQ(diff.plan(snapshot({block(0, 1000)}), 10).upload.size(), 1U);
 }
 
-TEST(MeshDiff, EndlesslyChangingBlocksDoNotStarveTheOthers) {
+TEST(MeshDiff, endlessly_changing_blocks_do_not_starve_the_others) {
   MeshDiff diff;
   const auto last = block(9);
   const std::size_t one = gpu_bytes(*last);
@@ -98,7 +98,7 @@ TEST(MeshDiff, EndlesslyChangingBlocksDoNotStarveTheOthers) {
   EXPECT_TRUE(sent);
 }
 
-TEST(MeshDiff, MalformedBlockKeepsItsPredecessor) {
+TEST(MeshDiff, malformed_block_keeps_its_predecessor) {
   MeshDiff diff;
   const auto good = block(0);
   static_cast<void>(diff.plan(snapshot({good}), kPlenty));
@@ -111,7 +111,7 @@ TEST(MeshDiff, MalformedBlockKeepsItsPredecessor) {
   EXPECT_TRUE(well_formed(*good));
 }
 
-TEST(SlotArena, HandsOutRangesThatNeverOverlapAndTakesThemBack) {
+TEST(SlotArena, hands_out_ranges_that_never_overlap_and_takes_them_back) {
   SlotArena arena(64);
   std::map<std::size_t, std::size_t> live;
   std::mt19937 random(7);

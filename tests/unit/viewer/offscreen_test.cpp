@@ -28,7 +28,7 @@ class OffscreenTest : public ::testing::Test {
   ToothScene scene_;
 };
 
-TEST_F(OffscreenTest, ShowsModelFieldLiveImageAndOutline) {
+TEST_F(OffscreenTest, shows_model_field_live_image_and_outline) {
   auto frame = scene_.frame(12, 20);
   frame->live = std::make_shared<Map<std::uint8_t>>(320, 240, std::uint8_t{180});
   const Picture picture = draw(*frame);
@@ -41,7 +41,7 @@ TEST_F(OffscreenTest, ShowsModelFieldLiveImageAndOutline) {
   EXPECT_LT(outline_distance(picture, kGood), 60);
 }
 
-TEST_F(OffscreenTest, WithoutModelAndFieldTheMiddleIsEmpty) {
+TEST_F(OffscreenTest, without_model_and_field_the_middle_is_empty) {
   auto frame = scene_.frame(12, 20);
   frame->model = nullptr;
   options_.toggles.frustum = false;
@@ -51,7 +51,7 @@ TEST_F(OffscreenTest, WithoutModelAndFieldTheMiddleIsEmpty) {
   EXPECT_EQ(share_of(picture, kMiddle, is_green), 0.0);
 }
 
-TEST_F(OffscreenTest, QualityMapColoursTheModelOtherThanTeeth) {
+TEST_F(OffscreenTest, quality_map_colours_the_model_other_than_teeth) {
   const auto frame = scene_.frame(12, 20);
   const double plain = share_of(draw(*frame), kMiddle, is_tooth);
   options_.toggles.quality_map = true;
@@ -61,7 +61,7 @@ TEST_F(OffscreenTest, QualityMapColoursTheModelOtherThanTeeth) {
   EXPECT_GT(share_of(mapped, kMiddle, is_blue), 0.01);
 }
 
-TEST_F(OffscreenTest, FinishedScanShowsTheWholeModel) {
+TEST_F(OffscreenTest, finished_scan_shows_the_whole_model) {
   auto frame = scene_.frame(19, 20);
   options_.toggles.frustum = false;
   frame->state = ScanState::kFinished;
@@ -72,7 +72,7 @@ TEST_F(OffscreenTest, FinishedScanShowsTheWholeModel) {
   EXPECT_EQ(share_of(picture, {0.94, 0.40, 0.99, 0.95}, is_tooth), 0.0);
 }
 
-TEST_F(OffscreenTest, SimulatedIsWrittenOnThePicture) {
+TEST_F(OffscreenTest, simulated_is_written_on_the_picture) {
   auto frame = scene_.frame(2, 20);
   const auto is_badge = [](const Rgb& c) { return c[0] > 220 && c[1] > 150 && c[1] < 200 && c[2] < 90; };
   const Region top_left{0.05, 0.01, 0.20, 0.08};
@@ -114,7 +114,7 @@ TEST_F(OffscreenTest, MalformedBlockAndNanPoseDoNotBreakThePicture) {
   EXPECT_EQ(draw(*frame).width, options_.width);
 }
 
-TEST_F(OffscreenTest, SizeOutOfRangeIsRefused) {
+TEST_F(OffscreenTest, size_out_of_range_is_refused) {
   options_.width = 100'000;
   const auto picture = draw_offscreen(PreviewFrame{}, options_);
   ASSERT_FALSE(picture);

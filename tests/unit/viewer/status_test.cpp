@@ -23,7 +23,7 @@ PreviewFrame scanning(TrackState state) {
   return frame;
 }
 
-TEST(StatusLine, GreenAmberRedWithDifferentWords) {
+TEST(StatusLine, green_amber_red_with_different_words) {
   EXPECT_EQ(status_line(scanning(TrackState::kTracking)).colour, kGood);
   EXPECT_EQ(status_line(scanning(TrackState::kRelocalised)).colour, kWeak);
   EXPECT_EQ(status_line(scanning(TrackState::kLost)).colour, kBad);
@@ -35,7 +35,7 @@ TEST(StatusLine, GreenAmberRedWithDifferentWords) {
   EXPECT_FALSE(status_line(scanning(TrackState::kLost)).hint.empty());
 }
 
-TEST(StatusLine, LittleOverlapIsWeakAndUnknownOverlapIsNot) {
+TEST(StatusLine, little_overlap_is_weak_and_unknown_overlap_is_not) {
   PreviewFrame frame = scanning(TrackState::kTracking);
   frame.track_overlap = std::nan("");
   EXPECT_EQ(status_line(frame).colour, kGood);
@@ -45,7 +45,7 @@ TEST(StatusLine, LittleOverlapIsWeakAndUnknownOverlapIsNot) {
   EXPECT_EQ(status_line(frame).colour, kGood);
 }
 
-TEST(StatusLine, ScanStateComesBeforeTracking) {
+TEST(StatusLine, scan_state_comes_before_tracking) {
   PreviewFrame frame = scanning(TrackState::kTracking);
   frame.state = ScanState::kProbeLost;
   EXPECT_EQ(status_line(frame).colour, kBad);
@@ -57,7 +57,7 @@ TEST(StatusLine, ScanStateComesBeforeTracking) {
   EXPECT_EQ(status_line(PreviewFrame{}).title, "WAITING FOR PROBE");
 }
 
-TEST(Distance, ZonesAndDirectionOfTheAdvice) {
+TEST(Distance, zones_and_direction_of_the_advice) {
   const ProbeField field;
   const auto zone = [&](double mm) { return distance_reading(mm, field).zone; };
   EXPECT_EQ(zone(39.9), DistanceZone::kTooNear);
@@ -74,7 +74,7 @@ TEST(Distance, ZonesAndDirectionOfTheAdvice) {
   EXPECT_NE(distance_reading(39, field).words, distance_reading(60, field).words);
 }
 
-TEST(Distance, MarkerMovesAlongTheBarAndStaysOnIt) {
+TEST(Distance, marker_moves_along_the_bar_and_stays_on_it) {
   const ProbeField field;
   double before = -1;
   for (double mm = 36; mm <= 60; mm += 0.5) {
@@ -88,7 +88,7 @@ TEST(Distance, MarkerMovesAlongTheBarAndStaysOnIt) {
   EXPECT_EQ(distance_reading(1e9, field).position, 1.0);
 }
 
-TEST(Colour, QualityRampRunsFromOrangeOverWhiteToBlue) {
+TEST(Colour, quality_ramp_runs_from_orange_over_white_to_blue) {
   const Colour low = quality_colour(0), middle = quality_colour(0.5F), high = quality_colour(1);
   EXPECT_GT(low.r, low.b + 0.4F);
   EXPECT_GT(std::min({middle.r, middle.g, middle.b}), 0.9F);
@@ -98,7 +98,7 @@ TEST(Colour, QualityRampRunsFromOrangeOverWhiteToBlue) {
   EXPECT_EQ(quality_colour(7), high);
 }
 
-TEST(Colour, StateColoursAreReadableOnTheDarkPanel) {
+TEST(Colour, state_colours_are_readable_on_the_dark_panel) {
   const Colour panel{0.07F, 0.08F, 0.096F};
   for (const Colour& c : {kGood, kWeak, kBad, kIdle, kViolet, kAccent}) {
     EXPECT_GE(contrast_ratio(c, panel), 4.5);
@@ -107,7 +107,7 @@ TEST(Colour, StateColoursAreReadableOnTheDarkPanel) {
   EXPECT_LT(contrast_ratio({0.2F, 0.2F, 0.2F}, panel), 4.5);  // the measure can fail
 }
 
-TEST(Keys, EveryKeyOnceAndEveryActionReachable) {
+TEST(Keys, every_key_once_and_every_action_reachable) {
   std::set<std::pair<int, bool>> keys;
   for (const KeyBinding& binding : key_bindings()) {
     EXPECT_TRUE(keys.emplace(static_cast<int>(binding.key), binding.ctrl).second) << binding.key_text;
@@ -119,7 +119,7 @@ TEST(Keys, EveryKeyOnceAndEveryActionReachable) {
   EXPECT_FALSE(action_for(letter('X'), false));
 }
 
-TEST(Keys, TogglesFlipAndOthersAreLeftToTheOwner) {
+TEST(Keys, toggles_flip_and_others_are_left_to_the_owner) {
   DisplayToggles toggles;
   EXPECT_TRUE(apply_toggle(Action::kQualityMap, toggles));
   EXPECT_TRUE(toggles.quality_map);
@@ -171,7 +171,7 @@ std::shared_ptr<const PreviewFrame> numbered(std::uint64_t burst) {
   return frame;
 }
 
-TEST(Mailbox, ViewerThatNeverLooksDoesNotHoldTheSessionUp) {
+TEST(Mailbox, viewer_that_never_looks_does_not_hold_the_session_up) {
   PreviewMailbox mailbox;
   for (std::uint64_t i = 0; i < 10'000; ++i) {
     mailbox.put(numbered(i));  // nobody takes: would hang here if put could wait
@@ -183,7 +183,7 @@ TEST(Mailbox, ViewerThatNeverLooksDoesNotHoldTheSessionUp) {
   EXPECT_FALSE(mailbox.take());
 }
 
-TEST(Mailbox, SlowViewerSeesOnlyNewerFramesAndTheLastOne) {
+TEST(Mailbox, slow_viewer_sees_only_newer_frames_and_the_last_one) {
   PreviewMailbox mailbox;
   constexpr std::uint64_t kLast = 20'000;
   std::thread session([&mailbox] {

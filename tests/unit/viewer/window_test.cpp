@@ -48,7 +48,7 @@ class WindowTest : public ::testing::Test {
 
 std::unique_ptr<Xvfb> WindowTest::display_;
 
-TEST_F(WindowTest, GrowingModelReachesTheScreenInOneDrawCall) {
+TEST_F(WindowTest, growing_model_reaches_the_screen_in_one_draw_call) {
   std::shared_ptr<PreviewFrame> frame;
   PreviewMailbox mailbox;
   std::size_t before = 0;
@@ -76,13 +76,13 @@ TEST_F(WindowTest, GrowingModelReachesTheScreenInOneDrawCall) {
   EXPECT_LT(outline_distance(on_screen, kGood), 60);
 }
 
-TEST_F(WindowTest, EmptyModelShowsNoToothPixel) {
+TEST_F(WindowTest, empty_model_shows_no_tooth_pixel) {
   auto frame = scene_.frame(12, 20);
   frame->model = nullptr;
   EXPECT_LT(share_of(shown(frame), kMiddle, is_tooth), 0.0005);
 }
 
-TEST_F(WindowTest, BlocksThatLeaveTheModelLeaveTheScreen) {
+TEST_F(WindowTest, blocks_that_leave_the_model_leave_the_screen) {
   const auto full = scene_.frame(12, 20);
   EXPECT_GT(share_of(shown(full), kMiddle, is_tooth), 0.10);
   auto emptied = std::make_shared<PreviewFrame>(*full);
@@ -90,7 +90,7 @@ TEST_F(WindowTest, BlocksThatLeaveTheModelLeaveTheScreen) {
   EXPECT_LT(share_of(shown(emptied), kMiddle, is_tooth), 0.0005);
 }
 
-TEST_F(WindowTest, ProbeFieldIsDrawnAndCanBeSwitchedOff) {
+TEST_F(WindowTest, probe_field_is_drawn_and_can_be_switched_off) {
   const auto frame = scene_.frame(12, 20);
   window_->toggles().trail = false;
   const double with = share_of(shown(frame), kMiddle, is_green);
@@ -100,7 +100,7 @@ TEST_F(WindowTest, ProbeFieldIsDrawnAndCanBeSwitchedOff) {
   EXPECT_LT(without, 0.0005);
 }
 
-TEST_F(WindowTest, LiveImageIsTheOneOfTheFrame) {
+TEST_F(WindowTest, live_image_is_the_one_of_the_frame) {
   auto frame = scene_.frame(3, 20);
   frame->live = std::make_shared<Map<std::uint8_t>>(320, 240, std::uint8_t{200});
   EXPECT_NEAR(mean_level(shown(frame), kLiveCorner), 200, 12);
@@ -109,7 +109,7 @@ TEST_F(WindowTest, LiveImageIsTheOneOfTheFrame) {
   EXPECT_NEAR(mean_level(shown(dark), kLiveCorner), 60, 12);
 }
 
-TEST_F(WindowTest, OutlineSaysTheTrackingState) {
+TEST_F(WindowTest, outline_says_the_tracking_state) {
   auto frame = scene_.frame(8, 20);
   EXPECT_LT(outline_distance(shown(frame), kGood), 60);
   auto lost = std::make_shared<PreviewFrame>(*frame);
@@ -122,7 +122,7 @@ TEST_F(WindowTest, OutlineSaysTheTrackingState) {
   EXPECT_LT(outline_distance(shown(found), kWeak), 60);
 }
 
-TEST_F(WindowTest, SameFrameIsNotDrawnAgainAndNewOneIs) {
+TEST_F(WindowTest, same_frame_is_not_drawn_again_and_new_one_is) {
   const auto frame = scene_.frame(5, 20);
   ASSERT_TRUE(window_->render(frame));
   static_cast<void>(window_->poll());  // the window's own appearance is an event
@@ -135,7 +135,7 @@ TEST_F(WindowTest, SameFrameIsNotDrawnAgainAndNewOneIs) {
   EXPECT_EQ(window_->stats().frames_drawn, drawn + 1);
 }
 
-TEST_F(WindowTest, PictureIsSavedAsPngAndSaysWhoDrewIt) {
+TEST_F(WindowTest, picture_is_saved_as_png_and_says_who_drew_it) {
   ASSERT_TRUE(window_->render(scene_.frame(12, 20)));
   const auto taken = window_->screenshot();
   ASSERT_TRUE(taken) << taken.error().message();
@@ -155,7 +155,7 @@ TEST_F(WindowTest, PictureIsSavedAsPngAndSaysWhoDrewIt) {
   EXPECT_EQ(write_png(picture, "/nonexistent/folder/x.png").error().code, ErrorCode::kFileWrite);
 }
 
-TEST_F(WindowTest, SmallUploadBudgetDelaysBlocksButLosesNone) {
+TEST_F(WindowTest, small_upload_budget_delays_blocks_but_loses_none) {
   options_.upload_budget_bytes = 120'000;
   window_.reset();
   auto window = ViewerWindow::open(options_, clock_);
@@ -176,7 +176,7 @@ TEST_F(WindowTest, SmallUploadBudgetDelaysBlocksButLosesNone) {
   EXPECT_EQ(window_->stats().triangles, expected);
 }
 
-TEST(NoDisplay, OpenSaysWhatIsMissingAndWhatToDo) {
+TEST(NoDisplay, open_says_what_is_missing_and_what_to_do) {
   const char* display = std::getenv("DISPLAY");
   const std::string kept = display != nullptr ? display : "";
   unsetenv("DISPLAY");
