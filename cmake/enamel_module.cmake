@@ -1,6 +1,7 @@
-# enamel_module(NAME n LAYER l SOURCES … [DEPS …] [LIBS …] [PRIVATE_LIBS …])
+# enamel_module(NAME n LAYER l [RUNS_ONCE] SOURCES … [DEPS …] [LIBS …] [PRIVATE_LIBS …])
 #   Library enamel_<n> with alias enamel::<n>. DEPS are enamel modules and may not lie on a higher layer (configure fails).
 #   LIBS are third-party targets in the public interface, PRIVATE_LIBS those hidden in .cpp files.
+#   RUNS_ONCE: texts and files that a program makes once; optimised as programs are.
 # enamel_program(NAME target SOURCES … [DEPS …] [LIBS …])   a program: layer 5, may use everything.
 # enamel_vector_loops(SOURCE …)   the folder's module has loops over pixels that must vectorise.
 # enamel_test(NAME n SOURCES … [DEPS …] [LIBS …] [LABELS …] [TIMEOUT s] [ARGS …])   a GoogleTest executable under ctest.
@@ -59,7 +60,7 @@ function(enamel_unity target)
 endfunction()
 
 function(enamel_module)
-  cmake_parse_arguments(M "" "NAME;LAYER" "SOURCES;DEPS;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(M "RUNS_ONCE" "NAME;LAYER" "SOURCES;DEPS;LIBS;PRIVATE_LIBS" ${ARGN})
   if(NOT M_NAME OR NOT DEFINED M_LAYER)
     message(FATAL_ERROR "enamel_module needs NAME and LAYER")
   endif()
@@ -68,6 +69,9 @@ function(enamel_module)
     # Third-party headers are SYSTEM: their warnings are not ours to mend.
     target_link_libraries(enamel_${M_NAME} PUBLIC enamel_policy ${M_LIBS} PRIVATE ${M_PRIVATE_LIBS})
     enamel_unity(enamel_${M_NAME})
+    if(M_RUNS_ONCE)
+      target_compile_options(enamel_${M_NAME} PRIVATE $<$<CONFIG:Release>:-O1>)
+    endif()
   else()
     add_library(enamel_${M_NAME} INTERFACE)
     target_link_libraries(enamel_${M_NAME} INTERFACE enamel_policy ${M_LIBS})
