@@ -11,13 +11,13 @@ import sys
 from lint_common import CODE_DIRS, ROOT
 
 
-def counts_of(gcda: pathlib.Path) -> list[tuple[str, int, int]]:
+def counts_of(build: pathlib.Path, gcda: pathlib.Path) -> list[tuple[str, int, int]]:
     """(repository path, line, times run) of each line that a compiled file knows."""
     out = subprocess.run(["gcov", "--json-format", "--stdout", str(gcda)], cwd=gcda.parent, check=True, capture_output=True).stdout
     rows = []
     for text in out.splitlines():
         for file in json.loads(text)["files"]:
-            path = (gcda.parent / file["file"]).resolve()
+            path = (build / file["file"]).resolve()  # compilers run in the build folder
             if path.is_relative_to(ROOT):
                 name = path.relative_to(ROOT).as_posix()
                 rows += [(name, line["line_number"], line["count"]) for line in file["lines"]]
@@ -28,7 +28,7 @@ def main() -> int:
     build = pathlib.Path(sys.argv[1]).resolve()
     files: dict[str, dict[int, int]] = collections.defaultdict(lambda: collections.defaultdict(int))
     with concurrent.futures.ThreadPoolExecutor() as pool:
-        for rows in pool.map(counts_of, sorted(build.rglob("*.gcda"))):
+        for rows in pool.map(lambda gcda: counts_of(build, gcda), sorted(build.rglob("*.gcda"))):
             for name, line, count in rows:
                 files[name][line] += count
     product = {n: c for n, c in files.items() if n.split("/")[0] in CODE_DIRS and not n.startswith(("tests/", "build/"))}
