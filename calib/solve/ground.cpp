@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 
 constexpr int kBlock_px = 5;
 constexpr int kBlockPixels = kBlock_px * kBlock_px;
-constexpr double kMedianOfChi2 = 0.970;  // of chi² / 22 with 22 degrees of freedom: 25 pixels less a plane
+constexpr double kMedianOfGroundChi2 = 0.970;  // of chi² / 22 with 22 degrees of freedom: 25 pixels less a plane
 
 /// Places on the grid of camera pixels, by the dots.
 class Ground {
@@ -98,7 +98,7 @@ std::vector<GroundSample> ground_samples(const CoordinateMap& u, const PoseView&
   if (out.empty()) return out;
   const auto half = ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2);
   std::nth_element(ratio.begin(), half, ratio.end());
-  for (GroundSample& s : out) s.variance_px2 *= *half / kMedianOfChi2;
+  for (GroundSample& s : out) s.variance_px2 *= *half / kMedianOfGroundChi2;
   return out;
 }
 
