@@ -115,10 +115,13 @@ function(enamel_test)
   if(ENAMEL_SANITIZE)
     math(EXPR T_TIMEOUT "${T_TIMEOUT} * 10")
   endif()
-  # The folder is a label as well, so that `ctest -L flow` runs what lies in tests/unit/flow.
-  cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
-  set_tests_properties(${T_NAME} PROPERTIES LABELS "${T_LABELS};${folder}" TIMEOUT ${T_TIMEOUT})
-  enamel_test_groups(test_${T_NAME} ${T_LABELS} ${folder})
+  # A unit test's folder is a label as well, so that `ctest -L flow` runs what lies in tests/unit/flow.
+  if("unit" IN_LIST T_LABELS)
+    cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
+    list(APPEND T_LABELS ${folder})
+  endif()
+  set_tests_properties(${T_NAME} PROPERTIES LABELS "${T_LABELS}" TIMEOUT ${T_TIMEOUT})
+  enamel_test_groups(test_${T_NAME} ${T_LABELS})
   # Mesa keeps its own memory when it is unloaded; such leaks have no name left by which they could be told from ours.
   if("gui" IN_LIST T_LABELS AND ENAMEL_SANITIZE MATCHES "address")
     set_tests_properties(${T_NAME} PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
