@@ -79,7 +79,7 @@ Judge balls(bool micro) {
   std::vector<std::pair<MovingBall, FrameSet>> bursts;
   for (const double way : {-1.0, -0.6, 0.6, 1.0}) {
     MovingBall ball{rig, {0.030 * way, -0.015, 0.024 * way}, {0.0006, -0.0004 * way, 0.0010}};
-    ball.radius_mm = 8 + way;
+    ball.radius_mm = 8;
     bursts.emplace_back(ball, ball.render(true));
   }
   return [rig, bursts = std::move(bursts)](const DecodeConfig& config) {
