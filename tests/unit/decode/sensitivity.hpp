@@ -91,7 +91,7 @@ inline Mean mean_of(const std::vector<Figures>& bursts) {
 
 /// Of the lit pixels, that the design leaves to be undecided (docs/bench/decode.md): a value that moves fewer is none
 /// to be exact about.
-inline constexpr double kUndecided_pct = 1;
+inline constexpr double kUndecidedPct = 1;
 
 /// Whether figures are as near to those of the configuration as it is as those of other bursts of the same kind would
 /// be: within two standard errors. Where all bursts agree, so must the figures.
@@ -99,7 +99,7 @@ inline bool near(const Mean& figures, const Mean& as_is) {
   bool all = true;
   for (std::size_t k = 0; k < as_is.of.size(); ++k) {
     const bool may_be_undecided = k == 0 && as_is.error[k] > 0;
-    const double slack = std::max(2 * as_is.error[k], may_be_undecided ? kUndecided_pct : 1e-9);
+    const double slack = std::max(2 * as_is.error[k], may_be_undecided ? kUndecidedPct : 1e-9);
     all = all && std::abs(figures.of[k] - as_is.of[k]) <= slack;
   }
   return all;
