@@ -13,7 +13,7 @@ namespace {
 
 using Log = AppendLog<int, 4>;
 
-TEST(AppendLog, HoldsWhatWasAppendedInOrder) {
+TEST(AppendLog, holds_what_was_appended_in_order) {
   for (const int n : {0, 1, 3, 4, 5, 8, 1000}) {
     Log log;
     for (int i = 0; i < n; ++i) log.append(i);
@@ -24,7 +24,7 @@ TEST(AppendLog, HoldsWhatWasAppendedInOrder) {
   }
 }
 
-TEST(AppendLog, AViewStaysAsItWasTaken) {
+TEST(AppendLog, a_view_stays_as_it_was_taken) {
   Log log;
   for (int i = 0; i < 6; ++i) log.append(i);
   const Log::View early = log.view();
@@ -61,7 +61,7 @@ std::size_t touched_by_the_next(std::size_t before, Append append) {
   return Counted::copies;
 }
 
-TEST(AppendLog, AppendingAndSharingCostTheSameHoweverManyCameBefore) {
+TEST(AppendLog, appending_and_sharing_cost_the_same_however_many_came_before) {
   const auto of_log = [](std::size_t before) {
     AppendLog<Counted> log;
     AppendLog<Counted>::View shared;
@@ -83,13 +83,13 @@ TEST(AppendLog, AppendingAndSharingCostTheSameHoweverManyCameBefore) {
   EXPECT_GT(of_copies(1'000), 10 * of_copies(10));
 }
 
-TEST(AppendLog, ALongOneIsGivenBackWithoutRecursion) {
+TEST(AppendLog, a_long_one_is_given_back_without_recursion) {
   AppendLog<int, 1> log;
   for (int i = 0; i < 1'000'000; ++i) log.append(i);
   EXPECT_EQ(log.view().size(), 1'000'000U);  // its end would overflow the stack
 }
 
-TEST(AppendLog, IsReadWhileItGrows) {
+TEST(AppendLog, is_read_while_it_grows) {
   LatestSlot<Log::View> slot;
   constexpr int kLast = 20'000;
   std::jthread writer([&slot] {

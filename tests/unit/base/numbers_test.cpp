@@ -64,7 +64,7 @@ TEST(Rng, below_stays_below_and_reaches_every_value) {
   for (const int n : seen) EXPECT_NEAR(n, 1000, 5 * 28.9);
 }
 
-TEST(LogHistogram, PercentilesAreWithinOneSixteenth) {
+TEST(LogHistogram, percentiles_are_within_one_sixteenth) {
   LogHistogram h;
   for (std::int64_t v = 1; v <= 100'000; ++v) h.record(v * 1'000);
   const LogHistogram::Summary s = h.summary();

@@ -40,7 +40,7 @@ GraphSnapshot slow_track() {
   return s;
 }
 
-TEST(Bottleneck, TheBusiestStageWithAFullInputForWhichTheOthersWait) {
+TEST(Bottleneck, the_busiest_stage_with_a_full_input_for_which_the_others_wait) {
   const Bottleneck b = bottleneck_of(slow_track());
   EXPECT_EQ(b.stage, "track");
   EXPECT_EQ(b.words, "track: busy 95 % of the time, its input is full, sink waits for it");
@@ -51,13 +51,13 @@ TEST(Bottleneck, TheBusiestStageWithAFullInputForWhichTheOthersWait) {
   EXPECT_DOUBLE_EQ(loads[2].rate_hz, 10);
 }
 
-TEST(Bottleneck, AnotherStageIsNamedWhenAnotherIsSlow) {  // control: the answer follows the times, not the place
+TEST(Bottleneck, another_stage_is_named_when_another_is_slow) {  // control: the answer follows the times, not the place
   GraphSnapshot s = slow_track();
   std::swap(s.stages[1].time_ns, s.stages[2].time_ns);
   EXPECT_EQ(bottleneck_of(s).stage, "decode");
 }
 
-TEST(Bottleneck, NobodyWhenTheSourceWaitsForBursts) {
+TEST(Bottleneck, nobody_when_the_source_waits_for_bursts) {
   GraphSnapshot s = slow_track();
   s.stages[0].time_ns = {1, 9'000'000'000, 0, 0};
   s.stages[2].time_ns = {1'000'000'000, 9'000'000'000, 0, 0};
@@ -66,7 +66,7 @@ TEST(Bottleneck, NobodyWhenTheSourceWaitsForBursts) {
   EXPECT_THAT(b.words, StartsWith("none: the stages wait for bursts 90 % of the time"));
 }
 
-TEST(Bottleneck, TheWorkersWhereAllOfThemAreBusyAndNoStageIs) {
+TEST(Bottleneck, the_workers_where_all_of_them_are_busy_and_no_stage_is) {
   GraphSnapshot s = slow_track();
   s.workers = 2;
   for (StageSnapshot& one : s.stages) one.time_ns = {4'900'000'000, 0, 0, 5'000'000'000};
@@ -78,7 +78,7 @@ TEST(Bottleneck, TheWorkersWhereAllOfThemAreBusyAndNoStageIs) {
   EXPECT_NE(bottleneck_of(s).stage, "workers");
 }
 
-TEST(Bottleneck, ReplicasAreOneStageThatIsAsBusyAsEachOfThem) {
+TEST(Bottleneck, replicas_are_one_stage_that_is_as_busy_as_each_of_them) {
   GraphSnapshot s = slow_track();
   s.workers = 2;
   s.stages[1].time_ns = s.stages[2].time_ns = {6'000'000'000, 0, 0, 0};
@@ -92,7 +92,7 @@ TEST(Bottleneck, ReplicasAreOneStageThatIsAsBusyAsEachOfThem) {
   EXPECT_EQ(bottleneck_of(s).stage, "sink") << "75 % of one stage weigh more than 60 % of each of two";
 }
 
-TEST(Bottleneck, TheReplicasOfAGraphShareTheirNamesBeginning) {
+TEST(Bottleneck, the_replicas_of_a_graph_share_their_names_beginning) {
   const SteadyClock clock;
   Graph g(clock);
   auto& source = g.add<CountingSource>("source", 10);
@@ -108,13 +108,13 @@ TEST(Bottleneck, TheReplicasOfAGraphShareTheirNamesBeginning) {
   EXPECT_EQ(stage_of(g.snapshot(), "sink").family, "sink");
 }
 
-TEST(Bottleneck, NothingIsSaidOfNeighboursThatHardlyWait) {
+TEST(Bottleneck, nothing_is_said_of_neighbours_that_hardly_wait) {
   GraphSnapshot s = slow_track();
   for (EdgeSnapshot& e : s.edges) e.awaited_ns = e.blocked_ns = 0;
   EXPECT_EQ(bottleneck_of(s).words, "track: busy 95 % of the time");
 }
 
-TEST(Bottleneck, OfAGraphThatHasNotRunThereIsNone) {
+TEST(Bottleneck, of_a_graph_that_has_not_run_there_is_none) {
   EXPECT_EQ(bottleneck_of(GraphSnapshot{}).words, "none: nothing has run yet");
   EXPECT_EQ(bottleneck_of(ToyPipeline(1).graph.snapshot()).stage, "");
 }
@@ -127,7 +127,7 @@ MapStage& add_stage(Graph& g, ManualClock& clock, const std::string& name, Nanos
   });
 }
 
-TEST(Bottleneck, ARunOnOneWorkerIsSplitIntoItsTimes) {
+TEST(Bottleneck, a_run_on_one_worker_is_split_into_its_times) {
   ManualClock clock;
   Graph g(clock);
   auto& source = g.add<CountingSource>("source", 20);

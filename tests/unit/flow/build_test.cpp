@@ -124,7 +124,7 @@ TEST(Validate, refuses_a_stage_that_only_feedback_paces) {
   EXPECT_THAT(g.validate().error().detail, HasSubstr("nothing paces it"));
 }
 
-TEST(Metrics, ServiceTimeComesFromTheInjectedClock) {
+TEST(Metrics, service_time_comes_from_the_injected_clock) {
   ManualClock clock;
   Graph g(clock);
   auto& source = g.add<CountingSource>("source", 20);

@@ -59,7 +59,7 @@ struct Played {
   std::unique_ptr<Session> session;
 };
 
-TEST(Session, APlaybackAccountsForEveryBurstAndSaysWhereItsTimeWent) {
+TEST(Session, a_playback_accounts_for_every_burst_and_says_where_its_time_went) {
   Played played(50);
   EXPECT_EQ(played.session->figures(), nullptr) << "nothing runs yet";
   EXPECT_TRUE(played.session->rig());
@@ -81,7 +81,7 @@ TEST(Session, APlaybackAccountsForEveryBurstAndSaysWhereItsTimeWent) {
   EXPECT_EQ(outcome->scan.figures.stages[3].name, "fuse");
 }
 
-TEST(Session, ADamagedRecordIsToldCountedAndPassedOver) {
+TEST(Session, a_damaged_record_is_told_counted_and_passed_over) {
   Played played(10, 4);
   played.session->start();
   const auto outcome = played.session->finish();
@@ -92,7 +92,7 @@ TEST(Session, ADamagedRecordIsToldCountedAndPassedOver) {
   EXPECT_FALSE(check(outcome->counts)) << "data was lost";
 }
 
-TEST(Session, APausedPlaybackRestsUntilItIsWantedAgain) {
+TEST(Session, a_paused_playback_rests_until_it_is_wanted_again) {
   Played played(10);
   played.session->set_scanning(false);
   played.session->start();
@@ -104,7 +104,7 @@ TEST(Session, APausedPlaybackRestsUntilItIsWantedAgain) {
   EXPECT_EQ(played.session->finish()->counts.captured, 10U);
 }
 
-TEST(Session, AStoppedPlaybackEndsAlsoWhenPausedAndPausedAgain) {
+TEST(Session, a_stopped_playback_ends_also_when_paused_and_paused_again) {
   Played played(10);
   played.session->set_scanning(false);
   played.session->start();

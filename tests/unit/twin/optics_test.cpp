@@ -126,7 +126,7 @@ TEST(TwinProjector, polarity_turns_only_the_fourth_frame) {
 }
 
 /// Levels worked out by hand from docs/recording-format.md: period 24, ratio 6, so that the code's period is 144/7 px.
-TEST(TwinProjector, ModeMIsThreeStepsAroundACodeFrame) {
+TEST(TwinProjector, mode_m_is_three_steps_around_a_code_frame) {
   calib::PatternValues p;
   p.mode = calib::PatternMode::kMicro;
   p.period_px = 24;

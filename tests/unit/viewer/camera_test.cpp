@@ -148,7 +148,7 @@ TEST(Overview, holds_every_vertex_inside_the_picture) {
 
 TEST(Overview, empty_model_has_none) { EXPECT_FALSE(overview(ModelSnapshot{}, 1.6)); }
 
-TEST(ProbeField, CornersOfAPinholeAndOptimumInsideTheRange) {
+TEST(ProbeField, corners_of_a_pinhole_and_optimum_inside_the_range) {
   const ProbeField field = probe_field({640, 480, 1500, 1500, 319.5, 239.5}, 40, 56);
   EXPECT_NEAR(field.corner_rays[2].x(), 320.0 / 1500, 1e-6);
   EXPECT_NEAR(field.corner_rays[0].y(), -240.0 / 1500, 1e-6);

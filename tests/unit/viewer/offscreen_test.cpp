@@ -81,7 +81,7 @@ TEST_F(OffscreenTest, simulated_is_written_on_the_picture) {
   EXPECT_EQ(share_of(draw(*frame), top_left, is_badge), 0.0);
 }
 
-TEST_F(OffscreenTest, StagesAreShownWhileAPipelineRunsAndCanBeSwitchedOff) {
+TEST_F(OffscreenTest, stages_are_shown_while_a_pipeline_runs_and_can_be_switched_off) {
   auto frame = scene_.frame(12, 20);
   const auto differ = [&](const PreviewFrame& shown) {
     options_.toggles.stages = true;
@@ -101,7 +101,7 @@ TEST_F(OffscreenTest, StagesAreShownWhileAPipelineRunsAndCanBeSwitchedOff) {
   EXPECT_GT(differ(*frame), 0.02);
 }
 
-TEST_F(OffscreenTest, MalformedBlockAndNanPoseDoNotBreakThePicture) {
+TEST_F(OffscreenTest, malformed_block_and_nan_pose_do_not_break_the_picture) {
   auto frame = scene_.frame(6, 20);
   auto model = std::make_shared<ModelSnapshot>(*frame->model);
   auto bad = std::make_shared<BlockMesh>(*model->blocks.front());

@@ -136,7 +136,7 @@ TEST(Keys, toggles_flip_and_others_are_left_to_the_owner) {
   EXPECT_FALSE(apply_toggle(Action::kQuit, toggles));
 }
 
-TEST(StageLines, SayTimeRateQueueAndWhatIsWaitedFor) {
+TEST(StageLines, say_time_rate_queue_and_what_is_waited_for) {
   PipelineFigures figures;
   figures.stages.push_back({.name = "track",
                             .median_ms = 71.34,
@@ -158,7 +158,7 @@ TEST(StageLines, SayTimeRateQueueAndWhatIsWaitedFor) {
   EXPECT_TRUE(stage_lines({}).empty());
 }
 
-TEST(Grouped, ThousandsAreApart) {
+TEST(Grouped, thousands_are_apart) {
   EXPECT_EQ(grouped(0), "0");
   EXPECT_EQ(grouped(999), "999");
   EXPECT_EQ(grouped(1000), "1 000");
