@@ -209,6 +209,25 @@ TEST(Trail, stays_bounded) {
   EXPECT_FLOAT_EQ(trail.points().in_order().back().x(), 4999.0F);
 }
 
+TEST(Trail, a_path_that_was_shared_stays_as_it_was) {
+  Trail trail(ProbeField{}, 0.1, 100);
+  BurstPreview burst;
+  burst.placed = true;
+  burst.track = TrackState::kTracking;
+  const auto add = [&](std::uint64_t i) {
+    burst.burst = BurstId{i};
+    burst.T_model_cam.translation().x() = static_cast<double>(i);
+    trail.add(burst);
+  };
+  for (std::uint64_t i = 0; i < 50; ++i) add(i);
+  const auto early = trail.points();
+  const auto before = early.in_order();
+  for (std::uint64_t i = 50; i < 500; ++i) add(i);  // is thinned out meanwhile
+  ASSERT_EQ(before.size(), 50U);
+  EXPECT_EQ(early.in_order(), before);
+  EXPECT_NE(trail.points().in_order().front(), trail.points().in_order().back());
+}
+
 TEST(FramePacer, keeps_the_rate_and_the_busy_share) {
   FramePacer pacer(20, 0.4);
   const HostTime t0 = host_time(1'000'000'000);

@@ -8,9 +8,9 @@
 #include <set>
 #include <thread>
 
+#include "protocol/base/latest_slot.hpp"
 #include "viewer/scene/colour.hpp"
 #include "viewer/scene/keys.hpp"
-#include "viewer/scene/mailbox.hpp"
 
 namespace enamel::view::test {
 namespace {
@@ -164,6 +164,8 @@ TEST(Grouped, thousands_are_apart) {
   EXPECT_EQ(grouped(1000), "1 000");
   EXPECT_EQ(grouped(12345678), "12 345 678");
 }
+
+using PreviewMailbox = LatestSlot<std::shared_ptr<const PreviewFrame>>;
 
 std::shared_ptr<const PreviewFrame> numbered(std::uint64_t burst) {
   auto frame = std::make_shared<PreviewFrame>();

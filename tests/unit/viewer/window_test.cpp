@@ -7,12 +7,12 @@
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 
+#include "protocol/base/latest_slot.hpp"
 #include "tests/unit/viewer/picture_probe.hpp"
 #include "tests/unit/viewer/screen_grab.hpp"
 #include "tests/unit/viewer/tooth_scene.hpp"
 #include "tests/unit/viewer/xvfb.hpp"
 #include "viewer/gl/viewer_window.hpp"
-#include "viewer/scene/mailbox.hpp"
 
 namespace enamel::view::test {
 namespace {
@@ -50,7 +50,7 @@ std::unique_ptr<Xvfb> WindowTest::display_;
 
 TEST_F(WindowTest, growing_model_reaches_the_screen_in_one_draw_call) {
   std::shared_ptr<PreviewFrame> frame;
-  PreviewMailbox mailbox;
+  LatestSlot<std::shared_ptr<const PreviewFrame>> mailbox;
   std::size_t before = 0;
   for (int i = 0; i < 20; ++i) {
     frame = scene_.frame(i, 20, frame.get());
