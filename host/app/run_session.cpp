@@ -115,17 +115,17 @@ host::Report report_of(const SessionRun& run, const host::Session& session, cons
   return report;
 }
 
-int tell(const Error& error) {
+int tell_as_exit_code(const Error& error) {
   std::fputs((error.message() + "\n").c_str(), stderr);
   return exit_code(error.code);
 }
 
 /// On stderr, what went wrong on the way; the exit code is that of the first that is more than a damaged record.
 int conclude(const host::Outcome& outcome) {
-  for (const Error& damage : outcome.damages) tell(damage);
-  if (outcome.broken_off) return tell(*outcome.broken_off);
-  if (outcome.recording_error) return tell(*outcome.recording_error);
-  if (const auto balanced = host::check(outcome.counts); !balanced) return tell(balanced.error());
+  for (const Error& damage : outcome.damages) tell_as_exit_code(damage);
+  if (outcome.broken_off) return tell_as_exit_code(*outcome.broken_off);
+  if (outcome.recording_error) return tell_as_exit_code(*outcome.recording_error);
+  if (const auto balanced = host::check(outcome.counts); !balanced) return tell_as_exit_code(balanced.error());
   return 0;
 }
 
