@@ -65,13 +65,16 @@ std::vector<Family> families_of(const GraphSnapshot& s) {
 
 /// "its input is full", "fuse waits for it": what the neighbours' times say of the one that sets the rate.
 std::vector<std::string> effects_of(const Family& family, const GraphSnapshot& s) {
+  const auto hands_on = [&](const std::string& stage) {  // a sink waits by its nature
+    return std::any_of(s.edges.begin(), s.edges.end(), [&](const EdgeSnapshot& e) { return e.from == stage; });
+  };
   std::vector<std::string> out;
   std::set<std::string> waiting;
   double full = 0;
   for (const EdgeSnapshot& e : s.edges) {
     if (e.delay > 0) continue;
     if (family.members.contains(e.to)) full = std::max(full, share(e.blocked_ns, s));
-    if (family.members.contains(e.from) && e.is_lossless && share(e.awaited_ns, s) > kWorthTelling)
+    if (family.members.contains(e.from) && hands_on(e.to) && share(e.awaited_ns, s) > kWorthTelling)
       waiting.insert(e.to);
   }
   if (full > kWorthTelling) out.emplace_back("its input is full");

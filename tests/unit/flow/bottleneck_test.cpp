@@ -29,21 +29,22 @@ EdgeSnapshot edge(const std::string& from, const std::string& to, std::int64_t a
   return e;
 }
 
-/// Ten seconds of source -> decode -> track -> sink in which track works nearly all the time.
+/// Ten seconds of source -> decode -> track -> fuse -> sink in which track works nearly all the time.
 GraphSnapshot slow_track() {
   constexpr std::int64_t kSecond = 1'000'000'000;
   GraphSnapshot s{.elapsed_ns = 10 * kSecond, .workers = 4, .stages = {}, .edges = {}};
   s.stages = {stage("source", {kSecond / 10, 0, 9 * kSecond, 0}), stage("decode", {3 * kSecond, 0, 7 * kSecond, 0}),
-              stage("track", {9 * kSecond + kSecond / 2, kSecond / 2, 0, 0}), stage("sink", {0, 10 * kSecond, 0, 0})};
+              stage("track", {9 * kSecond + kSecond / 2, kSecond / 2, 0, 0}),
+              stage("fuse", {kSecond / 10, 9 * kSecond, 0, 0}), stage("sink", {0, 10 * kSecond, 0, 0})};
   s.edges = {edge("source", "decode", 0, 9 * kSecond), edge("decode", "track", kSecond / 2, 7 * kSecond),
-             edge("track", "sink", 10 * kSecond, 0)};
+             edge("track", "fuse", 9 * kSecond, 0), edge("fuse", "sink", 10 * kSecond, 0)};
   return s;
 }
 
 TEST(Bottleneck, the_busiest_stage_with_a_full_input_for_which_the_others_wait) {
   const Bottleneck b = bottleneck_of(slow_track());
   EXPECT_EQ(b.stage, "track");
-  EXPECT_EQ(b.words, "track: busy 95 % of the time, its input is full, sink waits for it");
+  EXPECT_EQ(b.words, "track: busy 95 % of the time, its input is full, fuse waits for it");
   const auto loads = loads_of(slow_track());
   EXPECT_EQ(loads[1].waits_for, "room in track");
   EXPECT_EQ(loads[2].waits_for, "decode");
@@ -69,7 +70,7 @@ TEST(Bottleneck, nobody_when_the_source_waits_for_bursts) {
 TEST(Bottleneck, the_workers_where_all_of_them_are_busy_and_no_stage_is) {
   GraphSnapshot s = slow_track();
   s.workers = 2;
-  for (StageSnapshot& one : s.stages) one.time_ns = {4'900'000'000, 0, 0, 5'000'000'000};
+  for (StageSnapshot& one : s.stages) one.time_ns = {3'920'000'000, 0, 0, 5'000'000'000};
   const Bottleneck b = bottleneck_of(s);
   EXPECT_EQ(b.stage, "workers");
   EXPECT_THAT(b.words, HasSubstr("all 2 are busy 98 %"));
@@ -83,13 +84,13 @@ TEST(Bottleneck, replicas_are_one_stage_that_is_as_busy_as_each_of_them) {
   s.workers = 2;
   s.stages[1].time_ns = s.stages[2].time_ns = {6'000'000'000, 0, 0, 0};
   s.stages[3].time_ns = {7'500'000'000, 0, 0, 0};
-  EXPECT_THAT(bottleneck_of(s).words, HasSubstr("38 % of it with sink")) << "control: strangers to each other";
+  EXPECT_THAT(bottleneck_of(s).words, HasSubstr("38 % of it with fuse")) << "control: strangers to each other";
   s.stages[1].family = s.stages[2].family = "decode";
   const Bottleneck b = bottleneck_of(s);
   EXPECT_EQ(b.stage, "workers");
   EXPECT_THAT(b.words, HasSubstr("61 % of it with decode"));
   s.workers = 8;
-  EXPECT_EQ(bottleneck_of(s).stage, "sink") << "75 % of one stage weigh more than 60 % of each of two";
+  EXPECT_EQ(bottleneck_of(s).stage, "fuse") << "75 % of one stage weigh more than 60 % of each of two";
 }
 
 TEST(Bottleneck, the_replicas_of_a_graph_share_their_names_beginning) {
