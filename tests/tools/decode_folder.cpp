@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/model/pattern.hpp"
 #include "pipeline/decode/burst_decoder.hpp"
 #include "pipeline/decode/decode_maps.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
@@ -34,7 +35,10 @@ int main(int argc, char** argv) {
       return 2;
     }
     const auto decoded = decoder->decode(frames->view());
-    const enamel::pipeline::DecodeReport report{static_cast<std::uint64_t>(id), rig->patterns.mode, {}};
+    const enamel::pipeline::DecodeReport report{static_cast<std::uint64_t>(id),
+                                                enamel::calib::mode_name(rig->patterns),
+                                                decoder->figures(decoded.diagnostics),
+                                                {}};
     const auto written = enamel::pipeline::write_decode_maps(decoded, report, out + "/" + std::to_string(id));
     if (!written) {
       std::fprintf(stderr, "%s\n", written.error().message().c_str());

@@ -7,10 +7,10 @@ namespace enamel::view {
 namespace {
 
 Result<GlShader> compile(std::string_view name, GLenum stage, std::string_view source) {
-  constexpr std::string_view kHead = "#version 330 core\n";
+  constexpr std::string_view kVersionLine = "#version 330 core\n";
   GlShader shader = GlShader::adopt(glCreateShader(stage));
-  const std::array<const GLchar*, 2> text{kHead.data(), source.data()};
-  const std::array<GLint, 2> length{static_cast<GLint>(kHead.size()), static_cast<GLint>(source.size())};
+  const std::array<const GLchar*, 2> text{kVersionLine.data(), source.data()};
+  const std::array<GLint, 2> length{static_cast<GLint>(kVersionLine.size()), static_cast<GLint>(source.size())};
   glShaderSource(shader.id(), 2, text.data(), length.data());
   glCompileShader(shader.id());
   GLint ok = GL_FALSE;
