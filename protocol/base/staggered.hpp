@@ -27,18 +27,21 @@ class Staggered {
   Staggered(const Staggered<Other>&) noexcept {}  // NOLINT(google-explicit-constructor): required of allocators
 
   [[nodiscard]] T* allocate(std::size_t n) {
-    if (n > (std::numeric_limits<std::size_t>::max() - kPage) / sizeof(T)) throw std::bad_array_new_length();
-    const std::size_t offset = n * sizeof(T) < kPage ? 0 : next_place() * kStep;
-    auto* block = static_cast<std::byte*>(::operator new(n * sizeof(T) + kHead + offset, kAlign));
-    std::byte* data = block + kHead + offset;
-    ::new (data - sizeof(std::size_t)) std::size_t(offset);
+    if (n > (std::numeric_limits<std::size_t>::max() - 2 * kPage) / sizeof(T)) throw std::bad_array_new_length();
+    if (!is_image(n)) return static_cast<T*>(::operator new(n * sizeof(T), kLine));
+    // A block that begins with a page: where the image begins does not depend on what else the heap holds.
+    const std::size_t place = next_place() * kStep;
+    auto* block = static_cast<std::byte*>(::operator new(n * sizeof(T) + kHead + place, kWholePage));
+    std::byte* data = block + kHead + place;
+    ::new (data - sizeof(std::size_t)) std::size_t(place);
     return reinterpret_cast<T*>(data);
   }
 
-  void deallocate(T* data, std::size_t) noexcept {
+  void deallocate(T* data, std::size_t n) noexcept {
+    if (!is_image(n)) return ::operator delete(data, kLine);
     auto* bytes = reinterpret_cast<std::byte*>(data);
-    const std::size_t offset = *reinterpret_cast<const std::size_t*>(bytes - sizeof(std::size_t));
-    ::operator delete(bytes - offset - kHead, kAlign);
+    const std::size_t place = *reinterpret_cast<const std::size_t*>(bytes - sizeof(std::size_t));
+    ::operator delete(bytes - place - kHead, kWholePage);
   }
 
   template <class Other>
@@ -48,10 +51,11 @@ class Staggered {
 
  private:
   static constexpr std::size_t kPage = 4096, kPlaces = 16, kStep = kPage / kPlaces;
-  static constexpr std::size_t kHead = 64;  ///< a cache line, in which the offset is kept
-  static constexpr std::align_val_t kAlign{kHead};
+  static constexpr std::size_t kHead = 64;  ///< a cache line, in which the place is kept
+  static constexpr std::align_val_t kLine{kHead}, kWholePage{kPage};
   static_assert(alignof(T) <= kHead);
 
+  static bool is_image(std::size_t n) noexcept { return n * sizeof(T) >= kPage; }
   static std::size_t next_place() noexcept { return detail::images.fetch_add(1, std::memory_order_relaxed) % kPlaces; }
 };
 
