@@ -108,7 +108,7 @@ BurstVerdict BurstDecoder::find_phase(const Burst& burst) const {
   PhaseMaps& phase = burst.steps.phase;
   DecodeDiagnostics& diagnostics = burst.out.diagnostics;
   diagnostics.noise = noise_ ? noise_from_rig(*noise_, burst.view.bit_depth) : noise_from_closure(burst.view);
-  strategy_->solve_phase(burst.view, diagnostics.noise, burst.work, phase);
+  strategy_->solve_phase(burst.view, burst.work, diagnostics, phase);
   copy_images(phase, diagnostics.noise, burst.out);
   tell(burst.hook, "phase");
   if (const auto why = too_few_valid(phase, config_.light)) return *why;

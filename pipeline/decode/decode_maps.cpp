@@ -61,6 +61,7 @@ std::string figure_json(const Figure& figure) {
 /// Figures that the verdict rests on: of every mode, then of the burst's.
 std::string diagnostics_json(const DecodeDiagnostics& d, const std::vector<Figure>& of_mode) {
   std::vector<Figure> all = {
+      {"wave_harmonics", 4, {d.wave.harmonic.begin(), d.wave.harmonic.end()}, true},
       {"repeated_share", 5, {d.repeated_share}},
       {"linked_share", 5, {d.linked_share}},
       {"code_agreement", 5, {d.code_agreement}},

@@ -8,6 +8,7 @@
 #include "pipeline/decode/mode_m/micro_memory.hpp"
 #include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "pipeline/decode/mode_m/micro_view.hpp"
+#include "pipeline/decode/phase/linearise.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -27,8 +28,9 @@ std::unique_ptr<PatternStrategy::Work> MicroMode::make_work() const { return std
 
 MicroMode::Memory& MicroMode::memory_of(Work& work) { return static_cast<Memory&>(work); }
 
-void MicroMode::solve_phase(const BurstView& view, const NoiseModel& noise, Work&, PhaseMaps& phase) const {
-  compute_micro_phase(view, noise, common_.phase, phase);
+void MicroMode::solve_phase(const BurstView& view, Work&, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
+  compute_micro_phase(view, diagnostics.noise, common_.phase, phase);
+  diagnostics.wave = linearise(micro_three_step(), geometry_.fringe_px(), common_.wave, common_.phase, phase);
 }
 
 void MicroMode::measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const {

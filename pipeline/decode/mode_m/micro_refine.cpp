@@ -46,9 +46,12 @@ RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface
   undo_micro_motion(m.wraps, m.motion, phase);
   join_code_frame({orders.spans, m.wraps, code_, m.motion, diagnostics.third_rad, diagnostics.noise}, config_.refit,
                   phase, {m.strips, diagnostics.rigid.moved ? &m.misfit : nullptr});
-  solve_micro_saturated(
-      {orders.spans, code_, m.motion, diagnostics.third_rad, diagnostics.noise, geometry_.rays->phase_mid_rad.data()},
-      common_.phase, phase, m.wraps, m.filled);
+  m.filled.clear();
+  const bool linear = !(diagnostics.wave.strength() > 0);
+  if (linear)
+    solve_micro_saturated(
+        {orders.spans, code_, m.motion, diagnostics.third_rad, diagnostics.noise, geometry_.rays->phase_mid_rad.data()},
+        common_.phase, phase, m.wraps, m.filled);
   tell(hook, "refit");
   return {phase, m.wraps, m.filled};
 }

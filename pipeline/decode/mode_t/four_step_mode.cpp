@@ -6,6 +6,7 @@
 #include "pipeline/decode/mode_t/closure_gates.hpp"
 #include "pipeline/decode/mode_t/fast_motion.hpp"
 #include "pipeline/decode/mode_t/four_step_memory.hpp"
+#include "pipeline/decode/phase/linearise.hpp"
 
 namespace enamel::pipeline {
 
@@ -17,9 +18,15 @@ std::unique_ptr<PatternStrategy::Work> FourStepMode::make_work() const { return 
 
 FourStepMode::Memory& FourStepMode::memory_of(Work& work) { return static_cast<Memory&>(work); }
 
-void FourStepMode::solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const {
-  compute_phase(view, noise, common_.phase, phase);
-  solve_saturated(view, noise, common_.phase, phase, memory_of(work).saturated);
+void FourStepMode::solve_phase(const BurstView& view, Work& work, DecodeDiagnostics& diagnostics,
+                               PhaseMaps& phase) const {
+  auto& saturated = memory_of(work).saturated;
+  saturated.clear();
+  compute_phase(view, diagnostics.noise, common_.phase, phase);
+  diagnostics.wave = linearise(four_step_three(), geometry_.fringe_px(), common_.wave, common_.phase, phase);
+  // Three frames of another kind would need a table of their own.
+  const bool linear = !(diagnostics.wave.strength() > 0);
+  if (linear) solve_saturated(view, diagnostics.noise, common_.phase, phase, saturated);
 }
 
 void FourStepMode::measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const {

@@ -6,6 +6,7 @@
 #include "calib/model/rig.hpp"
 #include "pipeline/decode/motion/rigid_motion.hpp"
 #include "pipeline/decode/phase/phase.hpp"
+#include "pipeline/decode/phase/waveform_fit.hpp"
 #include "pipeline/decode/steps/decode_gates.hpp"
 #include "pipeline/decode/triangulate/normals.hpp"
 #include "pipeline/decode/unwrap/links.hpp"
@@ -15,6 +16,7 @@ namespace enamel::pipeline {
 
 struct CommonConfig {
   PhaseConfig phase;
+  WaveFitConfig wave;
   LinkConfig links;
   OrderConfig order;
   RigidMotionConfig rigid;

@@ -11,6 +11,7 @@
 #include "pipeline/decode/phase/noise_model.hpp"
 #include "pipeline/decode/phase/phase_ripple.hpp"
 #include "pipeline/decode/phase/pixel_reject.hpp"
+#include "pipeline/decode/phase/waveform.hpp"
 #include "pipeline/types/map.hpp"
 #include "pipeline/types/patch.hpp"
 #include "pipeline/types/relative_surface.hpp"
@@ -57,6 +58,7 @@ struct DecodeDiagnostics {
   float third_rad = 0;             ///< mode M: a1 of the sin 3phi correction that was subtracted
   float code_shift_rad = 0;  ///< mode M: phase by which the code frame alone is off the other three, motion undone
   float code_turn_rad = 0;   ///< mode M: mean angle of the code against its orders
+  Waveform wave;  ///< of the projector, as it was undone before the code was read; no harmonics: nothing was
   NoiseModel noise;
 };
 

@@ -23,6 +23,9 @@ namespace enamel::pipeline {
 struct BurstGeometry {
   std::shared_ptr<const RayDepth> rays;
   Carrier carrier;
+
+  /// Of the picture's middle row, on a surface that faces the camera at mid-range.
+  [[nodiscard]] int fringe_px() const;
 };
 
 /// Immutable and thread-safe; each thread brings a Work of its own, made by the same strategy. The calls of one burst
@@ -44,8 +47,10 @@ class PatternStrategy {
   };
   [[nodiscard]] virtual std::unique_ptr<Work> make_work() const = 0;
 
-  /// Frames to wrapped phase, its noise and the physical mask.
-  virtual void solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const = 0;
+  /// Frames to wrapped phase, its noise (that of the diagnostics) and the physical mask; what the projector's response
+  /// did to them undone, and told in the diagnostics.
+  virtual void solve_phase(const BurstView& view, Work& work, DecodeDiagnostics& diagnostics,
+                           PhaseMaps& phase) const = 0;
 
   /// How well the wrapped phase is that of this mode's frames in their order; into the diagnostics, before links.
   virtual void measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const = 0;

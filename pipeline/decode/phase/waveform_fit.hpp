@@ -1,0 +1,44 @@
+// The projector's waveform from one burst, before any fringe order is known. A wave that is no cosine shows in three
+// ways in what three frames say when they are solved as cosines, all of them periodic in the phase they say:
+//   pixels crowd at some phases (true phase is spread evenly over whole fringes), the modulation B ripples about that
+//   of its neighbourhood, and so does the mean A.
+// Moments of the three over the burst are compared with those of a wave of harmonics h, and h is found by least
+// squares.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pipeline/decode/phase/phase.hpp"
+#include "pipeline/decode/phase/waveform.hpp"
+
+namespace enamel::pipeline {
+
+/// Means over pixels, one a fold of the ThreeStep.
+struct WaveMoments {
+  double pixels = 0;
+  std::vector<double> crowding;    ///< <f(phi)>
+  std::vector<double> modulation;  ///< <(B/B_local - 1) f(phi)>
+  std::vector<double> mean;        ///< <(A - A_local)/B_local f(phi)>
+};
+
+/// Of valid pixels of every `row_step`-th row; local: mean over one fringe of the row, fringe_px wide at mid-range.
+[[nodiscard]] WaveMoments wave_moments(const PhaseMaps& maps, const ThreeStep& frames, int fringe_px, int row_step);
+
+struct WaveFitConfig {
+  int row_step = 4;  ///< layout: of the rows that are asked
+  /// Spread of a burst's moments that its surfaces leave beside counting noise. chosen: by judgement, on the rendered
+  /// units of other makers.
+  double crowding_spread = 0.01, ripple_spread = 0.004;
+  /// Spread of h_2 … h_5 over projectors. derived: a gamma of 1 to 2.8 has (g-1)/(g+2), (g-2)/(g+3) of that, and so on
+  /// (Liu et al. 2010).
+  std::array<double, kWaveHarmonics> prior{0.3, 0.1, 0.015, 0.008};
+  double min_pixels = 2000;  ///< chosen: by judgement. With fewer nothing is said.
+  /// chosen: by judgement. Below, what is left is undone once orders are known (docs/decode.md §6).
+  double least_strength = 0.05;
+};
+
+/// No harmonics where fewer than min_pixels were counted, or none is clear.
+[[nodiscard]] Waveform fit_waveform(const WaveMoments& moments, const ThreeStep& frames, const WaveFitConfig& config);
+
+}  // namespace enamel::pipeline
