@@ -47,6 +47,12 @@ inline constexpr float kBeyondRange = 0.15F;
 inline constexpr float kLargestResidue_rad = 0.2F;
 inline constexpr double kMinHarmonicPixels = 5000;
 
+/// Of the waveform once orders are known: rows it is asked of; spread of what the first estimate is off by. chosen: by
+/// judgement, above the 0.02 that a curved surface adds to it.
+inline constexpr int kWaveRowStep = 4;
+inline constexpr double kWaveSpread = 0.03;
+inline constexpr int kWavePasses = 2;  ///< chosen: by judgement
+
 /// Of an odd frame: side of a block; sigma of its phase of the code frame that is asked; spread of the unknowns, in the
 /// order of kOddColumns: phases anywhere, what blocks leave of motion, light and gain. chosen: by judgement.
 inline constexpr int kOddBlock_px = 64;

@@ -8,12 +8,15 @@
 #include "pipeline/decode/mode_m/likely_wraps.hpp"
 #include "pipeline/decode/mode_m/micro_evidence.hpp"
 #include "pipeline/decode/mode_m/micro_mode.hpp"
+#include "pipeline/decode/mode_m/micro_wave.hpp"
 #include "pipeline/decode/phase/misfit.hpp"
 
 namespace enamel::pipeline {
 
 struct MicroMode::Memory : PatternStrategy::Work {
   CodeSteps steps;
+  RawMicroFrames raw;  ///< of a projector that is not linear
+  MicroWave wave;
   MicroEvidence evidence;
   LikelyWraps likely;
   PhaseMaps at_code;  ///< the phase as the code frame sees it

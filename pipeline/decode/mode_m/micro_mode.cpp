@@ -8,7 +8,6 @@
 #include "pipeline/decode/mode_m/micro_memory.hpp"
 #include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "pipeline/decode/mode_m/micro_view.hpp"
-#include "pipeline/decode/phase/linearise.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -28,9 +27,12 @@ std::unique_ptr<PatternStrategy::Work> MicroMode::make_work() const { return std
 
 MicroMode::Memory& MicroMode::memory_of(Work& work) { return static_cast<Memory&>(work); }
 
-void MicroMode::solve_phase(const BurstView& view, Work&, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
+void MicroMode::solve_phase(const BurstView& view, Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   compute_micro_phase(view, diagnostics.noise, common_.phase, phase);
-  diagnostics.wave = linearise(micro_three_step(), geometry_.fringe_px(), common_.wave, common_.phase, phase);
+  diagnostics.wave = find_waveform(phase, micro_three_step(), geometry_.fringe_px(), common_.wave);
+  if (!(diagnostics.wave.strength() > 0)) return;
+  memory_of(work).raw.keep(phase);
+  linearise_micro(diagnostics.wave, common_.phase, phase);
 }
 
 void MicroMode::measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const {

@@ -14,6 +14,7 @@ void MicroMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics
   const MicroBurst burst{phase, m.wraps, code_, diagnostics.third_rad, diagnostics.noise};
   fit_micro_motion(burst, config_.refit, m.motion);
   diagnostics.motion_rad = m.motion.motion_rad;
+  diagnostics.rigid = {};
   if (shows_motion(m.motion.block_motion_rad, m.motion.block_sigma_rad, common_.rigid)) {
     MicroView view(
         {m.wraps, m.wraps, 0, code_, diagnostics.third_rad, phase, rays, m.motion, common_.rigid.max_residual, true});
@@ -30,15 +31,30 @@ void MicroMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics
   diagnostics.closure_share = odd.explained_share;
 }
 
+/// The motion was found through the harmonics, and the harmonics through the motion: each once more.
+void MicroMode::undo_wave(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
+  m.wave = {diagnostics.wave, diagnostics.wave};
+  for (int pass = 0; pass < kWavePasses; ++pass) {
+    find_motion(phase, m, diagnostics);
+    take_off_harmonics(m.raw, m.wraps, code_, m.motion, m.wave, phase);
+    m.wave = refit_wave({phase, m.wraps, code_, 0, diagnostics.noise}, m.motion, config_.refit.max_residual, m.wave);
+    take_off_harmonics(m.raw, m.wraps, code_, m.motion, m.wave, phase);
+  }
+  diagnostics.wave = m.wave.fringe;
+}
+
 RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface& relative, Work& work,
                                const StepHook& hook, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   Memory& m = memory_of(work);
   cells_of(relative, m.relative_cells);
   place_spans(orders.spans, m.relative_cells, phase.phase_rad.width(), phase.phase_rad.height(), m.wraps);
-  if (common_.correct_ripple) {
+  const bool linear = !(diagnostics.wave.strength() > 0);
+  diagnostics.third_rad = 0;
+  if (common_.correct_ripple && linear) {
     diagnostics.third_rad = estimate_third_harmonic(orders.spans, phase).a1_rad;
     correct_third_harmonic(m.wraps, diagnostics.third_rad, phase);
   }
+  if (common_.correct_ripple && !linear) undo_wave(m, diagnostics, phase);
   tell(hook, "harmonic");
   if (!common_.correct_closure) return {phase, m.wraps, {}};
   find_motion(phase, m, diagnostics);
@@ -47,7 +63,6 @@ RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface
   join_code_frame({orders.spans, m.wraps, code_, m.motion, diagnostics.third_rad, diagnostics.noise}, config_.refit,
                   phase, {m.strips, diagnostics.rigid.moved ? &m.misfit : nullptr});
   m.filled.clear();
-  const bool linear = !(diagnostics.wave.strength() > 0);
   if (linear)
     solve_micro_saturated(
         {orders.spans, code_, m.motion, diagnostics.third_rad, diagnostics.noise, geometry_.rays->phase_mid_rad.data()},

@@ -17,7 +17,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 /// layout: of the four frames, the code frame second.
-constexpr double kTwoPi = 2 * std::numbers::pi, kHalfRoot3 = 0.86602540378443865;
+constexpr double kTwoPi = 2 * std::numbers::pi, kHalfRootThree = 0.86602540378443865;
 constexpr std::array<float, 4> kTimes = {-1.5F, -0.5F, 0.5F, 1.5F};
 constexpr std::array<double, 4> kShifts = {0, 0, kTwoPi / 3, -kTwoPi / 3};
 
@@ -44,14 +44,15 @@ struct Seen {
 };
 
 /// One pixel's two phase frames and its code frame.
-class Pixel {
+class UnsaturatedFrames {
  public:
-  Pixel(const MicroSaturatedInput& in, const PhaseMaps& m, const Seen& seen, std::size_t i, double saturated_dn)
+  UnsaturatedFrames(const MicroSaturatedInput& in, const PhaseMaps& m, const Seen& seen, std::size_t i,
+                    double saturated_dn)
       : in_(in), change_(seen.change), gain_(static_cast<double>(seen.gain)) {
     const auto a = static_cast<double>(m.mean_dn[i]), c = static_cast<double>(m.cosine_dn[i]);
     const auto s = static_cast<double>(m.sine_dn[i]);
-    const std::array<double, 4> dn = {a + c, a + static_cast<double>(m.code_dn[i]), a - 0.5 * c - kHalfRoot3 * s,
-                                      a - 0.5 * c + kHalfRoot3 * s};
+    const std::array<double, 4> dn = {a + c, a + static_cast<double>(m.code_dn[i]), a - 0.5 * c - kHalfRootThree * s,
+                                      a - 0.5 * c + kHalfRootThree * s};
     for (std::size_t k = 0; k < dn.size(); ++k) {
       if (!(dn[k] < saturated_dn - kRemadeRounding_dn)) continue;  // false for NaN: the code frame is saturated, too
       if (count_ < 3) frames_[count_] = k, dn_[count_] = dn[k];
@@ -154,7 +155,8 @@ class Solver {
   static bool alike(double a, double b) { return a > kLeastAlike * b && b > kLeastAlike * a; }
 
   void solve_pixel(std::size_t i, const Unknowns& near) {
-    const Pixel pixel(in_, maps_, seen_at(i), i, static_cast<double>(config_.saturation * in_.noise.full_scale_dn));
+    const UnsaturatedFrames pixel(in_, maps_, seen_at(i), i,
+                                  static_cast<double>(config_.saturation * in_.noise.full_scale_dn));
     Unknowns x = near;
     if (!pixel.usable() || !pixel.solve(x)) return;
     const double sigma = pixel.sigma_rad(x);

@@ -5,6 +5,7 @@
 
 #include "pipeline/decode/mode_t/four_step_mode.hpp"
 #include "pipeline/decode/mode_t/four_step_view.hpp"
+#include "pipeline/decode/mode_t/four_step_wave.hpp"
 #include "pipeline/decode/mode_t/polarity_evidence.hpp"
 #include "pipeline/decode/mode_t/saturated.hpp"
 #include "pipeline/decode/phase/misfit.hpp"
@@ -15,6 +16,7 @@ namespace enamel::pipeline {
 struct FourStepMode::Memory : PatternStrategy::Work {
   std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame
   LeastCutsWork cuts;                     ///< of patterns without a code
+  RawFourFrames raw;                      ///< of a projector that is not linear
   PolarityEvidence evidence;
   PolarityMaps polarity;
   ClosureFit closure;

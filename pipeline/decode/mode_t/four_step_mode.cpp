@@ -6,7 +6,6 @@
 #include "pipeline/decode/mode_t/closure_gates.hpp"
 #include "pipeline/decode/mode_t/fast_motion.hpp"
 #include "pipeline/decode/mode_t/four_step_memory.hpp"
-#include "pipeline/decode/phase/linearise.hpp"
 
 namespace enamel::pipeline {
 
@@ -23,7 +22,11 @@ void FourStepMode::solve_phase(const BurstView& view, Work& work, DecodeDiagnost
   auto& saturated = memory_of(work).saturated;
   saturated.clear();
   compute_phase(view, diagnostics.noise, common_.phase, phase);
-  diagnostics.wave = linearise(four_step_three(), geometry_.fringe_px(), common_.wave, common_.phase, phase);
+  diagnostics.wave = find_waveform(phase, four_step_three(), geometry_.fringe_px(), common_.wave);
+  if (diagnostics.wave.strength() > 0) {
+    memory_of(work).raw.keep(phase);
+    linearise_four_step(diagnostics.wave, common_.phase, phase);
+  }
   // Three frames of another kind would need a table of their own.
   const bool linear = !(diagnostics.wave.strength() > 0);
   if (linear) solve_saturated(view, diagnostics.noise, common_.phase, phase, saturated);

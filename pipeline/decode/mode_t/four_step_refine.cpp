@@ -1,6 +1,5 @@
 // Mode T's best phase: frame 3 joins once its sign is known, then motion, flips and harmonics are undone.
-#include <array>
-
+#include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/closure_gates.hpp"
 #include "pipeline/decode/mode_t/four_step_memory.hpp"
 #include "pipeline/decode/mode_t/ripple_depth.hpp"
@@ -11,6 +10,7 @@ namespace enamel::pipeline {
 void FourStepMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics& diagnostics) const {
   diagnostics.motion_rad = m.closure.motion_rad;
   diagnostics.harmonic = m.closure.harmonic;
+  diagnostics.rigid = {};
   if (!shows_motion(m.closure.block_motion_rad, m.closure.block_sigma_rad, common_.rigid)) return;
   FourStepView view(
       {phase, m.polarity, m.closure, *geometry_.rays, diagnostics.noise.black_dn, common_.rigid.max_residual},
@@ -51,6 +51,23 @@ void FourStepMode::undo_ripple(const FringeOrders& orders, Memory& m, DecodeDiag
   diagnostics.ripple_by_depth_rad = by_depth.rms_rad();
 }
 
+/// The motion was found through the harmonics, and the harmonics through the motion: each once more. What is left of
+/// the second harmonic the closure tells.
+void FourStepMode::undo_wave(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics,
+                             PhaseMaps& phase) const {
+  const float black_dn = diagnostics.noise.black_dn;
+  for (int pass = 0; pass < kWavePasses; ++pass) {
+    const BurstErrors errors = m.errors(diagnostics.rigid.moved);
+    correct_phase(m.polarity, errors, black_dn, phase);
+    diagnostics.wave.harmonic[0] += static_cast<double>(diagnostics.harmonic);
+    take_off_harmonics({orders.spans, signs_, m.raw, diagnostics.wave}, m.polarity, errors, black_dn, phase);
+    apply_polarity(orders.spans, signs_, diagnostics.noise, config_.polarity, phase, m.polarity);
+    fit_closure(phase, m.polarity, diagnostics.noise, config_.closure, m.closure);
+    find_motion(phase, m, diagnostics);
+  }
+  widen_by_wave(orders.spans, signs_, diagnostics.wave, common_.phase, phase);
+}
+
 RefinedPhase FourStepMode::refine(const FringeOrders& orders, const RelativeSurface&, Work& work, const StepHook& hook,
                                   DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   Memory& m = memory_of(work);
@@ -61,6 +78,7 @@ RefinedPhase FourStepMode::refine(const FringeOrders& orders, const RelativeSurf
     fit_closure(phase, m.polarity, diagnostics.noise, config_.closure, m.closure);
     tell(hook, "closure");
     find_motion(phase, m, diagnostics);
+    if (diagnostics.wave.strength() > 0) undo_wave(orders, m, diagnostics, phase);
     undo_motion(orders, m, diagnostics, phase);
     tell(hook, "motion");
   }

@@ -7,7 +7,7 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr double kHalfRoot3 = 0.86602540378443865;  // physical: sin 60 degrees
+constexpr double kHalfRootThree = 0.86602540378443865;  // physical: sin 60 degrees
 
 /// cos n phi, n = 1 … kWaveHarmonics + 1, from cos phi.
 std::array<double, kWaveHarmonics + 1> multiples(double c) {
@@ -36,23 +36,29 @@ double Waveform::strength() const noexcept {
   return most;
 }
 
-const ThreeStep& micro_three_step() {
-  static const ThreeStep kFrames{{1, -0.5, -0.5},
-                                 {0, kHalfRoot3, -kHalfRoot3},
-                                 {1.0 / 3, 1.0 / 3, 1.0 / 3},
-                                 {2.0 / 3, -1.0 / 3, -1.0 / 3},
-                                 {0, -0.5 / kHalfRoot3, 0.5 / kHalfRoot3},
-                                 {{3, false}, {6, false}}};
+const FrameScheme& micro_three_step() {
+  static const FrameScheme kFrames{{1, -0.5, -0.5, 0},
+                                   {0, kHalfRootThree, -kHalfRootThree, 0},
+                                   {1.0 / 3, 1.0 / 3, 1.0 / 3, 0},
+                                   {2.0 / 3, -1.0 / 3, -1.0 / 3, 0},
+                                   {0, -0.5 / kHalfRootThree, 0.5 / kHalfRootThree, 0},
+                                   {{3, false}, {6, false}}};
   return kFrames;
 }
 
-const ThreeStep& four_step_three() {
-  static const ThreeStep kFrames{{1, 0, -1},     {0, 1, 0},      {0.5, 0, 0.5},
-                                 {0.5, 0, -0.5}, {0.5, -1, 0.5}, {{1, true}, {3, true}, {4, false}, {5, true}}};
+const FrameScheme& four_step_three() {
+  static const FrameScheme kFrames{{1, 0, -1, 0},     {0, 1, 0, -1},     {0.5, 0, 0.5, 0},
+                                   {0.5, 0, -0.5, 0}, {0.5, -1, 0.5, 0}, {{1, true}, {3, true}, {4, false}, {5, true}}};
   return kFrames;
 }
 
-SeenWave see(const Waveform& wave, const ThreeStep& frames, std::size_t points) {
+const FrameScheme& four_step_four() {
+  static const FrameScheme kFrames{{1, 0, -1, 0},     {0, 1, 0, -1},     {0.5, 0, 0.5, 0},
+                                   {0.5, 0, -0.5, 0}, {0, -0.5, 0, 0.5}, {}};
+  return kFrames;
+}
+
+SeenWave see(const Waveform& wave, const FrameScheme& frames, std::size_t points) {
   SeenWave out;
   // Turned on step by step: products and sums only, the same bits everywhere.
   const double step = 2 * std::numbers::pi / static_cast<double>(points);
@@ -63,11 +69,10 @@ SeenWave see(const Waveform& wave, const ThreeStep& frames, std::size_t points) 
   double c = 1, s = 0;
   for (std::size_t i = 0; i < points; ++i) {
     double mean = 0, cosine = 0, sine = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < frames.mean.size(); ++k) {
       const double level = wave.at(c * frames.shift_cos[k] - s * frames.shift_sin[k]).value;
       mean += frames.mean[k] * level, cosine += frames.cosine[k] * level, sine += frames.sine[k] * level;
     }
-    out.phase_rad.push_back(step * static_cast<double>(i));
     out.mean.push_back(mean), out.cosine.push_back(cosine), out.sine.push_back(sine);
     const double turned = c * turn_cos - s * turn_sin;
     s = s * turn_cos + c * turn_sin, c = turned;

@@ -24,11 +24,24 @@ struct Waveform {
   [[nodiscard]] double strength() const noexcept;
 };
 
-/// Three frames A + B w(phi + shift_k) and how they are solved as if w were a cosine: weights of the frames in A,
-/// C = B cos phi and S = B sin phi.
-struct ThreeStep {
-  std::array<double, 3> shift_cos{}, shift_sin{};
-  std::array<double, 3> mean{}, cosine{}, sine{};
+/// sum_n h_n cos n a from cos a, n >= 2: what the wave has beyond its cosine. For loops over pixels.
+struct WaveValues {
+  std::array<float, kWaveHarmonics> h;
+
+  explicit WaveValues(const Waveform& wave) {
+    for (std::size_t n = 0; n < h.size(); ++n) h[n] = static_cast<float>(wave.harmonic[n]);
+  }
+  [[nodiscard]] float at(float c) const noexcept {
+    const float c2 = 2 * c * c - 1, c3 = c * (2 * c2 - 1), c4 = 2 * c2 * c2 - 1, c5 = 2 * c * c4 - c3;
+    return h[0] * c2 + h[1] * c3 + h[2] * c4 + h[3] * c5;
+  }
+};
+
+/// Frames A + B w(phi + shift_k) and how they are solved as if w were a cosine: weights of the frames in A,
+/// C = B cos phi and S = B sin phi. Frames without any weight are not read.
+struct FrameScheme {
+  std::array<double, 4> shift_cos{}, shift_sin{};
+  std::array<double, 4> mean{}, cosine{}, sine{};
   /// Parts of the wave's distortion by which it is recognised: cos or sin of `times` phi. What motion and slanted
   /// surfaces do looks otherwise.
   struct Fold {
@@ -38,15 +51,16 @@ struct ThreeStep {
   std::vector<Fold> folds;
 };
 
-/// Frames 0, 2, 3 of mode M; frames 0, 1, 2 of mode T.
-[[nodiscard]] const ThreeStep& micro_three_step();
-[[nodiscard]] const ThreeStep& four_step_three();
+/// Frames 0, 2, 3 of mode M.
+[[nodiscard]] const FrameScheme& micro_three_step();
+/// Frames 0, 1, 2 of mode T; all of them where the sign of frame 3 is plus.
+[[nodiscard]] const FrameScheme& four_step_three();
+[[nodiscard]] const FrameScheme& four_step_four();
 
-/// What the three frames of a unit wave look like when solved as cosines, at phases evenly spread over the fringe.
+/// What the frames of a unit wave look like when solved as cosines, at phases evenly spread over the fringe from 0 on.
 struct SeenWave {
-  std::vector<double> phase_rad;           ///< true phase, 0 … 2 pi
   std::vector<double> mean, cosine, sine;  ///< A - A_true, C, S over B_true
 };
-[[nodiscard]] SeenWave see(const Waveform& wave, const ThreeStep& frames, std::size_t points);
+[[nodiscard]] SeenWave see(const Waveform& wave, const FrameScheme& frames, std::size_t points);
 
 }  // namespace enamel::pipeline

@@ -17,7 +17,7 @@ using Harmonics = Eigen::Vector4d;
 using Values = Eigen::VectorXd;
 
 /// f(phi) of all folds from the direction of (C, S).
-void fold_values(std::complex<double> direction, const std::vector<ThreeStep::Fold>& folds, double* out) {
+void fold_values(std::complex<double> direction, const std::vector<FrameScheme::Fold>& folds, double* out) {
   std::complex<double> power = direction;
   int times = 1;
   for (std::size_t k = 0; k < folds.size(); ++k) {
@@ -27,7 +27,7 @@ void fold_values(std::complex<double> direction, const std::vector<ThreeStep::Fo
 }
 
 /// crowding, modulation, mean, one after the other.
-Values moments_of(const Waveform& wave, const ThreeStep& frames) {
+Values moments_of(const Waveform& wave, const FrameScheme& frames) {
   const SeenWave seen = see(wave, frames, kPoints);
   const auto folds = static_cast<Eigen::Index>(frames.folds.size());
   Values length(kPoints);
@@ -71,7 +71,7 @@ struct LocalMean {
 
 }  // namespace
 
-WaveMoments wave_moments(const PhaseMaps& maps, const ThreeStep& frames, int fringe_px, int row_step) {
+WaveMoments wave_moments(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px, int row_step) {
   const std::size_t folds = frames.folds.size();
   WaveMoments out{0, std::vector<double>(folds), std::vector<double>(folds), std::vector<double>(folds)};
   const auto width = static_cast<std::size_t>(maps.phase_rad.width()), wide = static_cast<std::size_t>(fringe_px);
@@ -99,7 +99,7 @@ WaveMoments wave_moments(const PhaseMaps& maps, const ThreeStep& frames, int fri
   return out;
 }
 
-Waveform fit_waveform(const WaveMoments& moments, const ThreeStep& frames, const WaveFitConfig& config) {
+Waveform fit_waveform(const WaveMoments& moments, const FrameScheme& frames, const WaveFitConfig& config) {
   if (moments.pixels < config.min_pixels) return {};
   const auto folds = static_cast<Eigen::Index>(frames.folds.size());
   Values seen(3 * folds), weight(3 * folds);

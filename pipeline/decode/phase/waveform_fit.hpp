@@ -14,7 +14,7 @@
 
 namespace enamel::pipeline {
 
-/// Means over pixels, one a fold of the ThreeStep.
+/// Means over pixels, one a fold of the FrameScheme.
 struct WaveMoments {
   double pixels = 0;
   std::vector<double> crowding;    ///< <f(phi)>
@@ -23,7 +23,7 @@ struct WaveMoments {
 };
 
 /// Of valid pixels of every `row_step`-th row; local: mean over one fringe of the row, fringe_px wide at mid-range.
-[[nodiscard]] WaveMoments wave_moments(const PhaseMaps& maps, const ThreeStep& frames, int fringe_px, int row_step);
+[[nodiscard]] WaveMoments wave_moments(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px, int row_step);
 
 struct WaveFitConfig {
   int row_step = 4;  ///< layout: of the rows that are asked
@@ -39,6 +39,12 @@ struct WaveFitConfig {
 };
 
 /// No harmonics where fewer than min_pixels were counted, or none is clear.
-[[nodiscard]] Waveform fit_waveform(const WaveMoments& moments, const ThreeStep& frames, const WaveFitConfig& config);
+[[nodiscard]] Waveform fit_waveform(const WaveMoments& moments, const FrameScheme& frames, const WaveFitConfig& config);
+
+/// Both. fringe_px: as for wave_moments.
+[[nodiscard]] inline Waveform find_waveform(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px,
+                                            const WaveFitConfig& config) {
+  return fit_waveform(wave_moments(maps, frames, fringe_px, config.row_step), frames, config);
+}
 
 }  // namespace enamel::pipeline

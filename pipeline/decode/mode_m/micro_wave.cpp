@@ -1,0 +1,153 @@
+#include "pipeline/decode/mode_m/micro_wave.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+
+#include "pipeline/decode/mode_m/chosen.hpp"
+#include "pipeline/decode/mode_m/micro_pixel.hpp"
+#include "pipeline/decode/mode_m/micro_spans.hpp"
+#include "pipeline/decode/phase/wave_tables.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+using WaveUnknowns = Eigen::Vector4d;  ///< dhc_2, dhc_3, dh_2, dh_3
+
+PixelChange change_of(const CodeRow& row, std::size_t u) {
+  return {row.motion_rad[u], row.motion_change_rad[u], row.light[u], row.light_change[u]};
+}
+
+/// A pixel at mid-burst and the turns of its frames.
+struct WavePixel {
+  Pixel pixel;
+  float phase_rad, modulation;
+  Lights lights;
+  Turns turns;
+};
+
+WavePixel see_pixel(const CodeRow& row, std::size_t u, const PixelChange& change) {
+  const Pixel raw{row.pixels.mean[u] - row.black_dn, row.pixels.cosine[u], row.pixels.sine[u]};
+  const Lights lights = lights_of<false>(change);
+  const Turns turns = turns_of<false>(change);
+  const Pixel p = at_mid_burst(raw, lights, turns);
+  return {p, row.pixels.phase[u] + ahead(raw, p), root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), lights, turns};
+}
+
+/// What harmonics add to frames 0, 2, 3, as A, C and S; and to the code frame.
+struct Added {
+  float mean, cosine, sine, code;
+};
+
+Added added_by(const WavePixel& s, const WaveValues& fringe) {
+  const Turn phase{s.pixel.cosine / s.modulation, s.pixel.sine / s.modulation};
+  const float first = s.modulation * fringe.at((phase + s.turns.a0).cos) / s.lights.of_first;
+  const float second = s.modulation * fringe.at((phase + kThirdTurn + s.turns.a2).cos) / s.lights.of_second;
+  const float third = s.modulation * fringe.at((phase + -kThirdTurn + s.turns.a3).cos) / s.lights.of_third;
+  return {kThird * (first + second + third), kThird * (2 * first - second - third), kInvRoot3 * (third - second), 0};
+}
+
+float code_cosine(const CodeRow& row, std::size_t u, const WavePixel& s, const PixelChange& change) {
+  const float r = 1 + row.inverse_ratio;
+  return code_model(row.wraps[u], s.phase_rad, r * change.turned(kCodeTime), {row.inverse_ratio, 0}).angle.cos;
+}
+
+struct NormalEquations {
+  Eigen::Matrix4d square = Eigen::Matrix4d::Zero();
+  WaveUnknowns side = WaveUnknowns::Zero();
+
+  void add(const WaveUnknowns& columns, double residual, double weight) {
+    square += weight * columns * columns.transpose();
+    side += weight * residual * columns;
+  }
+};
+
+void add_pixel(const CodeRow& row, std::size_t u, float max_residual, const NoiseModel& noise, NormalEquations& out) {
+  const PixelChange change = change_of(row, u);
+  const Pixel raw{row.pixels.mean[u] - row.black_dn, row.pixels.cosine[u], row.pixels.sine[u]};
+  const CodeWave wave{row.inverse_ratio, 0};
+  const Residual r =
+      code_residual<false>(raw, row.pixels.code[u], row.pixels.phase[u], row.wraps[u], change, row.gain[u], wave);
+  if (!(std::abs(r.rest) < max_residual * r.modulation)) return;
+  const WavePixel s = see_pixel(row, u, change);
+  const float ratio = 1 + row.inverse_ratio, gain = row.gain[u];
+  const Turn code = code_model(row.wraps[u], s.phase_rad, ratio * change.turned(kCodeTime), wave).angle;
+  const float c1 = s.pixel.cosine / s.modulation, s1 = s.pixel.sine / s.modulation;
+  const float c3 = c1 * (4 * c1 * c1 - 3), s3 = s1 * (3 - 4 * s1 * s1), c = code.cos;
+  const std::array<float, 4> columns = {2 * c * c - 1, c * (4 * c * c - 3), -gain * (c3 * c + ratio * s3 * code.sin),
+                                        -c3};
+  WaveUnknowns x;
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    x(static_cast<Eigen::Index>(k)) = static_cast<double>(s.modulation * columns[k]);
+  out.add(x, static_cast<double>(r.rest), 1 / static_cast<double>(noise.variance(row.pixels.mean[u])));
+}
+
+}  // namespace
+
+void RawMicroFrames::keep(const PhaseMaps& maps) {
+  mean_dn = maps.mean_dn, cosine_dn = maps.cosine_dn, sine_dn = maps.sine_dn, code_dn = maps.code_dn;
+}
+
+void linearise_micro(const Waveform& wave, const PhaseConfig& config, PhaseMaps& maps) {
+  const PhaseTable phases(wave, micro_three_step());
+  const LevelTable levels(wave);
+  for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
+    PixelReject& reject = maps.reject[i];
+    if (reject != PixelReject::kNone && reject != PixelReject::kNoisy) continue;
+    const PhaseTable::Entry e = phases.at(maps.phase_rad[i]);
+    const float b = maps.modulation_dn[i] * e.scale, lift = maps.modulation_dn[i] * e.mean;
+    const float phi = wrap_once(maps.phase_rad[i] + e.turn_rad);
+    const Turn turn = turn_of(phi);
+    maps.phase_rad[i] = phi, maps.modulation_dn[i] = b, maps.mean_dn[i] += lift;
+    maps.cosine_dn[i] = b * turn.cos, maps.sine_dn[i] = b * turn.sin;
+    maps.code_dn[i] = b * levels.cosine_of((maps.code_dn[i] - lift) / b);
+    const float sigma = maps.sigma_rad[i] * e.slope;
+    maps.sigma_rad[i] = root(sigma * sigma + e.spread_rad * e.spread_rad);
+    reject = maps.sigma_rad[i] < config.max_sigma_rad ? PixelReject::kNone : PixelReject::kNoisy;
+  }
+}
+
+void take_off_harmonics(const RawMicroFrames& raw, const Map<std::int16_t>& wraps, const MicroCode& code,
+                        const MicroMotion& motion, const MicroWave& wave, PhaseMaps& maps) {
+  const WaveValues fringe(wave.fringe), finer(wave.code);
+  CodeRows rows(motion, maps, &wraps);
+  rows.expect(code, 0);
+  for (int v = 0; v < wraps.height(); ++v) {
+    const CodeRow row = rows.at(v);
+    for (std::size_t u = 0; u < static_cast<std::size_t>(wraps.width()); ++u) {
+      if (!(row.wraps[u] > kNoSurface)) continue;
+      const std::size_t i = maps.phase_rad.index(static_cast<int>(u), v);
+      const PixelChange change = change_of(row, u);
+      const WavePixel s = see_pixel(row, u, change);
+      const Added add = added_by(s, fringe);
+      const bool placed = row.wraps[u] > kUnplaced;
+      const float in_code = placed ? s.modulation * finer.at(code_cosine(row, u, s, change)) / s.lights.of_code : 0;
+      const float code_level = placed ? raw.mean_dn[i] + raw.code_dn[i] - in_code : maps.mean_dn[i] + maps.code_dn[i];
+      const float a = raw.mean_dn[i] - add.mean, c = raw.cosine_dn[i] - add.cosine, b = raw.sine_dn[i] - add.sine;
+      maps.phase_rad[i] += wrap_once(atan2_poly(b, c) - maps.phase_rad[i]);  // its wrap count stays
+      maps.modulation_dn[i] = root(b * b + c * c + 1e-6F);
+      maps.mean_dn[i] = a, maps.cosine_dn[i] = c, maps.sine_dn[i] = b;
+      maps.code_dn[i] = code_level - a;
+    }
+  }
+}
+
+MicroWave refit_wave(const MicroBurst& burst, const MicroMotion& motion, float max_residual, const MicroWave& wave) {
+  NormalEquations sums;
+  CodeRows rows(motion, burst.maps, &burst.wraps);
+  rows.expect(burst.code, 0);
+  for (int v = 0; v < burst.wraps.height(); v += kWaveRowStep) {
+    const CodeRow row = rows.at(v);
+    for (std::size_t u = 0; u < static_cast<std::size_t>(burst.wraps.width()); ++u)
+      if (row.wraps[u] > kUnplaced) add_pixel(row, u, max_residual, burst.noise, sums);
+  }
+  const double precision = 1 / (kWaveSpread * kWaveSpread);
+  const WaveUnknowns step = (sums.square + precision * Eigen::Matrix4d::Identity()).llt().solve(sums.side);
+  MicroWave out = wave;
+  out.code.harmonic[0] += step(0), out.code.harmonic[1] += step(1);
+  out.fringe.harmonic[0] += step(2), out.fringe.harmonic[1] += step(3);
+  return out;
+}
+
+}  // namespace enamel::pipeline
