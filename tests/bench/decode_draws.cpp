@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "protocol/base/file.hpp"
@@ -68,7 +69,7 @@ struct Worker {
 };
 
 void try_faults(const pipeline::BurstDecoder& decoder, const test::DrawnBurst& burst, Worker& worker, DrawRow& row) {
-  const test::Drawn& drawn = row.ready.drawn;
+  const test::Drawn& drawn = row.drawn;
   for (std::size_t k = 0; k < test::kFrameFaults; ++k) {
     const auto fault = static_cast<test::FrameFault>(k);
     const test::FaultedBurst bad = test::faulted(drawn, burst.frames, fault, drawn.seed);
@@ -79,20 +80,19 @@ void try_faults(const pipeline::BurstDecoder& decoder, const test::DrawnBurst& b
 }
 
 void run_draw(std::uint64_t seed, calib::PatternMode mode, bool faults, Worker& worker, DrawRow& row) {
-  row.ready = test::ready_draw(seed, mode);
-  const test::Drawn& drawn = row.ready.drawn;
-  const auto decoder = pipeline::BurstDecoder::make(drawn.rig);
-  if (!decoder) {
-    row.ready.refused.push_back(decoder.error().detail);
-    return;
-  }
+  test::ReadyDraw ready = test::ready_draw(seed, mode);
+  row.drawn = ready.drawn, row.refused = std::move(ready.refused);
+  if (!ready.decoder) return;
+  row.decoded = true;
+  const test::Drawn& drawn = row.drawn;
+  const pipeline::BurstDecoder& decoder = *ready.decoder;
   const double start = thread_ms();
   const test::DrawnBurst burst = test::render(drawn);
   const double rendered = thread_ms();
-  decoder->decode(burst.frames.view(), worker.workspace, worker.decoded);
+  decoder.decode(burst.frames.view(), worker.workspace, worker.decoded);
   row.render_ms = rendered - start, row.decode_ms = thread_ms() - rendered;
   row.judged = test::judge(drawn, burst.truth, worker.decoded);
-  if (faults && row.judged.accepted() && row.judged.is_true_burst()) try_faults(*decoder, burst, worker, row);
+  if (faults && row.judged.accepted() && row.judged.is_true_burst()) try_faults(decoder, burst, worker, row);
 }
 
 std::vector<DrawRow> run_draws(const Options& o) {

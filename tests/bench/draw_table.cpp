@@ -38,17 +38,18 @@ struct Tally {
     const auto of = [&](PixelKind k) -> const test::ZScores& { return z[static_cast<std::size_t>(k)]; };
     std::string why;
     for (const auto& [reason, count] : rejected) why += fmt::format("{}{} {}", why.empty() ? "" : ", ", count, reason);
-    return fmt::format("{:<16}{:>6}{:>6}{:>8.1f}{:>8.1f}{:>9.3f}{:>6}{:>8}{:>8}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}  {}\n", name,
-                       bursts, accepted, 100 * Judged::share(sure_covered, sure),
-                       100 * Judged::share(sure_covered, sure_of_accepted), 100 * Judged::share(wrong, placed),
-                       large_wrong, in_shadow, off_object, of(PixelKind::kSmooth).rms(),
-                       of(PixelKind::kSmooth).by_median(), of(PixelKind::kNearEdge).rms(), of(PixelKind::kMoving).rms(),
-                       of(PixelKind::kWeak).rms(), why);
+    return fmt::format(
+        "{:<16}{:>6}{:>6}{:>8.1f}{:>8.1f}{:>9.3f}{:>6}{:>8}{:>8}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}  {}\n", name,
+        bursts, accepted, 100 * Judged::share(sure_covered, sure), 100 * Judged::share(sure_covered, sure_of_accepted),
+        100 * Judged::share(wrong, placed), large_wrong, in_shadow, off_object, of(PixelKind::kSmooth).rms(),
+        of(PixelKind::kSmooth).by_median(), of(PixelKind::kNearEdge).rms(), of(PixelKind::kMoving).rms(),
+        of(PixelKind::kWeak).rms(), why);
   }
 };
 
 constexpr std::string_view kHead =
-    "                bursts  acc.  cover%   acc.%   wrong%  >100   shade  nowhere    rms  by med   edge moving   weak  rejected\n";
+    "                bursts  acc.  cover%   acc.%   wrong%  >100   shade  nowhere    rms  by med   edge moving   weak  "
+    "rejected\n";
 
 using ClassOf = std::function<int(const test::Drawn&)>;
 
@@ -57,8 +58,7 @@ std::string table(const std::vector<const DrawRow*>& rows, std::string_view titl
                   const std::array<std::string_view, N>& names, const ClassOf& class_of) {
   std::array<Tally, N> classes;
   for (const DrawRow* row : rows) {
-    if (row->judged.is_true_burst())
-      classes[static_cast<std::size_t>(class_of(row->ready.drawn))].add(row->judged);
+    if (row->judged.is_true_burst()) classes[static_cast<std::size_t>(class_of(row->drawn))].add(row->judged);
   }
   std::string out = fmt::format("{}\n{}", title, kHead);
   for (std::size_t k = 0; k < N; ++k) out += classes[k].line(names[k]);
@@ -93,13 +93,13 @@ std::string of_mode(const std::vector<const DrawRow*>& rows) {
   double render_ms = 0, decode_ms = 0;
   for (const DrawRow* row : rows) {
     (row->judged.is_true_burst() ? true_bursts : others).add(row->judged);
-    refused += row->ready.refused.size();
+    refused += row->refused.size();
     render_ms += row->render_ms, decode_ms += row->decode_ms;
   }
   const auto n = static_cast<double>(std::max<std::size_t>(1, rows.size()));
   std::string out = table(rows, "by response", test::kResponseNames, test::response_class);
-  out += table(rows, "by scene", test::kSceneNames,
-               [](const test::Drawn& d) { return static_cast<int>(d.scene.kind); });
+  out +=
+      table(rows, "by scene", test::kSceneNames, [](const test::Drawn& d) { return static_cast<int>(d.scene.kind); });
   out += table(rows, "by motion", test::kMotionNames, test::motion_band);
   out += table(rows, "by albedo", test::kAlbedoNames, test::albedo_band);
   out += fmt::format("all\n{}{}{}", kHead, true_bursts.line("true bursts"), others.line("others"));
@@ -120,7 +120,7 @@ std::string draw_tables(const std::vector<DrawRow>& rows) {
   for (const auto mode : {calib::PatternMode::kMicro, calib::PatternMode::kPolarity}) {
     std::vector<const DrawRow*> of;
     for (const DrawRow& row : rows)
-      if (row.ready.drawn.rig.patterns.mode == mode) of.push_back(&row);
+      if (row.decoded && row.drawn.rig.patterns.mode == mode) of.push_back(&row);
     if (of.empty()) continue;
     out += fmt::format("mode {}\n\n", mode == calib::PatternMode::kMicro ? "M" : "T") + of_mode(of);
   }
@@ -157,7 +157,7 @@ std::string worst_draws(const std::vector<DrawRow>& rows, std::size_t how_many) 
     for (std::size_t k = 0; k < std::min(bad.size(), how_many); ++k) {
       const DrawRow& row = *bad[k];
       out += fmt::format("  {:>9.2f} {} | {} fastest {:.2f} rad\n", ranking.badness(row.judged),
-                         test::describe(row.ready.drawn), name_of(row.judged.verdict), row.judged.fastest_rad_a_frame);
+                         test::describe(row.drawn), name_of(row.judged.verdict), row.judged.fastest_rad_a_frame);
     }
   }
   return out;
@@ -167,7 +167,8 @@ std::string draws_json(const std::vector<DrawRow>& rows) {
   using Json = nlohmann::ordered_json;
   Json out = Json::array();
   for (const DrawRow& row : rows) {
-    const test::Drawn& d = row.ready.drawn;
+    if (!row.decoded) continue;
+    const test::Drawn& d = row.drawn;
     const Judged& j = row.judged;
     Json z;
     for (std::size_t k = 0; k < test::kPixelKinds; ++k)
@@ -198,7 +199,7 @@ std::string draws_json(const std::vector<DrawRow>& rows) {
                    {"misled", j.misled},
                    {"z_count_rms_median_mean", z},
                    {"faults", faults},
-                   {"refused", row.ready.refused}});
+                   {"refused", row.refused}});
   }
   return out.dump(1);
 }

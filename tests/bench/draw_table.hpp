@@ -19,7 +19,9 @@ struct FaultRow {
 };
 
 struct DrawRow {
-  test::ReadyDraw ready;
+  test::Drawn drawn;
+  std::vector<std::string> refused;  ///< why draws before it were
+  bool decoded = false;              ///< false: no decoder took the rig, and nothing below is filled
   test::Judged judged;
   std::vector<FaultRow> faults;  ///< of true bursts that were accepted as they are
   double render_ms = 0, decode_ms = 0;

@@ -82,6 +82,7 @@ struct DrawnMotion {
   Point3 velocity_mm_s = Point3::Zero(), turn_rad_s = Point3::Zero();
   Point3 pivot_mm = {0, 0, 48};
 
+  [[nodiscard]] bool is_still() const { return velocity_mm_s.isZero(0) && turn_rad_s.isZero(0); }
   /// Where a point of mid-burst is `time_s` later.
   [[nodiscard]] Eigen::Isometry3d at(double time_s) const;
 };

@@ -96,7 +96,8 @@ Extent extent(const SceneValues& s) {
 
 Eigen::Isometry3d draw_place(Random& r, const calib::Rig& rig, const SceneValues& s) {
   const Extent e = extent(s);
-  const double most_tilt = s.kind == SceneKind::kPlane ? 40 : 25, tilt = most_tilt * r(0, 1) * kDeg, about = r(0, kTurn);
+  const double most_tilt = s.kind == SceneKind::kPlane ? 40 : 25, tilt = most_tilt * r(0, 1) * kDeg,
+               about = r(0, kTurn);
   const double front = 43 - 2 * std::sin(tilt), back = 54 - (s.kind == SceneKind::kBalls ? 0 : 2 * std::sin(tilt));
   // z of the scene points back at the camera: what is high is near.
   const double near = front + e.high_mm, far = back + e.low_mm;

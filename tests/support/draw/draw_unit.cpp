@@ -17,8 +17,7 @@ bool tells_orders(const std::vector<int>& code) {
   for (int fringes = 1; fringes < kOrdersOpen; ++fringes) {
     int run = 0;
     for (int c = 0; c < 2 * n; ++c) {
-      const bool alike =
-          code[static_cast<std::size_t>(c % n)] == code[static_cast<std::size_t>((c + 2 * fringes) % n)];
+      const bool alike = code[static_cast<std::size_t>(c % n)] == code[static_cast<std::size_t>((c + 2 * fringes) % n)];
       run = alike ? run + 1 : 0;
       if (run > kLongestRepeat_cells) return false;
     }
@@ -74,10 +73,10 @@ void draw_camera(Random& r, calib::Rig& rig) {
 void draw_pose(Random& r, calib::Rig& rig) {
   const Point3 centre{r(8, 14), r(-0.3, 0.3), r(-1, 1)};
   const double verge = std::atan2(centre.x(), r(46.5, 49.5) - centre.z());
-  Eigen::Matrix3d turn = (Eigen::AngleAxisd(verge, Point3::UnitY()) *
-                          Eigen::AngleAxisd(r(-0.5, 0.5) * kDeg, Point3::UnitX()) *
-                          Eigen::AngleAxisd(r(-0.8, 0.8) * kDeg, Point3::UnitZ()))
-                             .toRotationMatrix();
+  Eigen::Matrix3d turn =
+      (Eigen::AngleAxisd(verge, Point3::UnitY()) * Eigen::AngleAxisd(r(-0.5, 0.5) * kDeg, Point3::UnitX()) *
+       Eigen::AngleAxisd(r(-0.8, 0.8) * kDeg, Point3::UnitZ()))
+          .toRotationMatrix();
   const Point3 t = -turn * centre;
   for (int i = 0; i < 3; ++i) {
     auto& row = rig.T_proj_cam[static_cast<std::size_t>(i)];
@@ -124,7 +123,7 @@ Optics draw_optics(Random& r) {
   Optics o;
   o.blur_px = r(0.5, 1.2), o.blur_px_per_mm = r(0.1, 0.32), o.focus_mm = r(46.5, 50.5);
   o.psf_px = r(0.4, 0.9);
-  o.exposure = r(0.4, 0.9);
+  o.exposure = r(0.5, 1.1);
   o.ambient = r.chance(0.3) ? 0 : r(0, 0.03);
   o.prnu = r.chance(0.3) ? 0 : r(0, 0.01);
   return o;

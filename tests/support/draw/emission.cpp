@@ -17,8 +17,8 @@ double level(const calib::PatternValues& p, int frame, int i) {
   if (p.mode == calib::PatternMode::kMicro) {
     wave = frame == 1 ? std::cos(phi + phi / p.code_ratio) : std::cos(phi + (frame == 0 ? 0 : frame - 1) * kTurn / 3);
   } else if (frame == 3) {
-    const auto cell = static_cast<std::size_t>(std::floor(2 * i / p.period_px + 1e-9)) +
-                      static_cast<std::size_t>(p.first_cell);
+    const auto cell =
+        static_cast<std::size_t>(std::floor(2 * i / p.period_px + 1e-9)) + static_cast<std::size_t>(p.first_cell);
     wave = p.polarity_code[cell % p.polarity_code.size()] * std::sin(phi);
   }
   return std::floor(p.mean + p.amplitude * wave + 0.5 + 1e-9);

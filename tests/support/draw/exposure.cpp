@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "tests/support/draw/random.hpp"
 
@@ -20,9 +21,16 @@ class Instant {
       : stage_(stage),
         tracer_(stage.drawn, *stage.shape, time_s),
         width_(stage.drawn.rig.camera.width),
-        height_(stage.drawn.rig.camera.height) {
+        height_(stage.drawn.rig.camera.height),
+        rough_(width_, height_) {
     points_.reserve(stage.rays.size());
     for (const auto& ray : stage.rays) points_.push_back(tracer_.trace(ray));
+    for (int v = 0; v < height_; ++v) {
+      for (int u = 0; u < width_; ++u) {
+        if (u + 1 < width_ && !alike(at(u, v), at(u + 1, v))) mark(u, v - 1, u + 1, v + 1);
+        if (v + 1 < height_ && !alike(at(u, v), at(u, v + 1))) mark(u - 1, v, u + 1, v + 1);
+      }
+    }
   }
 
   const TracedPoint& at(int u, int v) const {
@@ -30,18 +38,8 @@ class Instant {
                    static_cast<std::size_t>(std::clamp(u, 0, width_ - 1))];
   }
 
-  bool smooth(int u, int v) const {
-    const TracedPoint& here = at(u, v);
-    for (int dv = -1; dv <= 1; ++dv) {
-      for (int du = -1; du <= 1; ++du) {
-        const TracedPoint& other = at(u + du, v + dv);
-        if (other.face != here.face || other.lit != here.lit ||
-            !(std::abs(other.depth_mm - here.depth_mm) < kSmooth_mm))
-          return false;
-      }
-    }
-    return true;
-  }
+  /// Whether a pixel and its eight neighbours lie on one smooth surface, all in light or all in shadow.
+  bool smooth(int u, int v) const { return rough_(u, v) == 0; }
 
   /// Share of full well that frame `frame` brings to a smooth pixel. diagonal: +1 or -1, along which the samples lie.
   double smooth_signal(int frame, int u, int v, double diagonal) const {
@@ -51,9 +49,9 @@ class Instant {
     const double dv = slope(at(u, v - 1), at(u, v + 1), v > 0 && v + 1 < height_);
     const double off = kSpread * (du + diagonal * dv);
     const Emission& e = stage_.emission;
-    return p.ambient + 0.5 * p.light *
-                           (e(frame, p.column_px + off, p.projector_depth_mm) +
-                            e(frame, p.column_px - off, p.projector_depth_mm));
+    return p.ambient +
+           0.5 * p.light *
+               (e(frame, p.column_px + off, p.projector_depth_mm) + e(frame, p.column_px - off, p.projector_depth_mm));
   }
 
   /// The same where surfaces, paint or shadows have their edge: four rays of its own.
@@ -76,9 +74,19 @@ class Instant {
     return (b.column_px - a.column_px) * (both ? 0.5 : 1);
   }
 
+  static bool alike(const TracedPoint& a, const TracedPoint& b) {
+    return a.face == b.face && a.lit == b.lit && std::abs(a.depth_mm - b.depth_mm) < kSmooth_mm;
+  }
+
+  void mark(int u0, int v0, int u1, int v1) {
+    for (int v = std::max(0, v0); v <= std::min(height_ - 1, v1); ++v)
+      for (int u = std::max(0, u0); u <= std::min(width_ - 1, u1); ++u) rough_(u, v) = 1;
+  }
+
   const Stage& stage_;
   Tracer tracer_;
   int width_, height_;
+  Map<std::uint8_t> rough_;
   std::vector<TracedPoint> points_;
 };
 
@@ -119,10 +127,10 @@ std::vector<calib::PlanePoint> pixel_rays(const calib::LensValues& camera) {
 
 Stage::Stage(const Drawn& of) : drawn(of), shape(make_shape(of.scene)), emission(of), rays(pixel_rays(of.rig.camera)) {}
 
-FrameLight expose(const Stage& stage, int frame, double time_s) {
+namespace {
+
+FrameLight expose(const Stage& stage, int frame, const Instant& before, const Instant& after) {
   const int w = stage.drawn.rig.camera.width, h = stage.drawn.rig.camera.height;
-  const double apart_s = kSpread * kExposure_s;
-  const Instant before(stage, time_s - apart_s), after(stage, time_s + apart_s);
   FrameLight out{Map<float>(w, h), Map<double>(w, h, std::numeric_limits<double>::quiet_NaN())};
   for (int v = 0; v < h; ++v) {
     for (int u = 0; u < w; ++u) {
@@ -135,6 +143,23 @@ FrameLight expose(const Stage& stage, int frame, double time_s) {
     }
   }
   blur(out.signal, stage.drawn.optics.psf_px);
+  return out;
+}
+
+}  // namespace
+
+std::array<FrameLight, 4> expose(const Stage& stage, double later_s, const std::array<bool, 4>& taken) {
+  const double apart_s = kSpread * kExposure_s;
+  std::array<FrameLight, 4> out;
+  std::optional<Instant> still;
+  if (stage.drawn.motion.is_still()) still.emplace(stage, 0.0);
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (!taken[k]) continue;
+    const int frame = static_cast<int>(k);
+    const double time_s = later_s + (frame - 1.5) * kFrameInterval_s;
+    out[k] = still ? expose(stage, frame, *still, *still)
+                   : expose(stage, frame, Instant(stage, time_s - apart_s), Instant(stage, time_s + apart_s));
+  }
   return out;
 }
 

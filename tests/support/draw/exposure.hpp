@@ -24,12 +24,12 @@ struct Stage {
 };
 
 struct FrameLight {
-  Map<float> signal;       ///< share of full well, behind the lens's blur, without noise
-  Map<double> column_px;   ///< of the projector at the middle of the exposure; NaN where not lit or beside an edge
+  Map<float> signal;      ///< share of full well, behind the lens's blur, without noise
+  Map<double> column_px;  ///< of the projector at the middle of the exposure; NaN where not lit or beside an edge
 };
 
-/// The exposure of frame `frame`, whose middle is at time_s from mid-burst.
-[[nodiscard]] FrameLight expose(const Stage& stage, int frame, double time_s);
+/// The exposures of a burst whose middle is later_s after the drawn one's; frames that are not taken stay empty.
+[[nodiscard]] std::array<FrameLight, 4> expose(const Stage& stage, double later_s, const std::array<bool, 4>& taken);
 
 /// 8-bit picture; gain: of this exposure. noise: the same number gives the same noise.
 [[nodiscard]] std::vector<std::uint8_t> read_out(const Drawn& drawn, const Map<float>& signal, double gain,

@@ -24,8 +24,9 @@ Json lens_json(const calib::LensValues& l) {
 }
 
 Json pattern_json(const calib::PatternValues& p) {
-  Json out = {{"mode", calib::mode_name(p)}, {"axis", "u"},   {"period_px", p.period_px}, {"steps", p.steps},
-              {"mean", p.mean},              {"amplitude", p.amplitude}};
+  Json out = {
+      {"mode", calib::mode_name(p)}, {"axis", "u"}, {"period_px", p.period_px}, {"steps", p.steps}, {"mean", p.mean},
+      {"amplitude", p.amplitude}};
   if (p.mode == calib::PatternMode::kMicro) {
     out["code_ratio"] = p.code_ratio;
   } else {
@@ -90,9 +91,9 @@ Result<void> write_folder(const Drawn& drawn, const DrawnBurst& burst, const std
   std::filesystem::create_directories(folder + "/frames", ignored);
   std::filesystem::create_directories(folder + "/truth", ignored);
   ENAMEL_TRY(write_file(folder + "/rig.json", rig_json(drawn.rig)));
-  ENAMEL_TRY(write_file(folder + "/bursts.csv",
-                        std::string("burst_id,t0_ns,t1_ns,t2_ns,t3_ns,exposure_us,temp_c\n"
-                                    "0,1000000000,1004004000,1008008000,1012012000,3700,32.00\n")));
+  ENAMEL_TRY(
+      write_file(folder + "/bursts.csv", std::string("burst_id,t0_ns,t1_ns,t2_ns,t3_ns,exposure_us,temp_c\n"
+                                                     "0,1000000000,1004004000,1008008000,1012012000,3700,32.00\n")));
   for (std::size_t k = 0; k < 4; ++k) {
     ENAMEL_TRY(write_png(fmt::format("{}/frames/000000_{}.png", folder, k), burst.frames.width, burst.frames.height,
                          burst.frames.frames[k]));

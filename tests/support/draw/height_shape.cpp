@@ -1,5 +1,5 @@
-// Teeth and gum: heights at the nodes of a grid, bilinear between, with the slopes of the nodes interpolated alike. What
-// lies outside of the grid is not there.
+// Teeth and gum: heights at the nodes of a grid, bilinear between, with the slopes of the nodes interpolated alike.
+// What lies outside of the grid is not there.
 #include <algorithm>
 #include <cmath>
 #include <utility>

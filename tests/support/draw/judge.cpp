@@ -33,8 +33,7 @@ double ZScores::by_median() const {
   std::size_t below = 0;
   for (std::size_t i = 0; i < bins_.size(); ++i) {
     below += bins_[i];
-    if (2 * below >= count_ && count_ > 0)
-      return (static_cast<double>(i) + 0.5) * kMostZ / kBins / kMedianOfGaussian;
+    if (2 * below >= count_ && count_ > 0) return (static_cast<double>(i) + 0.5) * kMostZ / kBins / kMedianOfGaussian;
   }
   return 0;
 }
@@ -88,8 +87,7 @@ class Judge {
   }
 
   bool is_wrong(int u, int v, double z_mm) const {
-    const calib::PlanePoint ray =
-        calib::undistort(drawn_.rig.camera, {static_cast<double>(u), static_cast<double>(v)});
+    const calib::PlanePoint ray = calib::undistort(drawn_.rig.camera, {static_cast<double>(u), static_cast<double>(v)});
     const double column = calib::project_to_projector(drawn_.rig, ray, z_mm).x;
     return std::abs(column - truth_.column_px(u, v)) > 0.5 * drawn_.rig.patterns.period_px;
   }

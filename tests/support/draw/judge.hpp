@@ -53,8 +53,8 @@ struct Judged {
   [[nodiscard]] bool accepted() const { return verdict == pipeline::BurstVerdict::kAccepted; }
   /// Whether a decoder has to take it: slow enough, with enough light.
   [[nodiscard]] bool is_true_burst() const {
-    return fastest_rad_a_frame <= kTrueBurst_rad && static_cast<double>(sure) >= kTrueBurstShare * static_cast<double>(lit) &&
-           lit > 0;
+    return fastest_rad_a_frame <= kTrueBurst_rad &&
+           static_cast<double>(sure) >= kTrueBurstShare * static_cast<double>(lit) && lit > 0;
   }
   [[nodiscard]] double coverage() const { return share(sure_covered, sure); }
   [[nodiscard]] double wrong_share() const { return share(wrong, placed); }

@@ -22,8 +22,12 @@ ReadyDraw ready_draw(std::uint64_t seed, calib::PatternMode mode) {
   ReadyDraw out;
   for (int attempt = 0; attempt < kTries; ++attempt) {
     out.drawn = draw(seed, mode, attempt);
-    const auto decoder = pipeline::BurstDecoder::make(coarse(out.drawn.rig));
-    if (decoder) return out;
+    auto decoder = pipeline::BurstDecoder::make(coarse(out.drawn.rig));
+    if (decoder) decoder = pipeline::BurstDecoder::make(out.drawn.rig);
+    if (decoder) {
+      out.decoder = std::move(*decoder);
+      return out;
+    }
     out.refused.push_back(decoder.error().detail);
   }
   return out;

@@ -12,7 +12,8 @@ namespace enamel::test {
 
 struct ReadyDraw {
   Drawn drawn;
-  std::vector<std::string> refused;  ///< why the draws before it were refused when their rigs were loaded
+  std::optional<pipeline::BurstDecoder> decoder;  ///< nothing: the decoder has taken none of many
+  std::vector<std::string> refused;               ///< why the draws before it were refused when their rigs were loaded
 };
 
 /// Draws until the decoder takes the rig.

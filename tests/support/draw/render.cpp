@@ -97,13 +97,9 @@ DrawnBurst render(const Drawn& drawn, const Shot& shot) {
   const Stage stage(drawn);
   DrawnBurst out;
   out.frames.width = drawn.rig.camera.width, out.frames.height = drawn.rig.camera.height;
-  std::array<FrameLight, 4> light;
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (!shot.taken[k]) continue;
-    const double time_s = shot.later_s + (static_cast<double>(k) - 1.5) * kFrameInterval_s;
-    light[k] = expose(stage, static_cast<int>(k), time_s);
-    out.frames.frames[k] = read_out(drawn, light[k].signal, shot.gain[k], 4 * shot.noise + k);
-  }
+  const std::array<FrameLight, 4> light = expose(stage, shot.later_s, shot.taken);
+  for (std::size_t k = 0; k < 4; ++k)
+    if (shot.taken[k]) out.frames.frames[k] = read_out(drawn, light[k].signal, shot.gain[k], 4 * shot.noise + k);
   if (!shot.with_truth) return out;
   out.truth = truth_at(stage, shot.later_s);
   predict_noise(drawn, light, out.truth);

@@ -1,5 +1,5 @@
-// The four frames of a drawn burst, and the truth at mid-burst. Shares the lens formula of calib/model with the decoder,
-// nothing else.
+// The four frames of a drawn burst, and the truth at mid-burst. Shares the lens formula of calib/model with the
+// decoder, nothing else.
 #pragma once
 
 #include <array>
@@ -29,9 +29,9 @@ struct DrawnBurst {
 
 /// What one exposure differs by from the drawn one.
 struct Shot {
-  double later_s = 0;                         ///< the burst is taken that much later on the same motion
-  std::uint64_t noise = 0;                    ///< noise of its own
-  std::array<double, 4> gain = {1, 1, 1, 1};  ///< of the frames' exposure
+  double later_s = 0;                                    ///< the burst is taken that much later on the same motion
+  std::uint64_t noise = 0;                               ///< noise of its own
+  std::array<double, 4> gain = {1, 1, 1, 1};             ///< of the frames' exposure
   std::array<bool, 4> taken = {true, true, true, true};  ///< frames; the others stay empty
   bool with_truth = true;
 };

@@ -85,14 +85,14 @@ TracedPoint Tracer::trace(calib::PlanePoint ray) const {
   out.face = hit.face * 64 + painted.field;
   const Point3 to_light = projector_ - p;
   const double cosine = hit.normal.dot(to_light);
-  const bool inside = q.z() > 0 && pixel.x > -0.5 && pixel.y > -0.5 && pixel.x < lens.width - 0.5 &&
-                      pixel.y < lens.height - 0.5;
+  const bool inside =
+      q.z() > 0 && pixel.x > -0.5 && pixel.y > -0.5 && pixel.x < lens.width - 0.5 && pixel.y < lens.height - 0.5;
   if (!inside || cosine <= 0 || shape_.blocks(p, hit, projector_)) return out;
   const double r2 = to_light.squaredNorm(), projector_cos2 = q.z() * q.z() / r2;
   const double camera_cos2 = 1 / (1 + ray.x * ray.x + ray.y * ray.y);
   out.lit = true;
-  out.light = strength_ * painted.albedo * cosine / std::sqrt(r2) / r2 * projector_cos2 * projector_cos2 *
-              camera_cos2 * camera_cos2;
+  out.light = strength_ * painted.albedo * cosine / std::sqrt(r2) / r2 * projector_cos2 * projector_cos2 * camera_cos2 *
+              camera_cos2;
   return out;
 }
 

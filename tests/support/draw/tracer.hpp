@@ -28,7 +28,7 @@ class Tracer {
  private:
   const Drawn& drawn_;
   const SceneShape& shape_;
-  Eigen::Matrix3d to_scene_;  ///< turns camera directions into scene coordinates
+  Eigen::Matrix3d to_scene_;   ///< turns camera directions into scene coordinates
   Point3 camera_, projector_;  ///< in scene coordinates
   double strength_ = 0;
 };
