@@ -65,6 +65,7 @@ std::string diagnostics_json(const DecodeDiagnostics& d, const std::vector<Figur
       {"repeated_share", 5, {d.repeated_share}},
       {"linked_share", 5, {d.linked_share}},
       {"code_agreement", 5, {d.code_agreement}},
+      {"withdrawn_share", 5, {d.withdrawn_share}},
       {"torn_share", 5, {d.torn_share}},
       {"motion_rad", 6, {static_cast<double>(d.motion_rad)}},
       {"shift_mm_per_frame", 6, {d.rigid.shift_mm.begin(), d.rigid.shift_mm.end()}, true},

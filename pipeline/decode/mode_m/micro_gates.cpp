@@ -17,7 +17,8 @@ namespace {
 using Matrix = Eigen::Matrix<double, kOddColumns, kOddColumns>;
 using Vector = Eigen::Matrix<double, kOddColumns, 1>;
 
-constexpr int kRowStep = 8;  ///< layout: stride over rows
+constexpr int kRowStep = 8;            ///< layout: stride over rows
+constexpr float kHalfPi = 1.5707964F;  ///< derived: erf(x/sqrt 2) is x/sqrt(x^2 + pi/2) to 0.06
 static_assert(kOddSpread.size() == kOddColumns);
 
 struct Equations {
@@ -85,22 +86,24 @@ MicroOdd find_micro_odd(const MicroBurst& burst, const MicroMotion& motion, floa
 }
 
 double direction_share(const PhaseMaps& maps, const Carrier& carrier) {
-  std::size_t seen = 0, follows = 0;
+  double follows = 0, expected = 0;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   for (std::size_t at = 0; at < maps.phase_rad.size(); at += width) {
     const float* __restrict p = &maps.phase_rad[at], * __restrict c = carrier.phase_mid_rad + at;
+    const float* __restrict sigma = &maps.sigma_rad[at];
     const PixelReject* __restrict reject = &maps.reject[at];
-    unsigned row_seen = 0, row_follows = 0;
+    float row_follows = 0, row_expected = 0;
     for (std::size_t u = 0; u + 1 < width; ++u) {
-      const unsigned valid = static_cast<unsigned>(reject[u] == PixelReject::kNone) &
-                             static_cast<unsigned>(reject[u + 1] == PixelReject::kNone);
-      row_seen += valid;
-      row_follows += valid & static_cast<unsigned>(wrap_once(p[u + 1] - p[u]) * (c[u + 1] - c[u]) > 0);
+      const bool valid = (reject[u] == PixelReject::kNone) & (reject[u + 1] == PixelReject::kNone);
+      const float step = c[u + 1] - c[u], noise2 = sigma[u] * sigma[u] + sigma[u + 1] * sigma[u + 1];
+      const float kept = std::abs(step) / root(step * step + kHalfPi * noise2 + 1e-12F);  // of a sign, by noise
+      row_follows += select(valid, select(wrap_once(p[u + 1] - p[u]) * step > 0, kept, -kept), 0);
+      row_expected += select(valid, kept * kept, 0);
     }
-    seen += row_seen;
-    follows += row_follows;
+    follows += static_cast<double>(row_follows);
+    expected += static_cast<double>(row_expected);
   }
-  return seen > 0 ? static_cast<double>(follows) / static_cast<double>(seen) : 0;
+  return expected > 0 ? 0.5 + 0.5 * std::min(1.0, follows / expected) : 0;
 }
 
 }  // namespace enamel::pipeline

@@ -3,6 +3,7 @@
 #include "pipeline/decode/mode_t/closure_gates.hpp"
 #include "pipeline/decode/mode_t/four_step_memory.hpp"
 #include "pipeline/decode/mode_t/ripple_depth.hpp"
+#include "pipeline/decode/phase/median.hpp"
 
 namespace enamel::pipeline {
 
@@ -10,6 +11,7 @@ namespace enamel::pipeline {
 void FourStepMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics& diagnostics) const {
   diagnostics.motion_rad = m.closure.motion_rad;
   diagnostics.harmonic = m.closure.harmonic;
+  diagnostics.motion_spread_rad = root_mean_square(m.closure.block_motion_rad);
   diagnostics.rigid = {};
   if (!shows_motion(m.closure.block_motion_rad, m.closure.block_sigma_rad, common_.rigid)) return;
   FourStepView view(

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t kPoints = 256;  // layout: of the fringe, for the moments of a wave
 constexpr int kPasses = 6;            // layout: Gauss-Newton from h = 0; the third changes nothing in the fourth digit
-constexpr double kDifference = 1e-4;  // layout: of a harmonic, for slopes
+constexpr float kMostNoise_rad = 0.4F;  // derived: noise of sigma leaves exp(-9 sigma^2/2) of <cos 3 phi>: half
+constexpr double kDifference = 1e-4;    // layout: of a harmonic, for slopes
 
 using Harmonics = Eigen::Vector4d;
 using Values = Eigen::VectorXd;
@@ -59,9 +60,12 @@ struct LocalMean {
 
   explicit LocalMean(std::size_t width) : modulation(width + 1), mean(width + 1), valid(width + 1) {}
 
+  /// Noisy pixels count as well: a wave that is dark for half a fringe would be told by its bright half.
   void sum_row(const PhaseMaps& maps, std::size_t at) {
     for (std::size_t u = 0; u + 1 < valid.size(); ++u) {
-      const bool counts = maps.reject[at + u] == PixelReject::kNone;
+      const PixelReject reject = maps.reject[at + u];
+      const bool lit = reject == PixelReject::kNone || reject == PixelReject::kNoisy;
+      const bool counts = lit && maps.sigma_rad[at + u] < kMostNoise_rad;
       modulation[u + 1] = modulation[u] + (counts ? static_cast<double>(maps.modulation_dn[at + u]) : 0);
       mean[u + 1] = mean[u] + (counts ? static_cast<double>(maps.mean_dn[at + u]) : 0);
       valid[u + 1] = valid[u] + (counts ? 1 : 0);

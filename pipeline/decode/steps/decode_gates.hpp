@@ -22,7 +22,7 @@ struct LightGate {
 
 /// Whether the four pictures can be those of one burst.
 struct FramesGate {
-  /// Of lit pixels at which two frames are the same picture. chosen: by judgement, between 0.4 at most where fringes
+  /// Of lit pixels at which two frames are the same picture. chosen: by judgement, between 0.2 where fringes
   /// pass and 1 where a frame was sent twice (frame_gates.hpp).
   double max_repeated_share = 0.9;
 };
@@ -34,8 +34,10 @@ struct LinkGate {
 
 /// Whether the code that the orders rest on is the rig's.
 struct CodeGate {
-  /// chosen: by judgement. Five times the share of lying cells that order.hpp expects.
-  double min_agreement = 0.95;
+  /// chosen: by judgement. Ten times the share of lying cells that order.hpp expects. Of a region; one with less is
+  /// decided no more.
+  double min_agreement = 0.9;
+  double max_withdrawn_share = 0.5;  ///< of decided pixels: with more the code is another one, not a region's
   /// chosen: by judgement. A foreign code can only be followed by jumping every few cells; surfaces do not.
   double max_torn_share = 0.1;
 };
@@ -46,6 +48,9 @@ struct OddFrameGate {
   /// frames that do not belong together). The second: it stands out from what light and texture did during the burst.
   float max_shift_rad = 0.1F;
   float max_over_unrest = 2.0F;
+  /// derived: what a motion eps leaves of second order, light and texture that pass by, is no more than eps itself; a
+  /// frame of another burst is eight intervals or more away.
+  float max_over_motion = 1.0F;
 };
 
 /// Whether the surface moved by less of a fringe than can be undone.

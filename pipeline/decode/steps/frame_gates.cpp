@@ -17,9 +17,10 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr std::size_t kRowStep = 4;  ///< layout: gates on the whole burst need not ask every pixel
-constexpr std::size_t kFrames = 4;   ///< layout: of a burst
-constexpr float kSameSigmas = 5.7F;  ///< derived: 4 sigma of a difference, 4 sqrt(2)
+constexpr std::size_t kRowStep = 4;   ///< layout: gates on the whole burst need not ask every pixel
+constexpr std::size_t kFrames = 4;    ///< layout: of a burst
+constexpr float kSameSigmas = 2.83F;  ///< derived: 2 sigma of a difference, 2 sqrt(2)
+constexpr double kSameShare = 0.954;  ///< derived: of two pictures of one scene, within 2 sigma
 
 }  // namespace
 
@@ -37,7 +38,7 @@ double repeated_share(const BurstView& view, const PhaseMaps& maps, const NoiseM
     for (std::size_t p = 0; p < kFramePairs; ++p) same[p] += row.same[p];
   }
   const std::size_t most = *std::max_element(same.begin(), same.end());
-  return seen > 0 ? static_cast<double>(most) / static_cast<double>(seen) : 0;
+  return seen > 0 ? static_cast<double>(most) / static_cast<double>(seen) / kSameShare : 0;
 }
 
 bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
+#include <utility>
 
 #include "pipeline/decode/steps/chosen.hpp"
 
@@ -14,6 +16,38 @@ double FringeOrders::code_agreement() const noexcept {
 
 double FringeOrders::torn_share() const noexcept {
   return orders.seams > 0 ? static_cast<double>(orders.torn_seams) / static_cast<double>(orders.seams) : 0;
+}
+
+double withdraw_contradicted(FringeOrders& o, double min_agreement) {
+  struct Region {
+    double agrees_px = 0, contradicts_px = 0;
+    std::size_t contradicting = 0;
+  };
+  const auto& segments = o.segments.segments;
+  const auto key = [&](std::size_t k) { return std::pair(segments[k].component, o.orders.segments[k].shift); };
+  std::map<std::pair<std::int32_t, std::int32_t>, Region> regions;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const Stance code = o.orders.segments[k].code;
+    if (code == Stance::kSilent) continue;
+    Region& region = regions[key(k)];
+    const double px = segments[k].end - segments[k].begin;
+    (code == Stance::kAgrees ? region.agrees_px : region.contradicts_px) += px;
+    region.contradicting += code == Stance::kContradicts ? 1 : 0;
+  }
+  std::erase_if(regions, [&](const auto& entry) {
+    const Region& r = entry.second;
+    return r.contradicting < kFewestLiars || r.agrees_px >= min_agreement * (r.agrees_px + r.contradicts_px);
+  });
+  double decided_px = 0, withdrawn_px = 0;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    if (!o.orders.segments[k].decided) continue;
+    const double px = segments[k].end - segments[k].begin;
+    decided_px += px;
+    if (!regions.contains(key(k))) continue;
+    withdrawn_px += px;
+    o.orders.segments[k].decided = false;
+  }
+  return decided_px > 0 ? withdrawn_px / decided_px : 0;
 }
 
 void find_spans(FringeOrders& o) {

@@ -25,6 +25,11 @@ struct FringeOrders {
   [[nodiscard]] double torn_share() const noexcept;
 };
 
+/// A region's code is judged as a whole: what hangs together at one shift. Regions of which less than min_agreement of
+/// the pixels whose code was asked agree with their order are decided no more. Returns the share of decided pixels that
+/// this takes.
+[[nodiscard]] double withdraw_contradicted(FringeOrders& orders, double min_agreement);
+
 /// Fills `spans` from segments and orders.
 void find_spans(FringeOrders& orders);
 

@@ -213,6 +213,7 @@ void judge_orders(const std::vector<Segment>& segments, const CodeEvidence& evid
     const Segment& p = segments[i];
     const SegmentOrder& o = out.segments[i];
     const Stance stance = o.decided || o.disowned ? evidence.stance(i, p.cell + 2 * o.shift) : Stance::kSilent;
+    out.segments[i].code = stance;
     if (stance == Stance::kAgrees) out.agreeing_px += p.end - p.begin;
     if (stance == Stance::kContradicts) out.contradicting_px += p.end - p.begin;
   }

@@ -53,6 +53,7 @@ struct SegmentOrder {
   bool inherited = false;  ///< decided by continuity with decided segments or by the range, not by its own code
   bool disowned = false;   ///< undecided: the code of its zone contradicts the shift of what it borders on, `shift`
   bool speck = false;
+  Stance code = Stance::kSilent;  ///< of judge_orders: what its own code says of `shift`
 };
 
 struct OrderResult {
