@@ -150,23 +150,24 @@ class HeightShape final : public SceneShape {
     };
     const double along = std::max({std::abs(e.x()), std::abs(e.y()), 1e-3 * std::abs(e.z())});
     const double step = 0.7 * kCell_mm / along, beyond = 1e-4 * step;
-    double t = way.from, last = above(t);
+    double t = way.from;
     const double nowhere = std::nextafter(way.to, 2 * way.to + 1);
-    if (last < 0) return nowhere;  // in by the grid's side
+    if (above(t) < 0) return nowhere;  // in by the grid's side
     while (t < way.to) {
       const double leave = std::min(way.to, block_end(ray, t) + beyond);
-      const double lowest = std::min(o.z() + t * e.z(), o.z() + leave * e.z()) + deep;
       const Place p = place(o.x() + (t + beyond) * e.x(), o.y() + (t + beyond) * e.y());
-      if (lowest > static_cast<double>(block_(p.i / kBlock, p.j / kBlock))) {
-        t = leave, last = above(t);
-        if (last < 0) return t;
-        continue;
-      }
-      while (t < leave) {
-        const double next = std::min(leave, t + step), f = above(next);
+      // Only below the block's highest place can it meet anything.
+      const double top = (static_cast<double>(block_(p.i / kBlock, p.j / kBlock)) - deep - o.z()) / e.z();
+      const double stop = e.z() > 0 ? std::min(leave, top) : leave;
+      if (e.z() < 0) t = std::max(t, top);
+      double last = t < stop ? above(t) : 0;
+      if (last < 0) return t;
+      while (t < stop) {
+        const double next = std::min(stop, t + step), f = above(next);
         if (f < 0) return cross(above, {t, next}, last, f);
         t = next, last = f;
       }
+      t = leave;
     }
     return nowhere;
   }

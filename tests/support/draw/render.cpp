@@ -102,8 +102,9 @@ DrawnBurst render(const Drawn& drawn, const Shot& shot) {
     if (shot.taken[k]) out.frames.frames[k] = read_out(drawn, light[k].signal, shot.gain[k], 4 * shot.noise + k);
   if (!shot.with_truth) return out;
   out.truth = truth_at(stage, shot.later_s);
-  predict_noise(drawn, light, out.truth);
-  out.truth.fastest_rad_a_frame = fastest(drawn, light, out.truth);
+  const bool all = shot.taken == std::array{true, true, true, true};
+  if (all) predict_noise(drawn, light, out.truth);
+  if (all) out.truth.fastest_rad_a_frame = fastest(drawn, light, out.truth);
   return out;
 }
 

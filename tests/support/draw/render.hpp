@@ -32,7 +32,7 @@ struct Shot {
   double later_s = 0;                                    ///< the burst is taken that much later on the same motion
   std::uint64_t noise = 0;                               ///< noise of its own
   std::array<double, 4> gain = {1, 1, 1, 1};             ///< of the frames' exposure
-  std::array<bool, 4> taken = {true, true, true, true};  ///< frames; the others stay empty
+  std::array<bool, 4> taken = {true, true, true, true};  ///< frames; truth that all four tell is there if all are
   bool with_truth = true;
 };
 
