@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace enamel::bench {
 namespace {
@@ -18,6 +19,7 @@ struct Tally {
   std::size_t bursts = 0, accepted = 0, large_wrong = 0;
   std::map<std::string, std::size_t> rejected;
   std::size_t sure = 0, sure_covered = 0, sure_of_accepted = 0, placed = 0, wrong = 0, in_shadow = 0, off_object = 0;
+  std::size_t smooth = 0, misled = 0;
   std::array<test::ZScores, test::kPixelKinds> z;
 
   void add(const Judged& j) {
@@ -31,6 +33,7 @@ struct Tally {
     sure_of_accepted += j.sure;
     large_wrong += j.largest_wrong > test::kLargeWrongRegion_px ? 1U : 0U;
     placed += j.placed, wrong += j.wrong, in_shadow += j.in_shadow, off_object += j.off_object;
+    smooth += j.smooth, misled += j.misled;
     for (std::size_t k = 0; k < z.size(); ++k) z[k] += j.z[k];
   }
 
@@ -39,16 +42,18 @@ struct Tally {
     std::string why;
     for (const auto& [reason, count] : rejected) why += fmt::format("{}{} {}", why.empty() ? "" : ", ", count, reason);
     return fmt::format(
-        "{:<16}{:>6}{:>6}{:>8.1f}{:>8.1f}{:>9.3f}{:>6}{:>8}{:>8}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}  {}\n", name,
-        bursts, accepted, 100 * Judged::share(sure_covered, sure), 100 * Judged::share(sure_covered, sure_of_accepted),
-        100 * Judged::share(wrong, placed), large_wrong, in_shadow, off_object, of(PixelKind::kSmooth).rms(),
+        "{:<16}{:>6}{:>6}{:>8.1f}{:>8.1f}{:>9.3f}{:>6}{:>8}{:>9}{:>9.3f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}  {}\n",
+        name, bursts, accepted, 100 * Judged::share(sure_covered, sure),
+        100 * Judged::share(sure_covered, sure_of_accepted), 100 * Judged::share(wrong, placed), large_wrong, in_shadow,
+        off_object, 100 * Judged::share(misled, smooth), of(PixelKind::kSmooth).rms(),
         of(PixelKind::kSmooth).by_median(), of(PixelKind::kNearEdge).rms(), of(PixelKind::kMoving).rms(),
         of(PixelKind::kWeak).rms(), why);
   }
 };
 
 constexpr std::string_view kHead =
-    "                bursts  acc.  cover%   acc.%   wrong%  >100   shade  nowhere    rms  by med   edge moving   weak  "
+    "                bursts  acc.  cover%   acc.%   wrong%  >100   shade  nowhere  misled%    rms  by med   edge "
+    "moving   weak  "
     "rejected\n";
 
 using ClassOf = std::function<int(const test::Drawn&)>;
@@ -65,17 +70,22 @@ std::string table(const std::vector<const DrawRow*>& rows, std::string_view titl
   return out + "\n";
 }
 
+constexpr double kMisled = 0.01;  ///< of the pixels away from edges
+
+/// Whether the fault brought errors that its burst has not without it.
+bool misleads(const DrawRow& row, const FaultRow& f) {
+  return f.verdict == BurstVerdict::kAccepted && f.misled_share > kMisled && row.judged.misled_share() <= kMisled;
+}
+
 std::string fault_table(const std::vector<const DrawRow*>& rows) {
   struct Counts {
     std::size_t bursts = 0, rejected = 0, misled = 0;
   };
-  constexpr double kMisled = 0.01;  // of the pixels away from edges
   std::array<Counts, test::kFrameFaults> counts{};
   for (const DrawRow* row : rows) {
     for (const FaultRow& f : row->faults) {
       Counts& c = counts[static_cast<std::size_t>(f.fault)];
-      const bool accepted = f.verdict == BurstVerdict::kAccepted;
-      ++c.bursts, c.rejected += accepted ? 0U : 1U, c.misled += accepted && f.misled_share > kMisled ? 1U : 0U;
+      ++c.bursts, c.rejected += f.verdict == BurstVerdict::kAccepted ? 0U : 1U, c.misled += misleads(*row, f) ? 1U : 0U;
     }
   }
   std::string out;
@@ -85,6 +95,23 @@ std::string fault_table(const std::vector<const DrawRow*>& rows) {
                        counts[k].rejected, counts[k].misled, 100 * Judged::share(counts[k].misled, counts[k].bursts));
   }
   return out.empty() ? out : "faults        bursts  rejected  accepted, misled\n" + out + "\n";
+}
+
+std::string worst_faults(const std::vector<DrawRow>& rows, std::size_t how_many) {
+  std::vector<std::pair<const DrawRow*, const FaultRow*>> bad;
+  for (const DrawRow& row : rows) {
+    for (const FaultRow& f : row.faults)
+      if (misleads(row, f)) bad.emplace_back(&row, &f);
+  }
+  std::stable_sort(bad.begin(), bad.end(),
+                   [](const auto& a, const auto& b) { return a.second->misled_share > b.second->misled_share; });
+  std::string out = fmt::format("pixels misled by a fault, % ({} bursts)\n", bad.size());
+  for (std::size_t k = 0; k < std::min(bad.size(), how_many); ++k) {
+    const auto& [row, f] = bad[k];
+    out += fmt::format("  {:>9.2f} {}, {} | {}\n", 100 * f->misled_share,
+                       test::kFrameFaultNames[static_cast<std::size_t>(f->fault)], f->what, test::describe(row->drawn));
+  }
+  return bad.empty() ? "" : out;
 }
 
 std::string of_mode(const std::vector<const DrawRow*>& rows) {
@@ -160,7 +187,7 @@ std::string worst_draws(const std::vector<DrawRow>& rows, std::size_t how_many) 
                          test::describe(row.drawn), name_of(row.judged.verdict), row.judged.fastest_rad_a_frame);
     }
   }
-  return out;
+  return out + worst_faults(rows, how_many);
 }
 
 std::string draws_json(const std::vector<DrawRow>& rows) {
@@ -196,6 +223,7 @@ std::string draws_json(const std::vector<DrawRow>& rows) {
                    {"largest_wrong", j.largest_wrong},
                    {"in_shadow", j.in_shadow},
                    {"off_object", j.off_object},
+                   {"smooth", j.smooth},
                    {"misled", j.misled},
                    {"z_count_rms_median_mean", z},
                    {"faults", faults},
