@@ -129,6 +129,7 @@ std::string of_mode(const std::vector<const DrawRow*>& rows) {
       table(rows, "by scene", test::kSceneNames, [](const test::Drawn& d) { return static_cast<int>(d.scene.kind); });
   out += table(rows, "by motion", test::kMotionNames, test::motion_band);
   out += table(rows, "by albedo", test::kAlbedoNames, test::albedo_band);
+  out += table(rows, "by view", test::kViewNames, test::view_band);
   out += fmt::format("all\n{}{}{}", kHead, true_bursts.line("true bursts"), others.line("others"));
   out += fmt::format("{} rigs refused and drawn anew; {:.0f} ms to render and {:.0f} ms to decode a burst\n\n", refused,
                      render_ms / n, decode_ms / n);
@@ -198,8 +199,10 @@ std::string draws_json(const std::vector<DrawRow>& rows) {
     const test::Drawn& d = row.drawn;
     const Judged& j = row.judged;
     Json z;
-    for (std::size_t k = 0; k < test::kPixelKinds; ++k)
-      z[std::string(test::kPixelKindNames[k])] = {j.z[k].count(), j.z[k].rms(), j.z[k].by_median(), j.z[k].mean()};
+    for (std::size_t k = 0; k < test::kPixelKinds; ++k) {
+      const test::ZScores& of = j.z[k];
+      z[std::string(test::kPixelKindNames[k])] = {of.count(), of.rms(), of.by_median(), of.mean()};
+    }
     Json faults = Json::array();
     for (const FaultRow& f : row.faults)
       faults.push_back({{"fault", test::kFrameFaultNames[static_cast<std::size_t>(f.fault)]},

@@ -27,8 +27,8 @@ struct DrawRow {
   double render_ms = 0, decode_ms = 0;
 };
 
-/// Tables by response, scene, motion and albedo, and what became of faults where there are any. Every burst counts in
-/// one row of each; those that no decoder has to take, in the last row alone.
+/// Tables by response, scene, motion, albedo and view, and what became of faults where there are any. Every burst
+/// counts in one row of each; those that no decoder has to take, in the last row alone.
 [[nodiscard]] std::string draw_tables(const std::vector<DrawRow>& rows);
 /// The worst of each kind with their conditions: true bursts rejected, large wrong regions, gaps, sigmas too small.
 [[nodiscard]] std::string worst_draws(const std::vector<DrawRow>& rows, std::size_t how_many);

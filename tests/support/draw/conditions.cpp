@@ -47,6 +47,12 @@ int motion_band(const Drawn& d) {
 
 int albedo_band(const Drawn& d) { return d.paint.albedo < 0.2 ? 0 : d.paint.albedo < 0.5 ? 1 : 2; }
 
+int view_band(const Drawn& d) {
+  const double view_px = d.rig.camera.width / d.rig.camera.fx * d.rig.projector.fx;
+  const double fringes = view_px / d.rig.patterns.period_px;
+  return fringes < 8 ? 0 : fringes < 14 ? 1 : 2;
+}
+
 std::string describe(const Drawn& d) {
   const auto& r = d.response;
   const auto& p = d.rig.patterns;

@@ -107,7 +107,7 @@ struct Drawn {
 };
 
 inline constexpr double kFrameInterval_s = 0.004004, kExposure_s = 0.0037;
-inline constexpr int kScenes = 5, kResponseClasses = 5, kMotionBands = 4, kAlbedoBands = 3;
+inline constexpr int kScenes = 5, kResponseClasses = 5, kMotionBands = 4, kAlbedoBands = 3, kViewBands = 3;
 
 /// mode: kPolarity or kMicro. attempt: drawn anew for a rig that a decoder refuses.
 [[nodiscard]] Drawn draw(std::uint64_t seed, calib::PatternMode mode, int attempt = 0);
@@ -118,6 +118,8 @@ inline constexpr int kScenes = 5, kResponseClasses = 5, kMotionBands = 4, kAlbed
 [[nodiscard]] int response_class(const Drawn& drawn);
 [[nodiscard]] int motion_band(const Drawn& drawn);
 [[nodiscard]] int albedo_band(const Drawn& drawn);
+/// By the fringes that the picture spans: a code needs some of them in view.
+[[nodiscard]] int view_band(const Drawn& drawn);
 inline constexpr std::array<std::string_view, kResponseClasses> kResponseNames = {"linear", "gamma 1-1.4",
                                                                                   "gamma 1.4-2", "gamma 2-2.8", "S"};
 inline constexpr std::array<std::string_view, kScenes> kSceneNames = {"plane", "balls", "boxes", "teeth", "gum"};
@@ -125,6 +127,7 @@ inline constexpr std::array<std::string_view, kMotionBands> kMotionNames = {"sta
                                                                             "20-30 mm/s"};
 inline constexpr std::array<std::string_view, kAlbedoBands> kAlbedoNames = {"albedo <0.2", "albedo 0.2-0.5",
                                                                             "albedo >0.5"};
+inline constexpr std::array<std::string_view, kViewBands> kViewNames = {"<8 fringes", "8-14 fringes", ">14 fringes"};
 /// One line for an engineer.
 [[nodiscard]] std::string describe(const Drawn& drawn);
 

@@ -119,9 +119,10 @@ void blur(Map<float>& image, double sigma_px) {
 
 std::vector<calib::PlanePoint> pixel_rays(const calib::LensValues& camera) {
   std::vector<calib::PlanePoint> out;
-  for (int v = 0; v < camera.height; ++v)
+  for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u)
       out.push_back(calib::undistort(camera, {static_cast<double>(u), static_cast<double>(v)}));
+  }
   return out;
 }
 

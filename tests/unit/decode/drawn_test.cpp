@@ -49,7 +49,8 @@ bool is_promised(const Promise& p, const Drawn& d) {
 /// The middle of the picture, at most 240 x 180 pixels.
 void crop(calib::LensValues& camera) {
   const int width = std::min(camera.width, 240), height = std::min(camera.height, 180);
-  camera.cx -= (camera.width - width) / 2, camera.cy -= (camera.height - height) / 2;
+  const int left = (camera.width - width) / 2, up = (camera.height - height) / 2;
+  camera.cx -= left, camera.cy -= up;
   camera.width = width, camera.height = height;
 }
 
