@@ -204,11 +204,12 @@ std::string draws_json(const std::vector<DrawRow>& rows) {
       z[std::string(test::kPixelKindNames[k])] = {of.count(), of.rms(), of.by_median(), of.mean()};
     }
     Json faults = Json::array();
-    for (const FaultRow& f : row.faults)
+    for (const FaultRow& f : row.faults) {
       faults.push_back({{"fault", test::kFrameFaultNames[static_cast<std::size_t>(f.fault)]},
                         {"what", f.what},
                         {"verdict", name_of(f.verdict)},
                         {"misled_share", f.misled_share}});
+    }
     out.push_back({{"seed", d.seed},
                    {"mode", d.rig.patterns.mode == calib::PatternMode::kMicro ? "M" : "T"},
                    {"conditions", test::describe(d)},

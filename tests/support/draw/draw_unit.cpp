@@ -9,7 +9,7 @@ namespace enamel::test {
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180;
-constexpr int kCodeCells = 16, kOrdersOpen = 6, kLongestRepeat_cells = 2;
+constexpr int kCodeCells = 16, kOrdersOpen = 6, kLongestRepeat = 2;  ///< half fringes, fringes, half fringes
 
 /// Whether no window of more than two half fringes is repeated within the fringes that a depth range may span.
 bool tells_orders(const std::vector<int>& code) {
@@ -19,7 +19,7 @@ bool tells_orders(const std::vector<int>& code) {
     for (int c = 0; c < 2 * n; ++c) {
       const bool alike = code[static_cast<std::size_t>(c % n)] == code[static_cast<std::size_t>((c + 2 * fringes) % n)];
       run = alike ? run + 1 : 0;
-      if (run > kLongestRepeat_cells) return false;
+      if (run > kLongestRepeat) return false;
     }
   }
   return true;

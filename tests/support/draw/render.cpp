@@ -23,9 +23,10 @@ void mark_edges(DrawnTruth& truth) {
   for (int v = 0; v < h; ++v) {
     for (int u = 0; u < w; ++u) {
       if (!jumps(u, v, 1, 0) && !jumps(u, v, 0, 1)) continue;
-      for (int y = std::max(0, v - kEdgeBand_px); y <= std::min(h - 1, v + kEdgeBand_px); ++y)
+      for (int y = std::max(0, v - kEdgeBand_px); y <= std::min(h - 1, v + kEdgeBand_px); ++y) {
         for (int x = std::max(0, u - kEdgeBand_px); x <= std::min(w - 1, u + kEdgeBand_px); ++x)
           truth.near_edge(x, y) = 1;
+      }
     }
   }
 }

@@ -70,9 +70,10 @@ class BallsShape final : public SceneShape {
 class BoxesShape final : public SceneShape {
  public:
   explicit BoxesShape(const std::vector<Box>& boxes) {
-    for (const Box& b : boxes)
+    for (const Box& b : boxes) {
       boxes_.push_back(
           {b, std::cos(b.turn_rad), std::sin(b.turn_rad), b.half_x_mm * b.half_x_mm + b.half_y_mm * b.half_y_mm});
+    }
   }
 
   SceneHit hit(const SceneRay& ray) const override {
