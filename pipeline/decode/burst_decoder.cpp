@@ -141,7 +141,8 @@ BurstVerdict BurstDecoder::find_orders(const Burst& burst) const {
   FringeOrders& orders = burst.steps.orders;
   DecodeDiagnostics& diagnostics = burst.out.diagnostics;
   strategy_->find_orders(phase, burst.steps.regions, burst.work, diagnostics, orders);
-  diagnostics.withdrawn_share = withdraw_contradicted(orders, config_.code.min_agreement);
+  if (orders.code_agreement() < config_.code.sound_agreement)
+    diagnostics.withdrawn_share = withdraw_contradicted(orders, config_.code.min_agreement);
   find_spans(orders);
   reject_undecided(orders, phase.reject);
   reject_beside_jumps(orders, phase.reject);

@@ -9,11 +9,13 @@
 #include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/closure_gate_rows.hpp"
 #include "pipeline/decode/phase/median.hpp"
+#include "pipeline/decode/phase/poly_trig.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
 constexpr float kNoiseSigmas = 6;    ///< derived: 3 sigma of the residual, whose std is 2 sigma
+constexpr float kResidualSigma = 2;  ///< derived: std of I0 + I2 - I1 - I3 over that of a frame
 constexpr std::size_t kRowStep = 4;  ///< layout: gates on the whole burst need not ask every pixel
 
 }  // namespace
@@ -29,11 +31,11 @@ double closure_share(const PhaseMaps& maps, const NoiseModel& noise) {
   return seen > 0 ? static_cast<double>(fits) / static_cast<double>(seen) : 0;
 }
 
-OddFrame find_odd_frame(const KnownBurst& burst, int block_px) {
+OddFrame find_odd_frame(const KnownBurst& burst, const NoiseModel& noise, int block_px) {
   const PhaseMaps& maps = burst.maps;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width()), block = static_cast<std::size_t>(block_px);
   ErrorRows rows(burst.errors, burst.black_dn, maps.phase_rad.width());
-  std::vector<float> shifts, levels, columns(kOddSums * width);
+  std::vector<float> shifts, levels, sigmas, columns(kOddSums * width);
   for (int top = 0; top < maps.phase_rad.height(); top += block_px) {
     std::fill(columns.begin(), columns.end(), 0.0F);
     const int end = std::min(top + block_px, maps.phase_rad.height());
@@ -46,11 +48,16 @@ OddFrame find_odd_frame(const KnownBurst& burst, int block_px) {
         const auto first = columns.begin() + static_cast<std::ptrdiff_t>(k * width + u);
         sums[k] = std::accumulate(first, first + static_cast<std::ptrdiff_t>(std::min(block, width - u)), 0.0F);
       }
-      if (sums[1] > 0) shifts.push_back(2 * std::abs(sums[0] / sums[1]));
+      if (sums[1] > 0) {
+        const int middle = std::min(static_cast<int>(u) + block_px / 2, maps.phase_rad.width() - 1);
+        const float variance = noise.variance(maps.mean_dn(middle, (top + end) / 2));
+        shifts.push_back(2 * std::abs(sums[0] / sums[1]));
+        sigmas.push_back(2 * kResidualSigma * root(variance / sums[1]));
+      }
       if (sums[3] > 0) levels.push_back(2 * std::abs(sums[2] / sums[3]));
     }
   }
-  return {median(shifts), median(levels)};
+  return {median(shifts), median(levels), median(sigmas)};
 }
 
 }  // namespace enamel::pipeline

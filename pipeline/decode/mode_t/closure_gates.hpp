@@ -19,8 +19,9 @@ namespace enamel::pipeline {
 struct OddFrame {
   float shift_rad = 0;  ///< d
   float unrest = 0;     ///< of B, on the same scale as shift_rad
+  float sigma_rad = 0;  ///< of a block's shift, by the noise of the frames: what no odd frame leaves of shift_rad
 };
 /// burst: errors of motion, light and harmonic; block_px: of the blocks.
-[[nodiscard]] OddFrame find_odd_frame(const KnownBurst& burst, int block_px);
+[[nodiscard]] OddFrame find_odd_frame(const KnownBurst& burst, const NoiseModel& noise, int block_px);
 
 }  // namespace enamel::pipeline

@@ -31,7 +31,8 @@ void FourStepMode::undo_motion(const FringeOrders& orders, Memory& m, DecodeDiag
   const BurstErrors errors = m.errors(moved);
   // Each block's own harmonic takes up what its light leaves, which an odd frame would be taken for.
   const BurstErrors of_blocks{errors.motion_rad, m.closure.errors().harmonic, errors.light, {}, {}};
-  const OddFrame odd = find_odd_frame({phase, m.polarity, of_blocks, black_dn}, m.closure.block_px);
+  const OddFrame odd = find_odd_frame({phase, m.polarity, of_blocks, black_dn}, diagnostics.noise, m.closure.block_px);
+  diagnostics.odd_sigma_rad = odd.sigma_rad;
   diagnostics.odd_shift_rad = odd.shift_rad;
   diagnostics.unrest = odd.unrest;
   fit_flip_blur({phase, m.polarity, errors, black_dn}, config_.polarity, config_.flips, m.flips);

@@ -34,8 +34,9 @@ struct LinkGate {
 
 /// Whether the code that the orders rest on is the rig's.
 struct CodeGate {
-  /// chosen: by judgement. Ten times the share of lying cells that order.hpp expects. Of a region; one with less is
-  /// decided no more.
+  /// chosen: by judgement. Five times the share of lying cells that order.hpp expects. Of a burst; with less its
+  /// regions are judged one by one, and those with less than the second are decided no more.
+  double sound_agreement = 0.95;
   double min_agreement = 0.9;
   double max_withdrawn_share = 0.5;  ///< of decided pixels: with more the code is another one, not a region's
   /// chosen: by judgement. A foreign code can only be followed by jumping every few cells; surfaces do not.
