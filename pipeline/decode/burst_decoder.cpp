@@ -141,8 +141,9 @@ BurstVerdict BurstDecoder::find_orders(const Burst& burst) const {
   FringeOrders& orders = burst.steps.orders;
   DecodeDiagnostics& diagnostics = burst.out.diagnostics;
   strategy_->find_orders(phase, burst.steps.regions, burst.work, diagnostics, orders);
-  if (orders.code_agreement() < config_.code.sound_agreement)
-    diagnostics.withdrawn_share = withdraw_contradicted(orders, config_.code.min_agreement);
+  const double agreement = orders.code_agreement();
+  if (agreement >= config_.code.min_agreement && agreement < config_.code.sound_agreement)
+    diagnostics.withdrawn_share = withdraw_contradicted(orders, config_.code.sound_agreement);
   find_spans(orders);
   reject_undecided(orders, phase.reject);
   reject_beside_jumps(orders, phase.reject);
@@ -176,7 +177,8 @@ BurstVerdict BurstDecoder::find_surface(const Burst& burst) const {
   make_surface(refined, *rays_, diagnostics.ripple, config_.normals, burst.steps.scratch, out);
   tell(burst.hook, "surface");
   count_rejects(out);
-  return out.patch.valid_px < config_.light.min_points ? BurstVerdict::kTooFewPoints : BurstVerdict::kAccepted;
+  if (out.patch.valid_px >= config_.light.min_points) return BurstVerdict::kAccepted;
+  return strategy_->tells_unplaced() ? BurstVerdict::kNoCode : BurstVerdict::kTooFewPoints;
 }
 
 /// Frames that are not those of a surface at rest: too fast a motion, or the wrong frames. Motion leaves neighbours

@@ -4,7 +4,6 @@
 #include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "pipeline/decode/mode_m/micro_saturated.hpp"
 #include "pipeline/decode/mode_m/micro_view.hpp"
-#include "pipeline/decode/phase/median.hpp"
 #include "pipeline/decode/steps/relative_regions.hpp"
 
 namespace enamel::pipeline {
@@ -15,7 +14,6 @@ void MicroMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics
   const MicroBurst burst{phase, m.wraps, code_, diagnostics.third_rad, diagnostics.noise};
   fit_micro_motion(burst, config_.refit, m.motion);
   diagnostics.motion_rad = m.motion.motion_rad;
-  diagnostics.motion_spread_rad = root_mean_square(m.motion.block_motion_rad);
   diagnostics.rigid = {};
   if (shows_motion(m.motion.block_motion_rad, m.motion.block_sigma_rad, common_.rigid)) {
     MicroView view(

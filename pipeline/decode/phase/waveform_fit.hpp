@@ -34,8 +34,9 @@ struct WaveFitConfig {
   /// (Liu et al. 2010).
   std::array<double, kWaveHarmonics> prior{0.3, 0.1, 0.015, 0.008};
   double min_pixels = 2000;  ///< chosen: by judgement. With fewer nothing is said.
-  /// chosen: by judgement. Below, what is left is undone once orders are known (docs/decode.md §6).
-  double least_strength = 0.05;
+  /// chosen: above the 0.05 that a motion of 0.3 rad a frame looks like (MicroDecoder tests). Below, what is left is
+  /// undone once orders are known (docs/decode.md §6).
+  double least_strength = 0.06;
 };
 
 /// No harmonics where fewer than min_pixels were counted, or none is clear.

@@ -35,12 +35,12 @@ bool frames_go_together(const BurstView& view, std::span<const BurstView> before
 }
 
 bool follows_code(const DecodeDiagnostics& d, const CodeGate& gate) noexcept {
-  return d.withdrawn_share <= gate.max_withdrawn_share && d.torn_share <= gate.max_torn_share;
+  return d.code_agreement >= gate.min_agreement && d.torn_share <= gate.max_torn_share;
 }
 
 bool has_odd_frame(const DecodeDiagnostics& d, const OddFrameGate& gate) noexcept {
-  return d.odd_shift_rad > gate.max_shift_rad + gate.max_over_motion * d.motion_spread_rad &&
-         d.odd_shift_rad > gate.max_over_unrest * d.unrest;
+  const float excused_rad = gate.max_over_motion * d.motion_spread_rad + gate.max_over_sigma * d.odd_sigma_rad;
+  return d.odd_shift_rad > gate.max_shift_rad + excused_rad && d.odd_shift_rad > gate.max_over_unrest * d.unrest;
 }
 
 }  // namespace enamel::pipeline

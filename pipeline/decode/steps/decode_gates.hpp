@@ -34,11 +34,11 @@ struct LinkGate {
 
 /// Whether the code that the orders rest on is the rig's.
 struct CodeGate {
-  /// chosen: by judgement. Five times the share of lying cells that order.hpp expects. Of a burst; with less its
-  /// regions are judged one by one, and those with less than the second are decided no more.
+  /// Of a burst. With less its regions are judged one by one, and those with less are decided no more. chosen: by
+  /// judgement. Five times the share of lying cells that order.hpp expects.
   double sound_agreement = 0.95;
+  /// With less the code is another one. chosen: by judgement. Foreign codes and frames of other times reach 0.88.
   double min_agreement = 0.9;
-  double max_withdrawn_share = 0.5;  ///< of decided pixels: with more the code is another one, not a region's
   /// chosen: by judgement. A foreign code can only be followed by jumping every few cells; surfaces do not.
   double max_torn_share = 0.1;
 };
@@ -52,6 +52,7 @@ struct OddFrameGate {
   /// derived: what a motion eps leaves of second order, light and texture that pass by, is no more than eps itself; a
   /// frame of another burst is eight intervals or more away.
   float max_over_motion = 1.0F;
+  float max_over_sigma = 1.0F;  ///< derived: the median of |noise| over blocks is 0.67 of its sigma
 };
 
 /// Whether the surface moved by less of a fringe than can be undone.

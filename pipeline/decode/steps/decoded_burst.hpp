@@ -52,7 +52,8 @@ struct DecodeDiagnostics {
   double withdrawn_share = 0;   ///< of pixels in decided cells: their region's code was not as labelled
   double torn_share = 0;        ///< of smooth borders between cells: labelling jumps there
   float motion_rad = 0;         ///< mean phase change per frame interval
-  float motion_spread_rad = 0;  ///< rms of the phase change per frame interval over blocks of the image
+  float motion_spread_rad = 0;  ///< rms of the phase change per frame interval over blocks; not in mode M, to which
+                                ///< permuted frames look like motion
   float harmonic = 0;           ///< projector's B2/B1, from the closure; not in mode M
   float flip_blur_rad = 0;      ///< sigma of projector's and camera's blur at the code's flips; not in mode M
   RigidMotion rigid;            ///< of the surface in the camera's frame, per frame interval

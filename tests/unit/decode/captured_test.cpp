@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "pipeline/decode/burst_decoder.hpp"
 #include "tests/support/blocks_scene.hpp"
 #include "tests/support/plaster_eye.hpp"
 #include "tests/support/shared_data.hpp"
@@ -45,6 +46,20 @@ TEST_P(PlasterEye, orders_are_those_of_the_gray_code) {
 TEST_P(PlasterEye, depth_is_where_the_calibration_puts_the_relief) {
   EXPECT_GE(std::lround(figures_.near_mm), 750);  // whole mm, as the set's description states them
   EXPECT_LE(std::lround(figures_.far_mm), 846);
+}
+
+/// A consumer's projector that is not linear, and no code: nothing is wrong with such a burst but that nothing places
+/// it, and it tells what hangs together.
+TEST_P(PlasterEye, burst_without_a_code_is_told_by_its_regions) {
+  calib::Rig rig = set_->rig;
+  rig.depth_range = calib::DepthRange{700, 900};
+  const auto decoder = pipeline::BurstDecoder::make(rig, {});
+  ASSERT_TRUE(decoder) << decoder.error().message();
+  const auto frames = test::burst_of(set_->images, GetParam(), 3);
+  ASSERT_TRUE(frames);
+  const auto burst = decoder->decode(frames->view());
+  EXPECT_EQ(burst.verdict, pipeline::BurstVerdict::kNoCode) << name_of(burst.verdict);
+  EXPECT_GE(burst.relative.phase_rad.size(), figures_.reference_px / 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryThirdFrame, PlasterEye, testing::Values(0U, 1U, 2U));

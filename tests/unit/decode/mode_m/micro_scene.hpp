@@ -31,7 +31,8 @@ inline std::string figures(const pipeline::DecodedBurst& b) {
   return std::string(name_of(b.verdict)) + " linked " + std::to_string(d.linked_share) + " direction " +
          std::to_string(d.direction_share) + " code " + std::to_string(d.code_agreement) + " torn " +
          std::to_string(d.torn_share) + " turn " + std::to_string(d.code_turn_rad) + " odd " +
-         std::to_string(d.odd_shift_rad) + " valid " + std::to_string(b.patch.valid_px);
+         std::to_string(d.odd_shift_rad) + " wave " + std::to_string(d.wave.strength()) + " valid " +
+         std::to_string(b.patch.valid_px);
 }
 
 }  // namespace enamel::test
