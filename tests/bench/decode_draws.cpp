@@ -15,6 +15,7 @@
 #include "tests/bench/draw_table.hpp"
 #include "tests/bench/thread_time.hpp"
 #include "tests/support/draw/folder.hpp"
+#include "tests/support/plain_decoder.hpp"
 
 namespace enamel::bench {
 namespace {
@@ -92,6 +93,9 @@ void run_draw(std::uint64_t seed, calib::PatternMode mode, bool faults, Worker& 
   decoder.decode(burst.frames.view(), worker.workspace, worker.decoded);
   row.render_ms = rendered - start, row.decode_ms = thread_ms() - rendered;
   row.judged = test::judge(drawn, burst.truth, worker.decoded);
+  const test::DepthTruth truth{burst.truth.depth_mm, burst.truth.lit, burst.truth.near_edge};
+  row.beside = test::beside_plain(drawn.rig, truth, worker.decoded.patch.depth_mm,
+                                  test::plain_decode(drawn.rig, burst.frames.view()));
   if (faults && row.judged.accepted() && row.judged.is_true_burst()) try_faults(decoder, burst, worker, row);
 }
 

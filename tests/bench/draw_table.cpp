@@ -20,10 +20,13 @@ struct Tally {
   std::map<std::string, std::size_t> rejected;
   std::size_t sure = 0, sure_covered = 0, sure_of_accepted = 0, placed = 0, wrong = 0, in_shadow = 0, off_object = 0;
   std::size_t smooth = 0, misled = 0;
+  std::size_t floors = 0, below = 0;  ///< bursts of which a plain decoder's depths are a floor; that fall below it
   std::array<test::ZScores, test::kPixelKinds> z;
 
-  void add(const Judged& j) {
+  void add(const DrawRow& row) {
+    const Judged& j = row.judged;
     ++bursts;
+    floors += row.beside.is_floor() ? 1U : 0U, below += row.beside.holds() ? 0U : 1U;
     sure += j.sure, sure_covered += j.sure_covered;
     if (!j.accepted()) {
       ++rejected[std::string(name_of(j.verdict))];
@@ -42,8 +45,9 @@ struct Tally {
     std::string why;
     for (const auto& [reason, count] : rejected) why += fmt::format("{}{} {}", why.empty() ? "" : ", ", count, reason);
     return fmt::format(
-        "{:<16}{:>6}{:>6}{:>8.1f}{:>8.1f}{:>9.3f}{:>6}{:>8}{:>9}{:>9.3f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}  {}\n",
-        name, bursts, accepted, 100 * Judged::share(sure_covered, sure),
+        "{:<16}{:>6}{:>6}{:>7}{:>7}{:>8.1f}{:>8.1f}{:>9.3f}{:>6}{:>8}{:>9}{:>9.3f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7."
+        "2f}  {}\n",
+        name, bursts, accepted, floors, below, 100 * Judged::share(sure_covered, sure),
         100 * Judged::share(sure_covered, sure_of_accepted), 100 * Judged::share(wrong, placed), large_wrong, in_shadow,
         off_object, 100 * Judged::share(misled, smooth), of(PixelKind::kSmooth).rms(),
         of(PixelKind::kSmooth).by_median(), of(PixelKind::kNearEdge).rms(), of(PixelKind::kMoving).rms(),
@@ -52,7 +56,8 @@ struct Tally {
 };
 
 constexpr std::string_view kHead =
-    "                bursts  acc.  cover%   acc.%   wrong%  >100   shade  nowhere  misled%    rms  by med   edge "
+    "                bursts  acc.  plain  below  cover%   acc.%   wrong%  >100   shade  nowhere  misled%    rms  by "
+    "med   edge "
     "moving   weak  "
     "rejected\n";
 
@@ -63,7 +68,7 @@ std::string table(const std::vector<const DrawRow*>& rows, std::string_view titl
                   const std::array<std::string_view, N>& names, const ClassOf& class_of) {
   std::array<Tally, N> classes;
   for (const DrawRow* row : rows) {
-    if (row->judged.is_true_burst()) classes[static_cast<std::size_t>(class_of(row->drawn))].add(row->judged);
+    if (row->judged.is_true_burst()) classes[static_cast<std::size_t>(class_of(row->drawn))].add(*row);
   }
   std::string out = fmt::format("{}\n{}", title, kHead);
   for (std::size_t k = 0; k < N; ++k) out += classes[k].line(names[k]);
@@ -119,7 +124,7 @@ std::string of_mode(const std::vector<const DrawRow*>& rows) {
   std::size_t refused = 0;
   double render_ms = 0, decode_ms = 0;
   for (const DrawRow* row : rows) {
-    (row->judged.is_true_burst() ? true_bursts : others).add(row->judged);
+    (row->judged.is_true_burst() ? true_bursts : others).add(*row);
     refused += row->refused.size();
     render_ms += row->render_ms, decode_ms += row->decode_ms;
   }
@@ -138,7 +143,7 @@ std::string of_mode(const std::vector<const DrawRow*>& rows) {
 
 struct Ranking {
   std::string_view title;
-  std::function<double(const Judged&)> badness;  ///< 0 and below: not bad
+  std::function<double(const DrawRow&)> badness;  ///< 0 and below: not bad
 };
 
 }  // namespace
@@ -157,35 +162,43 @@ std::string draw_tables(const std::vector<DrawRow>& rows) {
 
 std::string worst_draws(const std::vector<DrawRow>& rows, std::size_t how_many) {
   constexpr double kGap = 0.03, kTooSmall = 1.15;
-  const std::array<Ranking, 4> rankings = {
-      {{"true bursts rejected, by sure pixels",
-        [](const Judged& j) { return j.is_true_burst() && !j.accepted() ? static_cast<double>(j.sure) : 0; }},
-       {"largest wrong region, px",
-        [](const Judged& j) {
-          return j.largest_wrong > test::kLargeWrongRegion_px ? static_cast<double>(j.largest_wrong) : 0;
-        }},
-       {"sure pixels without a depth, %",
-        [](const Judged& j) {
-          const double gap = 1 - j.coverage();
-          return j.is_true_burst() && j.accepted() && gap > kGap ? 100 * gap : 0;
-        }},
-       {"rms of error over sigma, smooth surface", [](const Judged& j) {
-          const double rms = j.z[static_cast<std::size_t>(PixelKind::kSmooth)].rms();
-          return j.is_true_burst() && rms > kTooSmall ? rms : 0;
-        }}}};
+  const auto rejected = [](const DrawRow& row) {
+    const Judged& j = row.judged;
+    return j.is_true_burst() && !j.accepted() ? static_cast<double>(j.sure) : 0;
+  };
+  const auto large_wrong = [](const DrawRow& row) {
+    const auto px = static_cast<double>(row.judged.largest_wrong);
+    return row.judged.largest_wrong > test::kLargeWrongRegion_px ? px : 0;
+  };
+  const auto gap = [](const DrawRow& row) {
+    const double missing = 1 - row.judged.coverage();
+    return row.judged.is_true_burst() && row.judged.accepted() && missing > kGap ? 100 * missing : 0;
+  };
+  const auto below_plain = [](const DrawRow& row) {
+    const double less = row.beside.plain.coverage() - row.beside.product.coverage();
+    return row.judged.is_true_burst() && row.judged.accepted() && !row.beside.holds() ? std::max(100 * less, 0.01) : 0;
+  };
+  const auto too_small = [](const DrawRow& row) {
+    const double rms = row.judged.z[static_cast<std::size_t>(PixelKind::kSmooth)].rms();
+    return row.judged.is_true_burst() && rms > kTooSmall ? rms : 0;
+  };
+  const std::array<Ranking, 5> rankings = {{{"true bursts rejected, by sure pixels", rejected},
+                                            {"largest wrong region, px", large_wrong},
+                                            {"sure pixels without a depth, %", gap},
+                                            {"coverage below a plain decoder's or more wrong, %", below_plain},
+                                            {"rms of error over sigma, smooth surface", too_small}}};
   std::string out;
   for (const Ranking& ranking : rankings) {
     std::vector<const DrawRow*> bad;
     for (const DrawRow& row : rows)
-      if (ranking.badness(row.judged) > 0) bad.push_back(&row);
-    std::stable_sort(bad.begin(), bad.end(), [&](const DrawRow* a, const DrawRow* b) {
-      return ranking.badness(a->judged) > ranking.badness(b->judged);
-    });
+      if (ranking.badness(row) > 0) bad.push_back(&row);
+    std::stable_sort(bad.begin(), bad.end(),
+                     [&](const DrawRow* a, const DrawRow* b) { return ranking.badness(*a) > ranking.badness(*b); });
     out += fmt::format("{} ({} bursts)\n", ranking.title, bad.size());
     for (std::size_t k = 0; k < std::min(bad.size(), how_many); ++k) {
       const DrawRow& row = *bad[k];
-      out += fmt::format("  {:>9.2f} {} | {} fastest {:.2f} rad\n", ranking.badness(row.judged),
-                         test::describe(row.drawn), name_of(row.judged.verdict), row.judged.fastest_rad_a_frame);
+      out += fmt::format("  {:>9.2f} {} | {} fastest {:.2f} rad\n", ranking.badness(row), test::describe(row.drawn),
+                         name_of(row.judged.verdict), row.judged.fastest_rad_a_frame);
     }
   }
   return out + worst_faults(rows, how_many);
@@ -227,6 +240,9 @@ std::string draws_json(const std::vector<DrawRow>& rows) {
                    {"largest_wrong", j.largest_wrong},
                    {"in_shadow", j.in_shadow},
                    {"off_object", j.off_object},
+                   {"plain_coverage", row.beside.plain.coverage()},
+                   {"plain_wrong_share", row.beside.plain.wrong_share()},
+                   {"holds_beside_plain", row.beside.holds()},
                    {"smooth", j.smooth},
                    {"misled", j.misled},
                    {"z_count_rms_median_mean", z},

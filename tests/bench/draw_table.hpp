@@ -8,6 +8,7 @@
 #include "tests/support/draw/faults.hpp"
 #include "tests/support/draw/judge.hpp"
 #include "tests/support/draw/ready.hpp"
+#include "tests/support/plain_floor.hpp"
 
 namespace enamel::bench {
 
@@ -23,6 +24,7 @@ struct DrawRow {
   std::vector<std::string> refused;  ///< why draws before it were
   bool decoded = false;              ///< false: no decoder took the rig, and nothing below is filled
   test::Judged judged;
+  test::BesidePlain beside;      ///< beside a plain decoder's depths
   std::vector<FaultRow> faults;  ///< of true bursts that were accepted as they are
   double render_ms = 0, decode_ms = 0;
 };
