@@ -49,7 +49,7 @@ inline constexpr double kMinHarmonicPixels = 5000;
 
 /// Of the waveform once orders are known: rows it is asked of; spread of what the first estimate is off by. chosen: by
 /// judgement, above the 0.02 that a curved surface adds to it.
-inline constexpr int kWaveRowStep = 4;
+inline constexpr int kWaveRowStep = 8;
 inline constexpr double kWaveSpread = 0.03;
 inline constexpr int kWavePasses = 2;  ///< chosen: by judgement
 

@@ -34,12 +34,12 @@ void MicroMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics
 /// The motion was found through the harmonics, and the harmonics through the motion: each once more.
 void MicroMode::undo_wave(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   m.wave = {diagnostics.wave, diagnostics.wave};
-  for (int pass = 0; pass < kWavePasses; ++pass) {
+  for (int pass = 0; pass == 0 || (pass < kWavePasses && diagnostics.rigid.moved); ++pass) {
     find_motion(phase, m, diagnostics);
     take_off_harmonics(m.raw, m.wraps, code_, m.motion, m.wave, phase);
     m.wave = refit_wave({phase, m.wraps, code_, 0, diagnostics.noise}, m.motion, config_.refit.max_residual, m.wave);
-    take_off_harmonics(m.raw, m.wraps, code_, m.motion, m.wave, phase);
   }
+  take_off_harmonics(m.raw, m.wraps, code_, m.motion, m.wave, phase);
   diagnostics.wave = m.wave.fringe;
 }
 

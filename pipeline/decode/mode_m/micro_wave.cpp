@@ -15,7 +15,7 @@ namespace {
 
 using WaveUnknowns = Eigen::Vector4d;  ///< dhc_2, dhc_3, dh_2, dh_3
 
-PixelChange change_of(const CodeRow& row, std::size_t u) {
+[[gnu::always_inline]] inline PixelChange change_of(const CodeRow& row, std::size_t u) {
   return {row.motion_rad[u], row.motion_change_rad[u], row.light[u], row.light_change[u]};
 }
 
@@ -27,7 +27,7 @@ struct WavePixel {
   Turns turns;
 };
 
-WavePixel see_pixel(const CodeRow& row, std::size_t u, const PixelChange& change) {
+[[gnu::always_inline]] inline WavePixel see_pixel(const CodeRow& row, std::size_t u, const PixelChange& change) {
   const Pixel raw{row.pixels.mean[u] - row.black_dn, row.pixels.cosine[u], row.pixels.sine[u]};
   const Lights lights = lights_of<false>(change);
   const Turns turns = turns_of<false>(change);
@@ -40,7 +40,7 @@ struct Added {
   float mean, cosine, sine, code;
 };
 
-Added added_by(const WavePixel& s, const WaveValues& fringe) {
+[[gnu::always_inline]] inline Added added_by(const WavePixel& s, const WaveValues& fringe) {
   const Turn phase{s.pixel.cosine / s.modulation, s.pixel.sine / s.modulation};
   const float first = s.modulation * fringe.at((phase + s.turns.a0).cos) / s.lights.of_first;
   const float second = s.modulation * fringe.at((phase + kThirdTurn + s.turns.a2).cos) / s.lights.of_second;
@@ -48,9 +48,39 @@ Added added_by(const WavePixel& s, const WaveValues& fringe) {
   return {kThird * (first + second + third), kThird * (2 * first - second - third), kInvRoot3 * (third - second), 0};
 }
 
-float code_cosine(const CodeRow& row, std::size_t u, const WavePixel& s, const PixelChange& change) {
+[[gnu::always_inline]] inline float code_cosine(const CodeRow& row, std::size_t u, const WavePixel& s,
+                                                const PixelChange& change) {
   const float r = 1 + row.inverse_ratio;
   return code_model(row.wraps[u], s.phase_rad, r * change.turned(kCodeTime), {row.inverse_ratio, 0}).angle.cos;
+}
+
+/// Branches would keep the loop from being vectorised: pixels of no surface are computed and keep what they have.
+void take_off_row(const CodeRow& row, const RawMicroFrames& raw, const WaveValues& of_fringe, const WaveValues& of_code,
+                  std::size_t at, PhaseMaps& maps) {
+  const WaveValues fringe = of_fringe, finer = of_code;
+  const CodeRow r = row;
+  const float* __restrict raw_mean = &raw.mean_dn[at], * __restrict raw_cosine = &raw.cosine_dn[at];
+  const float* __restrict raw_sine = &raw.sine_dn[at], * __restrict raw_code = &raw.code_dn[at];
+  float* __restrict mean = &maps.mean_dn[at], * __restrict cosine = &maps.cosine_dn[at];
+  float* __restrict sine = &maps.sine_dn[at], * __restrict code = &maps.code_dn[at];
+  float* __restrict modulation = &maps.modulation_dn[at], * __restrict phase = &maps.phase_rad[at];
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  ENAMEL_INDEPENDENT
+  for (std::size_t u = 0; u < width; ++u) {
+    const PixelChange change = change_of(r, u);
+    const WavePixel s = see_pixel(r, u, change);
+    const Added add = added_by(s, fringe);
+    const bool surface = r.wraps[u] > kNoSurface, placed = r.wraps[u] > kUnplaced;
+    const float in_code = s.modulation * finer.at(code_cosine(r, u, s, change)) / s.lights.of_code;
+    const float level = select(placed, raw_mean[u] + raw_code[u] - in_code, mean[u] + code[u]);
+    const float a = raw_mean[u] - add.mean, c = raw_cosine[u] - add.cosine, b = raw_sine[u] - add.sine;
+    phase[u] += select(surface, wrap_once(atan2_poly(b, c) - phase[u]), 0);  // its wrap count stays
+    modulation[u] = select(surface, root(b * b + c * c + 1e-6F), modulation[u]);
+    code[u] = select(surface, level - a, code[u]);
+    mean[u] = select(surface, a, mean[u]);
+    cosine[u] = select(surface, c, cosine[u]);
+    sine[u] = select(surface, b, sine[u]);
+  }
 }
 
 struct NormalEquations {
@@ -113,24 +143,8 @@ void take_off_harmonics(const RawMicroFrames& raw, const Map<std::int16_t>& wrap
   const WaveValues fringe(wave.fringe), finer(wave.code);
   CodeRows rows(motion, maps, &wraps);
   rows.expect(code, 0);
-  for (int v = 0; v < wraps.height(); ++v) {
-    const CodeRow row = rows.at(v);
-    for (std::size_t u = 0; u < static_cast<std::size_t>(wraps.width()); ++u) {
-      if (!(row.wraps[u] > kNoSurface)) continue;
-      const std::size_t i = maps.phase_rad.index(static_cast<int>(u), v);
-      const PixelChange change = change_of(row, u);
-      const WavePixel s = see_pixel(row, u, change);
-      const Added add = added_by(s, fringe);
-      const bool placed = row.wraps[u] > kUnplaced;
-      const float in_code = placed ? s.modulation * finer.at(code_cosine(row, u, s, change)) / s.lights.of_code : 0;
-      const float code_level = placed ? raw.mean_dn[i] + raw.code_dn[i] - in_code : maps.mean_dn[i] + maps.code_dn[i];
-      const float a = raw.mean_dn[i] - add.mean, c = raw.cosine_dn[i] - add.cosine, b = raw.sine_dn[i] - add.sine;
-      maps.phase_rad[i] += wrap_once(atan2_poly(b, c) - maps.phase_rad[i]);  // its wrap count stays
-      maps.modulation_dn[i] = root(b * b + c * c + 1e-6F);
-      maps.mean_dn[i] = a, maps.cosine_dn[i] = c, maps.sine_dn[i] = b;
-      maps.code_dn[i] = code_level - a;
-    }
-  }
+  for (int v = 0; v < wraps.height(); ++v)
+    take_off_row(rows.at(v), raw, fringe, finer, maps.phase_rad.index(0, v), maps);
 }
 
 MicroWave refit_wave(const MicroBurst& burst, const MicroMotion& motion, float max_residual, const MicroWave& wave) {

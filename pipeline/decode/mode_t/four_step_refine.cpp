@@ -59,7 +59,7 @@ void FourStepMode::undo_ripple(const FringeOrders& orders, Memory& m, DecodeDiag
 void FourStepMode::undo_wave(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics,
                              PhaseMaps& phase) const {
   const float black_dn = diagnostics.noise.black_dn;
-  for (int pass = 0; pass < kWavePasses; ++pass) {
+  for (int pass = 0; pass == 0 || (pass < kWavePasses && diagnostics.rigid.moved); ++pass) {
     const BurstErrors errors = m.errors(diagnostics.rigid.moved);
     correct_phase(m.polarity, errors, black_dn, phase);
     diagnostics.wave.harmonic[0] += static_cast<double>(diagnostics.harmonic);

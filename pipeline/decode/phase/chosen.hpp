@@ -18,6 +18,10 @@ inline constexpr int kMisfitCell_px = 8;
 /// Of a bin of intensity (noise_model.cpp). chosen: by judgement. The median's own error is 12 % then.
 inline constexpr std::size_t kMinBinPixels = 100;
 
+/// Of true phase over the phase shown, and of a cosine over its level; of a level, above and below the wave's own:
+/// noise. chosen: by judgement. Beyond the first noise would be amplified more than sigma tells.
+inline constexpr double kLargestWaveSlope = 4, kBeyondWave = 0.25;
+
 /// Waveform harmonics up to 4N + 1; a bulb of blur leaves fewer. chosen: on drawn gammas up to 2.8, of which one term
 /// leaves 0.0028 rad and four 0.0003 (docs/notes/design-figures.md).
 inline constexpr std::size_t kRippleTerms = 4;

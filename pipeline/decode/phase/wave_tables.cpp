@@ -5,16 +5,14 @@
 #include <limits>
 #include <utility>
 
+#include "pipeline/decode/phase/chosen.hpp"
+
 namespace enamel::pipeline {
 namespace {
 
 constexpr std::size_t kFine = 4096, kLevels = 1024, kWidths = 512;  // layout: linear between; errors below 1e-4 rad
-/// Of true phase over the phase shown, and of a cosine over its level. chosen: by judgement. Beyond, noise would be
-/// amplified more than the sigma of neighbours tells.
-constexpr double kLargestSlope = 4;
-constexpr double kBeyond = 0.25;       // chosen: by judgement. Of a level, above and below the wave's own: noise
-constexpr double kInvRoot3 = 0.57735;  // physical: sigma of a uniform distribution over its half width
-constexpr double kTurn = 6.283185307179586;
+constexpr double kTurn = 6.283185307179586;                         // physical: 2 pi
+constexpr double kUniform = 0.57735;  // derived: sigma of a uniform distribution over its half width, 1/sqrt 3
 
 double wrapped(double x) { return x - kTurn * std::round(x / kTurn); }
 
@@ -75,8 +73,8 @@ PhaseTable::PhaseTable(const Waveform& wave, const FrameScheme& frames) {
     const double slope = 0.5 * (high + high_last - low - low_last) * kStep / (2 * reach);
     entries_.push_back({static_cast<float>(wrapped(kStep * place - shown)), static_cast<float>(1 / length),
                         static_cast<float>(-between(seen.mean, place) / length),
-                        static_cast<float>(std::min(slope, kLargestSlope)),
-                        static_cast<float>(0.5 * (last - first) * kStep * kInvRoot3)});
+                        static_cast<float>(std::min(slope, kLargestWaveSlope)),
+                        static_cast<float>(0.5 * (last - first) * kStep * kUniform)});
   }
 }
 
@@ -96,7 +94,7 @@ WaveWidening::Entry WaveWidening::at(float phase_rad) const noexcept {
 }
 
 LevelTable::LevelTable(const Waveform& wave) {
-  const double lowest = wave.at(-1).value - kBeyond, highest = wave.at(1).value + kBeyond;
+  const double lowest = wave.at(-1).value - kBeyondWave, highest = wave.at(1).value + kBeyondWave;
   lowest_ = static_cast<float>(lowest), per_level_ = static_cast<float>(kLevels / (highest - lowest));
   double c = -1;
   for (std::size_t j = 0; j <= kLevels; ++j) {
@@ -105,7 +103,7 @@ LevelTable::LevelTable(const Waveform& wave) {
     while (c < 1 && wave.at(c).value < level) c += 1.0 / kFine;
     const double at = std::clamp(c, -1.0, 1.0);
     const auto [value, slope] = wave.at(at);
-    const bool flat = slope * kLargestSlope < 1;
+    const bool flat = slope * kLargestWaveSlope < 1;
     cosine_.push_back(flat ? std::numeric_limits<float>::quiet_NaN()
                            : static_cast<float>(at + (level - value) / slope));
   }

@@ -18,7 +18,7 @@ class PhaseTable {
     float turn_rad = 0;    ///< true phase less the phase shown
     float scale = 1;       ///< B over the modulation shown
     float mean = 0;        ///< A less the mean shown, over the modulation shown
-    float slope = 1;       ///< of true phase over the phase shown, kLargestSlope at most
+    float slope = 1;       ///< of true phase over the phase shown, kLargestWaveSlope at most
     float spread_rad = 0;  ///< sigma of the true phase where several show alike
   };
 

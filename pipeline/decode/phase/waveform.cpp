@@ -37,25 +37,25 @@ double Waveform::strength() const noexcept {
 }
 
 const FrameScheme& micro_three_step() {
-  static const FrameScheme kFrames{{1, -0.5, -0.5, 0},
-                                   {0, kHalfRootThree, -kHalfRootThree, 0},
-                                   {1.0 / 3, 1.0 / 3, 1.0 / 3, 0},
-                                   {2.0 / 3, -1.0 / 3, -1.0 / 3, 0},
-                                   {0, -0.5 / kHalfRootThree, 0.5 / kHalfRootThree, 0},
-                                   {{3, false}, {6, false}}};
-  return kFrames;
+  static const FrameScheme frames{{1, -0.5, -0.5, 0},
+                                  {0, kHalfRootThree, -kHalfRootThree, 0},
+                                  {1.0 / 3, 1.0 / 3, 1.0 / 3, 0},
+                                  {2.0 / 3, -1.0 / 3, -1.0 / 3, 0},
+                                  {0, -0.5 / kHalfRootThree, 0.5 / kHalfRootThree, 0},
+                                  {{3, false}, {6, false}}};
+  return frames;
 }
 
 const FrameScheme& four_step_three() {
-  static const FrameScheme kFrames{{1, 0, -1, 0},     {0, 1, 0, -1},     {0.5, 0, 0.5, 0},
-                                   {0.5, 0, -0.5, 0}, {0.5, -1, 0.5, 0}, {{1, true}, {3, true}, {4, false}, {5, true}}};
-  return kFrames;
+  static const FrameScheme frames{{1, 0, -1, 0},     {0, 1, 0, -1},     {0.5, 0, 0.5, 0},
+                                  {0.5, 0, -0.5, 0}, {0.5, -1, 0.5, 0}, {{1, true}, {3, true}, {4, false}, {5, true}}};
+  return frames;
 }
 
 const FrameScheme& four_step_four() {
-  static const FrameScheme kFrames{{1, 0, -1, 0},     {0, 1, 0, -1},     {0.5, 0, 0.5, 0},
-                                   {0.5, 0, -0.5, 0}, {0, -0.5, 0, 0.5}, {}};
-  return kFrames;
+  static const FrameScheme frames{{1, 0, -1, 0},     {0, 1, 0, -1},     {0.5, 0, 0.5, 0},
+                                  {0.5, 0, -0.5, 0}, {0, -0.5, 0, 0.5}, {}};
+  return frames;
 }
 
 SeenWave see(const Waveform& wave, const FrameScheme& frames, std::size_t points) {

@@ -31,7 +31,7 @@ struct WaveValues {
   explicit WaveValues(const Waveform& wave) {
     for (std::size_t n = 0; n < h.size(); ++n) h[n] = static_cast<float>(wave.harmonic[n]);
   }
-  [[nodiscard]] float at(float c) const noexcept {
+  [[nodiscard, gnu::always_inline]] float at(float c) const noexcept {
     const float c2 = 2 * c * c - 1, c3 = c * (2 * c2 - 1), c4 = 2 * c2 * c2 - 1, c5 = 2 * c * c4 - c3;
     return h[0] * c2 + h[1] * c3 + h[2] * c4 + h[3] * c5;
   }

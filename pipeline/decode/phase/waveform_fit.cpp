@@ -123,10 +123,25 @@ Waveform fit_waveform(const WaveMoments& moments, const FrameScheme& frames, con
       slope.col(n) = (moments_of(wave_of(h + kDifference * Harmonics::Unit(n)), frames) - now) / kDifference;
     const Eigen::Matrix4d normal =
         slope.transpose() * weight.asDiagonal() * slope + Eigen::Matrix4d(stiffness.asDiagonal());
-    h += normal.inverse() * (slope.transpose() * weight.asDiagonal() * (seen - now) - stiffness.cwiseProduct(h));
+    const Harmonics step =
+        normal.inverse() * (slope.transpose() * weight.asDiagonal() * (seen - now) - stiffness.cwiseProduct(h));
+    h += step;
+    if (step.norm() < kDifference) break;
   }
   const Waveform out = wave_of(h);
   return out.strength() < config.least_strength ? Waveform{} : out;
+}
+
+Waveform find_waveform(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px, const WaveFitConfig& config) {
+  const int glance_step = static_cast<int>(static_cast<double>(maps.phase_rad.size()) / config.glance_pixels);
+  if (glance_step > config.row_step) {
+    WaveFitConfig glance = config;
+    glance.least_strength = 0.5 * config.least_strength;
+    const WaveMoments moments = wave_moments(maps, frames, fringe_px, glance_step);
+    const bool enough = moments.pixels >= config.min_pixels;
+    if (enough && !(fit_waveform(moments, frames, glance).strength() > 0)) return {};
+  }
+  return fit_waveform(wave_moments(maps, frames, fringe_px, config.row_step), frames, config);
 }
 
 }  // namespace enamel::pipeline

@@ -26,7 +26,8 @@ struct WaveMoments {
 [[nodiscard]] WaveMoments wave_moments(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px, int row_step);
 
 struct WaveFitConfig {
-  int row_step = 4;  ///< layout: of the rows that are asked
+  int row_step = 4;             ///< layout: of the rows that are asked
+  double glance_pixels = 8000;  ///< layout: of those that tell whether to ask: moments to 0.008 by counting
   /// Spread of a burst's moments that its surfaces leave beside counting noise. chosen: by judgement, on the rendered
   /// units of other makers.
   double crowding_spread = 0.01, ripple_spread = 0.004;
@@ -34,18 +35,16 @@ struct WaveFitConfig {
   /// (Liu et al. 2010).
   std::array<double, kWaveHarmonics> prior{0.3, 0.1, 0.015, 0.008};
   double min_pixels = 2000;  ///< chosen: by judgement. With fewer nothing is said.
-  /// chosen: above the 0.05 that a motion of 0.3 rad a frame looks like (MicroDecoder tests). Below, what is left is
-  /// undone once orders are known (docs/decode.md §6).
+  /// chosen: on synthetic stairs, above the 0.05 that a motion of 0.3 rad a frame looks like (MicroDecoder tests).
+  /// Below, what is left is undone once orders are known (docs/decode.md §6).
   double least_strength = 0.06;
 };
 
 /// No harmonics where fewer than min_pixels were counted, or none is clear.
 [[nodiscard]] Waveform fit_waveform(const WaveMoments& moments, const FrameScheme& frames, const WaveFitConfig& config);
 
-/// Both. fringe_px: as for wave_moments.
-[[nodiscard]] inline Waveform find_waveform(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px,
-                                            const WaveFitConfig& config) {
-  return fit_waveform(wave_moments(maps, frames, fringe_px, config.row_step), frames, config);
-}
+/// Both. A few rows tell whether there is anything to find. fringe_px: as for wave_moments.
+[[nodiscard]] Waveform find_waveform(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px,
+                                     const WaveFitConfig& config);
 
 }  // namespace enamel::pipeline
