@@ -15,8 +15,9 @@ def wrapped(text, indent=""):
 class Page:
     """Rows with a target, each either met or not, in sections."""
 
-    def __init__(self):
-        self.rows, self.text = [], []
+    def __init__(self, method=None):
+        """method: the document in docs that tells it, where it is not the page's namesake."""
+        self.rows, self.text, self.method = [], [], method
 
     def section(self, title, note=""):
         self.text += ["", f"## {title}", ""] + ([wrapped(note), ""] if note else [])
@@ -27,15 +28,27 @@ class Page:
         self.rows.append({"what": what, "target": target, "measured": measured, "met": met})
         self.text.append(f"| {what} | {target} | {measured} | {'–' if met is None else 'yes' if met else '**no**'} |")
 
+    def table(self, title, columns, targets, rows):
+        """One figure a cell. rows: (name, [(text, met), …]), met as in row(); what is judged counts and stands in the head."""
+        self.text += ["", f"| {title} | " + " | ".join(columns) + " |", "|---" * (1 + len(columns)) + "|"]
+        if any(targets):
+            self.text.append("| *target* | " + " | ".join(t or "–" for t in targets) + " |")
+        for name, cells in rows:
+            self.text.append(f"| {name} | " + " | ".join(f"**{text}**" if met is False else text for text, met in cells) + " |")
+            self.rows += [{"what": f"{name}: {column}", "target": target, "measured": text, "met": met}
+                          for column, target, (text, met) in zip(columns, targets, cells) if met is not None]
+        self.text.append("")
+
     def note(self, text):
         self.text += ["", text, ""]
 
     def write(self, out, name, tool, where, figures):
         """OUT/NAME.md and OUT/NAME.json: the page under its head of targets met and missed, and the figures."""
+        method = self.method or f"{name}.md"
         judged = [r for r in self.rows if r["met"] is not None]
         missed = [r for r in judged if not r["met"]]
         head = [f"# {name.capitalize()} benchmark", "", f"Made by `{tool}`; do not edit. Figures: [{name}.json]({name}.json). "
-                f"The method: [../{name}.md](../{name}.md).", "",
+                f"The method: [../{method}](../{method}).", "",
                 f"{len(judged) - len(missed)} of {len(judged)} targets met. {where['cpu']}, {where['cores']} cores, load "
                 f"{where['load_1min']:.1f}, commit {where['commit']}.", ""]
         if missed:

@@ -228,6 +228,8 @@ std::string draws_json(const std::vector<DrawRow>& rows) {
                    {"conditions", test::describe(d)},
                    {"response", test::kResponseNames[static_cast<std::size_t>(test::response_class(d))]},
                    {"scene", test::kSceneNames[static_cast<std::size_t>(d.scene.kind)]},
+                   {"motion", test::kMotionNames[static_cast<std::size_t>(test::motion_band(d))]},
+                   {"albedo", test::kAlbedoNames[static_cast<std::size_t>(test::albedo_band(d))]},
                    {"verdict", name_of(j.verdict)},
                    {"true_burst", j.is_true_burst()},
                    {"fastest_rad_a_frame", j.fastest_rad_a_frame},
