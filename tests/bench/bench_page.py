@@ -37,7 +37,6 @@ class Page:
             self.text.append(f"| {name} | " + " | ".join(f"**{text}**" if met is False else text for text, met in cells) + " |")
             self.rows += [{"what": f"{name}: {column}", "target": target, "measured": text, "met": met}
                           for column, target, (text, met) in zip(columns, targets, cells) if met is not None]
-        self.text.append("")
 
     def note(self, text):
         self.text += ["", text, ""]

@@ -95,7 +95,7 @@ class Burst:
     def diameters_um(self, balls, pose):
         """Errors of the balls' fitted diameters, in the order of scene.json; None for a ball hardly seen."""
         centres = [pose[:3, :3].T @ (np.array(b["centre"]) - pose[:3, 3]) for b in balls]
-        true, seen, out = self.unit.rays * self.truth[..., None], self.unit.rays * self.depth[..., None], []
+        true, out = self.unit.rays * self.truth[..., None], []
         view = self.unit.rays / np.linalg.norm(self.unit.rays, axis=-1, keepdims=True)
         for k, (ball, centre) in enumerate(zip(balls, centres)):
             normal = (true - centre) / ball["radius"]
@@ -103,24 +103,25 @@ class Burst:
             on &= -np.sum(normal * view, -1) > np.cos(np.radians(STEEPEST_DEG))
             for other in centres[:k] + centres[k + 1:]:
                 on &= normal @ ((other - centre) / np.linalg.norm(other - centre)) < CLEAR_OF_ROD
-            out.append(1e3 * (2 * fitted_radius(seen[on], centre) - 2 * ball["radius"]) if on.sum() >= 500 else None)
+            seen = on.sum() >= 500
+            out.append(2e3 * (fitted_radius(self.unit.rays[on], self.depth[on], centre, ball["radius"]) - ball["radius"]) if seen else None)
         return out
 
 
-def fitted_radius(points, centre):
-    """Of the sphere with the least squared distances, those beyond 3.5 sigma left out; Gauss-Newton from this centre."""
-    centre, keep = np.array(centre, float), np.ones(len(points), bool)
+def fitted_radius(rays, depth, centre, radius):
+    """Of the sphere that leaves the least squared distances, those beyond 3.5 sigma left out. Normals are the sphere's where each
+    ray meets it, not those of the measured points, whose noise along the ray would make every ball smaller."""
+    centre, square = np.array(centre, float), np.sum(rays**2, axis=1)
     for _ in range(12):
-        away = points - centre
-        far = np.linalg.norm(away, axis=1)
-        radius = far[keep].mean()
-        off = far - radius
-        keep = np.abs(off - np.median(off)) < max(3.5 * 1.4826 * np.median(np.abs(off - np.median(off))), 0.01)
-        slopes = np.column_stack([away[keep] / far[keep][:, None], np.ones(keep.sum())])
-        step, *_ = np.linalg.lstsq(slopes, far[keep], rcond=None)
-        # far = n . step + radius to first order: the centre goes by n's part
-        centre = centre + step[:3]
-    return float(step[3])
+        along = rays @ centre
+        meet = (along - np.sqrt(np.maximum(along**2 - square * (centre @ centre - radius**2), 0))) / square
+        normal = (rays * meet[:, None] - centre) / radius
+        off = (depth - meet) * np.sum(normal * rays, axis=1)
+        apart = np.abs(off - np.median(off))
+        keep = apart < max(3.5 * 1.4826 * np.median(apart), 0.01)
+        step, *_ = np.linalg.lstsq(np.column_stack([normal, np.ones(len(off))])[keep], off[keep], rcond=None)
+        centre, radius = centre + step[:3], radius + step[3]
+    return float(radius)
 
 
 def poses(folder):

@@ -38,6 +38,10 @@ def met(value, low=None, high=None):
     return bool((low is None or value >= low) and (high is None or value <= high))
 
 
+def most(limit):
+    return f"≤ {limit:g}" if limit else "0"
+
+
 def tally(rows):
     """Figures of many drawn bursts; pixels of all of them together. A rejected burst covers nothing."""
     accepted = [r for r in rows if r["verdict"] == "accepted"]
@@ -109,12 +113,12 @@ def fault_table(page, true):
             figures[f"{kind}, {mode}"] = {"bursts": len(tried), "rejected": rejected, "misled": misled}
             share, limit = percent(misled, len(tried)), FAULT_PCT.get(kind, 0.1)
             rows.append((f"{kind}, {mode}", [(f"{len(tried)}", None), (shown(percent(rejected, len(tried)), ".1f"), None),
-                                             (f"≤ {limit:g}", None), (shown(share, ".2f"), met(share, high=limit))]))
+                                             (most(limit), None), (shown(share, ".2f"), met(share, high=limit))]))
     # The target differs from row to row, so it has a column; the head tells it, too.
     judged = len(page.rows)
     page.table("Fault, mode", ("bursts", "rejected, %", "target, %", "accepted and misled, %"), ("", "", "", ""), rows)
     for row in page.rows[judged:]:
-        row["target"] = f"≤ {FAULT_PCT.get(row['what'].split(',')[0], 0.1):g}"
+        row["target"] = most(FAULT_PCT.get(row["what"].split(",")[0], 0.1))
     return figures
 
 
@@ -144,8 +148,8 @@ def set_table(page, sets):
         "SIMULATED, by another program, a unit of its own a set; `enamel decode` of each burst against its truth maps, the worst burst "
         "of the set. Coverage: of what is lit and in range. Planes: rms of the 5×5 means over a fifth of the noise that the sensor alone "
         "would leave in a pixel. Balls: error of the diameter, the first burst static, the others at 8 to 25 mm/s.")]
-    columns = ("mode", "bursts", "accepted", "coverage, %", "wrong orders, %", "5×5 rms / (floor/5)", "diameter, static, µm",
-               "diameter, moving, µm")
+    columns = ("mode", "bursts", "accepted", "coverage, %", "wrong orders, %", "5×5 rms / (floor/5)", "static ball's diameter, µm",
+               "moving ball's diameter, µm")
     targets = ("", "", "all", "", f"≤ {WRONG_PCT['M']} M, {WRONG_PCT['T']} T", "≤ 2", "≤ 4", "≤ 6")
     page.table("Set", columns, targets, [(name, set_cells(of)) for name, of in sets.items()])
 
