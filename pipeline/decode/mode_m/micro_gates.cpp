@@ -103,7 +103,7 @@ double direction_share(const PhaseMaps& maps, const Carrier& carrier) {
     follows += static_cast<double>(row_follows);
     expected += static_cast<double>(row_expected);
   }
-  return expected > 0 ? 0.5 + 0.5 * std::min(1.0, follows / expected) : 0;
+  return expected > 0 ? 0.5 + 0.5 * std::clamp(follows / expected, -1.0, 1.0) : 0;
 }
 
 }  // namespace enamel::pipeline

@@ -22,9 +22,10 @@ struct MicroOdd {
 /// what it leaves counts.
 [[nodiscard]] MicroOdd find_micro_odd(const MicroBurst& burst, const MicroMotion& motion, float max_residual);
 
-/// Share of valid horizontal neighbours whose phase changes in the direction of the rig's carrier. An odd permutation
-/// of mode M's three phase frames turns the sign of the phase, and its code is as good as before (cos is even): only
-/// this tells. Noise of 0.15 rad, the mask's limit, leaves 0.87 of a fringe of 26 px, and 0.13 of a turned one.
+/// How far the phase of valid horizontal neighbours changes in the direction of the rig's carrier: 1 where it does, 0
+/// where it runs the other way, and as much whatever the noise, each pair counting by what its noise lets it tell. An
+/// odd permutation of mode M's three phase frames turns the sign of the phase, and its code is as good as before (cos
+/// is even): only this tells.
 [[nodiscard]] double direction_share(const PhaseMaps& maps, const Carrier& carrier);
 
 }  // namespace enamel::pipeline

@@ -10,9 +10,8 @@ namespace enamel::pipeline {
 
 /// Whether the phase runs as the carrier does, before any order is known.
 struct DirectionGate {
-  /// chosen: by judgement, below the 0.87 that noise at the mask's limit leaves (micro_gates.hpp), and above the 0.4
-  /// that two frames of passing fringes have alike (frame_gates.hpp).
-  double min_share = 0.75;             ///< of neighbours whose phase changes in the carrier's direction
+  /// chosen: by judgement, between the 0.65 of some permuted frames and the 0.96 of right ones.
+  double min_share = 0.75;             ///< of direction_share
   double min_unplaced_share = 0.8;     ///< with less and no order found, the frames are to blame, not the code, ...
   double max_unplaced_repeated = 0.6;  ///< ... as they are with more of two frames alike
 };

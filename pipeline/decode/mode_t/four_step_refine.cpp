@@ -68,7 +68,6 @@ void FourStepMode::undo_wave(const FringeOrders& orders, Memory& m, DecodeDiagno
     fit_closure(phase, m.polarity, diagnostics.noise, config_.closure, m.closure);
     find_motion(phase, m, diagnostics);
   }
-  widen_by_wave(orders.spans, signs_, diagnostics.wave, common_.phase, phase);
 }
 
 RefinedPhase FourStepMode::refine(const FringeOrders& orders, const RelativeSurface&, Work& work, const StepHook& hook,
@@ -83,6 +82,8 @@ RefinedPhase FourStepMode::refine(const FringeOrders& orders, const RelativeSurf
     find_motion(phase, m, diagnostics);
     if (diagnostics.wave.strength() > 0) undo_wave(orders, m, diagnostics, phase);
     undo_motion(orders, m, diagnostics, phase);
+    // Last, because frames that join beside a flip make their sigma anew.
+    if (diagnostics.wave.strength() > 0) widen_by_wave(orders.spans, signs_, diagnostics.wave, common_.phase, phase);
     tell(hook, "motion");
   }
   if (common_.correct_ripple) undo_ripple(orders, m, diagnostics, phase);

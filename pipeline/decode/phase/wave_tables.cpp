@@ -84,7 +84,7 @@ WaveWidening::WaveWidening(const Waveform& wave, const FrameScheme& frames) {
   for (std::size_t i = 0; i < kWidths; ++i) {
     const float shown = atan2_poly(static_cast<float>(seen.sine[i]), static_cast<float>(seen.cosine[i]));
     const PhaseTable::Entry e = table.at(shown);
-    entries_.push_back({e.slope, e.spread_rad});
+    entries_.push_back({e.slope * e.scale, e.spread_rad});
   }
 }
 

@@ -45,7 +45,8 @@ class PhaseTable {
 class WaveWidening {
  public:
   struct Entry {
-    float factor = 1, spread_rad = 0;  ///< of sigma; beside it
+    float factor = 1;      ///< of the sigma that frames of a cosine of the same B would have
+    float spread_rad = 0;  ///< beside it
   };
 
   WaveWidening(const Waveform& wave, const FrameScheme& frames);

@@ -31,9 +31,9 @@ Waveform::Level Waveform::at(double c) const noexcept {
 }
 
 double Waveform::strength() const noexcept {
-  double most = 0;
+  double most = 2 * std::abs(harmonic[0]);
   for (const double h : harmonic) most = std::max(most, std::abs(h));
-  return most;
+  return most / 2;
 }
 
 const FrameScheme& micro_three_step() {

@@ -20,7 +20,7 @@ struct Waveform {
     double value = 0, slope = 1;
   };
   [[nodiscard]] Level at(double c) const noexcept;
-  /// Largest of |h_n|.
+  /// |h_2|, or half of another one: they leave the phase of three frames alone to first order.
   [[nodiscard]] double strength() const noexcept;
 };
 

@@ -32,10 +32,10 @@ struct WaveFitConfig {
   /// units of other makers.
   double crowding_spread = 0.01, ripple_spread = 0.004;
   /// Spread of h_2 … h_5 over projectors. derived: a gamma of 1 to 2.8 has (g-1)/(g+2), (g-2)/(g+3) of that, and so on
-  /// (Liu et al. 2010).
-  std::array<double, kWaveHarmonics> prior{0.3, 0.1, 0.015, 0.008};
+  /// (Liu et al. 2010), of which blur leaves less; the last two are held, for motion looks like them.
+  std::array<double, kWaveHarmonics> prior{0.3, 0.1, 0.002, 0.001};
   double min_pixels = 2000;  ///< chosen: by judgement. With fewer nothing is said.
-  /// chosen: on synthetic stairs, above the 0.05 that a motion of 0.3 rad a frame looks like (MicroDecoder tests).
+  /// Of Waveform::strength. chosen: on synthetic stairs, above the 0.056 that a motion of 0.3 rad a frame looks like.
   /// Below, what is left is undone once orders are known (docs/decode.md §6).
   double least_strength = 0.06;
 };

@@ -22,7 +22,7 @@ struct LightGate {
 
 /// Whether the four pictures can be those of one burst.
 struct FramesGate {
-  /// Of lit pixels at which two frames are the same picture. chosen: by judgement, between 0.2 where fringes
+  /// Of lit pixels at which two frames are the same picture. chosen: by judgement, between 0.4 where fringes
   /// pass and 1 where a frame was sent twice (frame_gates.hpp).
   double max_repeated_share = 0.9;
 };

@@ -9,7 +9,7 @@
 namespace enamel::pipeline {
 
 /// Largest share of valid pixels, over all pairs of frames, at which two frames are the same within 2 sigma of noise,
-/// over the 95 % of two exposures of one picture. 1 where a frame was sent twice; 0.2 where fringes pass, at the noise
+/// over the 95 % of two exposures of one picture. 1 where a frame was sent twice; 0.4 where fringes pass, at the noise
 /// where the mask ends. Frames 1 and 3 of mode T are
 /// the same in half of the cells, so that a view of a single fringe may look like one frame twice; it has no code
 /// either way.
