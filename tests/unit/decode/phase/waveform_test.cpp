@@ -34,9 +34,10 @@ TEST(Waveform, slope_is_that_of_differences) {
   }
 }
 
-TEST(Waveform, is_as_strong_as_its_largest_harmonic) {
+TEST(Waveform, is_as_strong_as_its_second_harmonic_or_half_of_another) {
   EXPECT_EQ(kAny.strength(), 0.31);
-  EXPECT_EQ((Waveform{{0.1, -0.2, 0, 0}}).strength(), 0.2);
+  EXPECT_EQ((Waveform{{0.1, -0.3, 0, 0}}).strength(), 0.15);
+  EXPECT_EQ((Waveform{{-0.2, 0.3, 0, 0}}).strength(), 0.2);
   EXPECT_EQ(Waveform{}.strength(), 0);
 }
 
