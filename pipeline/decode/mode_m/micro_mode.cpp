@@ -115,6 +115,7 @@ std::vector<Figure> MicroMode::figures(const DecodeDiagnostics& d) const {
   const auto of = [](float value) { return std::vector{static_cast<double>(value)}; };
   return {{"direction_share", 5, {d.direction_share}},
           {"code_turn_rad", 6, of(d.code_turn_rad)},
+          {"exposure_step", 5, of(d.exposure_step)},
           {"third_rad", 6, of(d.third_rad)}};
 }
 

@@ -38,6 +38,7 @@ void odd_loop(const PhaseMaps& m, const RowErrors& errors, std::size_t at, std::
   const PixelReject* __restrict reject = &m.reject[at];
   float* __restrict both = sums, * __restrict both_energy = both + width;
   float* __restrict level = both_energy + width, * __restrict level_energy = level + width;
+  float* __restrict step = level_energy + width, * __restrict step_light = step + width;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const bool used = (std::abs(w[u]) > 0.999F) & (r[u] == r[u]) & (reject[u] == PixelReject::kNone);
@@ -49,6 +50,8 @@ void odd_loop(const PhaseMaps& m, const RowErrors& errors, std::size_t at, std::
     both_energy[u] += select(plus, sum * sum, 0);
     level[u] += select(minus, r[u] - of_minus, 0);
     level_energy[u] += select(minus, b[u], 0);
+    step[u] += select(plus, r[u] - of_plus, 0);
+    step_light[u] += select(plus, mean[u] - black_dn, 0);
   }
 }
 

@@ -15,7 +15,8 @@ struct ClosureCount {
 [[nodiscard]] ClosureCount count_closure_row(const PhaseMaps& maps, const NoiseModel& noise, float tolerance,
                                              float sigmas, std::size_t at, std::size_t width);
 
-inline constexpr std::size_t kOddSums = 4;  ///< layout: (S + C) rest, (S + C)^2 where b = +1; rest, B where b = -1
+/// layout: (S + C) rest, (S + C)^2 where b = +1; rest, B where b = -1; rest, A - black where b = +1.
+inline constexpr std::size_t kOddSums = 6;
 
 /// Adds the row to sums[k * width + u].
 void add_odd_row(const PhaseMaps& maps, const RowErrors& errors, std::size_t at, std::size_t width, float* sums);

@@ -35,7 +35,7 @@ OddFrame find_odd_frame(const KnownBurst& burst, const NoiseModel& noise, int bl
   const PhaseMaps& maps = burst.maps;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width()), block = static_cast<std::size_t>(block_px);
   ErrorRows rows(burst.errors, burst.black_dn, maps.phase_rad.width());
-  std::vector<float> shifts, levels, sigmas, columns(kOddSums * width);
+  std::vector<float> shifts, levels, sigmas, steps, columns(kOddSums * width);
   for (int top = 0; top < maps.phase_rad.height(); top += block_px) {
     std::fill(columns.begin(), columns.end(), 0.0F);
     const int end = std::min(top + block_px, maps.phase_rad.height());
@@ -43,7 +43,7 @@ OddFrame find_odd_frame(const KnownBurst& burst, const NoiseModel& noise, int bl
       add_odd_row(maps, rows.at(burst.polarity, v), maps.phase_rad.index(0, v), width, columns.data());
     }
     for (std::size_t u = 0; u < width; u += block) {
-      std::array<float, kOddSums> sums{};  // both, its energy, level, its energy
+      std::array<float, kOddSums> sums{};  // as kOddSums lays them out
       for (std::size_t k = 0; k < kOddSums; ++k) {
         const auto first = columns.begin() + static_cast<std::ptrdiff_t>(k * width + u);
         sums[k] = std::accumulate(first, first + static_cast<std::ptrdiff_t>(std::min(block, width - u)), 0.0F);
@@ -54,10 +54,11 @@ OddFrame find_odd_frame(const KnownBurst& burst, const NoiseModel& noise, int bl
         shifts.push_back(2 * std::abs(sums[0] / sums[1]));
         sigmas.push_back(2 * kResidualSigma * root(variance / sums[1]));
       }
+      if (sums[5] > 0) steps.push_back(sums[4] / sums[5]);
       if (sums[3] > 0) levels.push_back(2 * std::abs(sums[2] / sums[3]));
     }
   }
-  return {median(shifts), median(levels), median(sigmas)};
+  return {median(shifts), median(levels), median(sigmas), std::abs(median(steps))};
 }
 
 }  // namespace enamel::pipeline

@@ -20,6 +20,9 @@ struct OddFrame {
   float shift_rad = 0;  ///< d
   float unrest = 0;     ///< of B, on the same scale as shift_rad
   float sigma_rad = 0;  ///< of a block's shift, by the noise of the frames: what no odd frame leaves of shift_rad
+  /// Of A: by which frames 0 and 2 are brighter than 1 and 3 beside what motion explains. A frame whose exposure
+  /// differs by d has d/2 or d: its mean over whole fringes.
+  float exposure_step = 0;
 };
 /// burst: errors of motion, light and harmonic; block_px: of the blocks.
 [[nodiscard]] OddFrame find_odd_frame(const KnownBurst& burst, const NoiseModel& noise, int block_px);

@@ -76,6 +76,7 @@ std::vector<Figure> FourStepMode::figures(const DecodeDiagnostics& d) const {
   return {{"closure_share", 5, {d.closure_share}},
           {"odd_shift_rad", 5, of(d.odd_shift_rad)},
           {"unrest", 5, of(d.unrest)},
+          {"exposure_step", 5, of(d.exposure_step)},
           {"harmonic", 6, of(d.harmonic)},
           {"ripple_cosine_rad", 6, {d.ripple.cosine.begin(), d.ripple.cosine.end()}, true},
           {"ripple_sine_rad", 6, {d.ripple.sine.begin(), d.ripple.sine.end()}, true},

@@ -33,6 +33,7 @@ void FourStepMode::undo_motion(const FringeOrders& orders, Memory& m, DecodeDiag
   const BurstErrors of_blocks{errors.motion_rad, m.closure.errors().harmonic, errors.light, {}, {}};
   const OddFrame odd = find_odd_frame({phase, m.polarity, of_blocks, black_dn}, diagnostics.noise, m.closure.block_px);
   diagnostics.odd_sigma_rad = odd.sigma_rad;
+  diagnostics.exposure_step = odd.exposure_step;
   diagnostics.odd_shift_rad = odd.shift_rad;
   diagnostics.unrest = odd.unrest;
   fit_flip_blur({phase, m.polarity, errors, black_dn}, config_.polarity, config_.flips, m.flips);

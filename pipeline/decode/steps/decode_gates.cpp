@@ -40,7 +40,9 @@ bool follows_code(const DecodeDiagnostics& d, const CodeGate& gate) noexcept {
 
 bool has_odd_frame(const DecodeDiagnostics& d, const OddFrameGate& gate) noexcept {
   const float excused_rad = gate.max_over_motion * d.motion_spread_rad + gate.max_over_sigma * d.odd_sigma_rad;
-  return d.odd_shift_rad > gate.max_shift_rad + excused_rad && d.odd_shift_rad > gate.max_over_unrest * d.unrest;
+  const bool elsewhere =
+      d.odd_shift_rad > gate.max_shift_rad + excused_rad && d.odd_shift_rad > gate.max_over_unrest * d.unrest;
+  return elsewhere || d.exposure_step > gate.max_exposure_step + 0.5F * d.odd_sigma_rad;
 }
 
 }  // namespace enamel::pipeline

@@ -43,7 +43,8 @@ struct CodeGate {
   double max_torn_share = 0.1;
 };
 
-/// Whether one frame is of another time than the others: bends the phase by a quarter of its shift.
+/// Whether one frame is of another time than the others, which bends the phase by a quarter of its shift, or exposed
+/// otherwise.
 struct OddFrameGate {
   /// chosen: on rendered sets, slow and turning, and on frames left over within them (docs/notes/decode-attempts.md,
   /// frames that do not belong together). The second: it stands out from what light and texture did during the burst.
@@ -52,6 +53,9 @@ struct OddFrameGate {
   /// derived: what a motion eps leaves of second order, light and texture that pass by, is no more than eps itself; a
   /// frame of another burst is eight intervals or more away.
   float max_over_motion = 1.0F;
+  /// A frame that is brighter or darker by twice this, beside half of the noise. chosen: on drawn bursts and rendered
+  /// sets, of which bright ones show 0.02 at most.
+  float max_exposure_step = 0.03F;
   float max_over_sigma = 1.0F;  ///< derived: the median of |noise| over blocks is 0.67 of its sigma
 };
 

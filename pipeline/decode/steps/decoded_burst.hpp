@@ -45,6 +45,7 @@ struct DecodeDiagnostics {
                                 ///< mode M placed pixels whose code frame is
   double repeated_share = 0;    ///< of lit pixels: two frames are the same there, for the pair most alike
   float odd_shift_rad = 0;      ///< by which one frame seems to be off the others
+  float exposure_step = 0;      ///< of A: by which single frames are brighter than motion and light explain
   float odd_sigma_rad = 0;      ///< what noise leaves of it in a block; not in mode M, which asks blocks that know
   float unrest = 0;             ///< what else motion and harmonic do not explain, on the same scale
   double direction_share = 0;   ///< mode M: neighbours whose phase changes in the carrier's direction
