@@ -108,12 +108,14 @@ BurstVerdict BurstDecoder::find_phase(const Burst& burst) const {
   PhaseMaps& phase = burst.steps.phase;
   DecodeDiagnostics& diagnostics = burst.out.diagnostics;
   diagnostics.noise = noise_ ? noise_from_rig(*noise_, burst.view.bit_depth) : noise_from_closure(burst.view);
-  strategy_->solve_phase(burst.view, burst.work, diagnostics, phase);
+  strategy_->solve_phase(burst.view, diagnostics.noise, burst.work, phase);
   copy_images(phase, diagnostics.noise, burst.out);
-  tell(burst.hook, "phase");
   if (const auto why = too_few_valid(phase, config_.light)) return *why;
-  const bool fit = frames_go_together(burst.view, burst.before, phase, config_.frames, diagnostics);
-  return fit ? BurstVerdict::kAccepted : mismatch(phase, config_.light);
+  if (!frames_go_together(burst.view, burst.before, phase, config_.frames, diagnostics))
+    return mismatch(phase, config_.light);
+  strategy_->straighten(burst.work, diagnostics, phase);
+  tell(burst.hook, "phase");
+  return too_few_valid(phase, config_.light).value_or(BurstVerdict::kAccepted);
 }
 
 /// Wrapped phase to regions: neighbours that lie on one surface, unwrapped within themselves.

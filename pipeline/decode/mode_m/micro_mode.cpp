@@ -27,8 +27,11 @@ std::unique_ptr<PatternStrategy::Work> MicroMode::make_work() const { return std
 
 MicroMode::Memory& MicroMode::memory_of(Work& work) { return static_cast<Memory&>(work); }
 
-void MicroMode::solve_phase(const BurstView& view, Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
-  compute_micro_phase(view, diagnostics.noise, common_.phase, phase);
+void MicroMode::solve_phase(const BurstView& view, const NoiseModel& noise, Work&, PhaseMaps& phase) const {
+  compute_micro_phase(view, noise, common_.phase, phase);
+}
+
+void MicroMode::straighten(Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   diagnostics.wave = find_waveform(phase, micro_three_step(), geometry_.fringe_px(), common_.wave);
   if (!(diagnostics.wave.strength() > 0)) return;
   memory_of(work).raw.keep(phase);

@@ -17,19 +17,20 @@ std::unique_ptr<PatternStrategy::Work> FourStepMode::make_work() const { return 
 
 FourStepMode::Memory& FourStepMode::memory_of(Work& work) { return static_cast<Memory&>(work); }
 
-void FourStepMode::solve_phase(const BurstView& view, Work& work, DecodeDiagnostics& diagnostics,
-                               PhaseMaps& phase) const {
-  auto& saturated = memory_of(work).saturated;
-  saturated.clear();
-  compute_phase(view, diagnostics.noise, common_.phase, phase);
+void FourStepMode::solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const {
+  compute_phase(view, noise, common_.phase, phase);
+  solve_saturated(view, noise, common_.phase, phase, memory_of(work).saturated);
+}
+
+void FourStepMode::straighten(Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
+  Memory& m = memory_of(work);
   diagnostics.wave = find_waveform(phase, four_step_three(), geometry_.fringe_px(), common_.wave);
-  if (diagnostics.wave.strength() > 0) {
-    memory_of(work).raw.keep(phase);
-    linearise_four_step(diagnostics.wave, common_.phase, phase);
-  }
+  if (!(diagnostics.wave.strength() > 0)) return;
   // Three frames of another kind would need a table of their own.
-  const bool linear = !(diagnostics.wave.strength() > 0);
-  if (linear) solve_saturated(view, diagnostics.noise, common_.phase, phase, saturated);
+  for (const SaturatedPixel& p : m.saturated) phase.reject[p.index] = PixelReject::kSaturated;
+  m.saturated.clear();
+  m.raw.keep(phase);
+  linearise_four_step(diagnostics.wave, common_.phase, phase);
 }
 
 void FourStepMode::measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const {

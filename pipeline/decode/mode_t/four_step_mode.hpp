@@ -44,7 +44,8 @@ class FourStepMode : public PatternStrategy {
   FourStepMode(CellSigns signs, BurstGeometry geometry, const CommonConfig& common, const FourStepConfig& config);
 
   [[nodiscard]] std::unique_ptr<Work> make_work() const override;
-  void solve_phase(const BurstView& view, Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const override;
+  void solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const override;
+  void straighten(Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const override;
   void measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const override;
   void reject_unsure(Work& work, LinkMaps& links, Map<PixelReject>& reject) const override;
   [[nodiscard]] bool shows_pattern(const DecodeDiagnostics& diagnostics) const override;

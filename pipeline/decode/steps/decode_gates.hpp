@@ -50,9 +50,8 @@ struct OddFrameGate {
   /// frames that do not belong together). The second: it stands out from what light and texture did during the burst.
   float max_shift_rad = 0.1F;
   float max_over_unrest = 2.0F;
-  /// derived: what a motion eps leaves of second order, light and texture that pass by, is no more than eps itself; a
-  /// frame of another burst is eight intervals or more away.
-  float max_over_motion = 1.0F;
+  /// What a motion eps leaves of second order, light and texture that pass by. chosen: on rendered balls that turn.
+  float max_over_motion = 0.4F;
   /// A frame that is brighter or darker by twice this, beside half of the noise. chosen: on drawn bursts and rendered
   /// sets, of which bright ones show 0.02 at most.
   float max_exposure_step = 0.03F;

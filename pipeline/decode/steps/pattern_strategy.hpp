@@ -47,10 +47,12 @@ class PatternStrategy {
   };
   [[nodiscard]] virtual std::unique_ptr<Work> make_work() const = 0;
 
-  /// Frames to wrapped phase, its noise (that of the diagnostics) and the physical mask; what the projector's response
-  /// did to them undone, and told in the diagnostics.
-  virtual void solve_phase(const BurstView& view, Work& work, DecodeDiagnostics& diagnostics,
-                           PhaseMaps& phase) const = 0;
+  /// Frames to wrapped phase, its noise and the physical mask.
+  virtual void solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const = 0;
+
+  /// Takes out what the projector's response did to the phase, and tells it as diagnostics.wave. Of frames that go
+  /// together: two that are the same picture would pass for a strange response.
+  virtual void straighten(Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const = 0;
 
   /// How well the wrapped phase is that of this mode's frames in their order; into the diagnostics, before links.
   virtual void measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const = 0;

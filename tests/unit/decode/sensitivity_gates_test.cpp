@@ -112,7 +112,7 @@ TEST(SensitivityOfGates, mode_m) {
   members.push_back(rest_times(ENAMEL_MEMBER(micro.direction.max_unplaced_repeated)));
   members.push_back(rest_times(ENAMEL_MEMBER(micro.explained.min_share)));
   auto controls = common_controls();
-  controls.emplace_back(rest_times(ENAMEL_MEMBER(micro.direction.min_share)), 0);
+  controls.emplace_back(times(ENAMEL_MEMBER(micro.direction.min_share)), 2);
   expect_no_laws("gates M", gates(true), members, controls);
 }
 
