@@ -51,7 +51,6 @@ inline constexpr double kMinHarmonicPixels = 5000;
 /// judgement, above the 0.02 that a curved surface adds to it.
 inline constexpr int kWaveRowStep = 8;
 inline constexpr double kWaveSpread = 0.03;
-inline constexpr int kWavePasses = 2;  ///< chosen: by judgement
 
 /// Of an odd frame: side of a block; sigma of its phase of the code frame that is asked; spread of the unknowns, in the
 /// order of kOddColumns: phases anywhere, what blocks leave of motion, light and gain. chosen: by judgement.

@@ -15,7 +15,7 @@ namespace enamel::pipeline {
 
 struct MicroMode::Memory : PatternStrategy::Work {
   CodeSteps steps;
-  RawMicroFrames raw;  ///< of a projector that is not linear
+  RawFrames raw;  ///< of a projector that is not linear
   MicroWave wave;
   MicroEvidence evidence;
   LikelyWraps likely;

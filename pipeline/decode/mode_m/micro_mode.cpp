@@ -33,7 +33,7 @@ void MicroMode::solve_phase(const BurstView& view, const NoiseModel& noise, Work
 
 void MicroMode::straighten(Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   diagnostics.wave = find_waveform(phase, micro_three_step(), geometry_.fringe_px(), common_.wave);
-  if (!(diagnostics.wave.strength() > 0)) return;
+  if (diagnostics.wave.is_cosine()) return;
   memory_of(work).raw.keep(phase);
   linearise_micro(diagnostics.wave, common_.phase, phase);
 }

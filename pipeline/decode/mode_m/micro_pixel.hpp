@@ -15,12 +15,6 @@ inline constexpr float kFirstTime = -1.5F, kSecondTime = 0.5F, kThirdTime = 1.5F
 inline constexpr float kFirstSkew = 0.26726124F, kSecondSkew = -0.80178373F, kThirdSkew = 0.53452248F;
 inline constexpr Turn kThirdTurn{-0.5F, kHalfRoot3};  ///< layout: by 2 pi/3
 
-/// |a| <= pi and a little: by the half angle, which the polynomials cover.
-[[gnu::always_inline]] inline Turn turn_of(float a) {
-  const float s = sin_poly(0.5F * a), c = cos_poly(0.5F * a);
-  return {1 - 2 * s * s, 2 * s * c};
-}
-
 /// A pixel above black.
 struct Pixel {
   float mean, cosine, sine;

@@ -4,6 +4,7 @@
 #include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "pipeline/decode/mode_m/micro_saturated.hpp"
 #include "pipeline/decode/mode_m/micro_view.hpp"
+#include "pipeline/decode/phase/chosen.hpp"
 #include "pipeline/decode/steps/relative_regions.hpp"
 
 namespace enamel::pipeline {
@@ -49,8 +50,7 @@ RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface
   Memory& m = memory_of(work);
   cells_of(relative, m.relative_cells);
   place_spans(orders.spans, m.relative_cells, phase.phase_rad.width(), phase.phase_rad.height(), m.wraps);
-  const bool linear = !(diagnostics.wave.strength() > 0);
-  diagnostics.third_rad = 0;
+  const bool linear = diagnostics.wave.is_cosine();
   if (common_.correct_ripple && linear) {
     diagnostics.third_rad = estimate_third_harmonic(orders.spans, phase).a1_rad;
     correct_third_harmonic(m.wraps, diagnostics.third_rad, phase);

@@ -35,9 +35,9 @@ struct WavePixel {
   return {p, row.pixels.phase[u] + ahead(raw, p), root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), lights, turns};
 }
 
-/// What harmonics add to frames 0, 2, 3, as A, C and S; and to the code frame.
+/// What harmonics add to frames 0, 2, 3, as A, C and S.
 struct Added {
-  float mean, cosine, sine, code;
+  float mean, cosine, sine;
 };
 
 [[gnu::always_inline]] inline Added added_by(const WavePixel& s, const WaveValues& fringe) {
@@ -45,17 +45,17 @@ struct Added {
   const float first = s.modulation * fringe.at((phase + s.turns.a0).cos) / s.lights.of_first;
   const float second = s.modulation * fringe.at((phase + kThirdTurn + s.turns.a2).cos) / s.lights.of_second;
   const float third = s.modulation * fringe.at((phase + -kThirdTurn + s.turns.a3).cos) / s.lights.of_third;
-  return {kThird * (first + second + third), kThird * (2 * first - second - third), kInvRoot3 * (third - second), 0};
+  return {kThird * (first + second + third), kThird * (2 * first - second - third), kInvRoot3 * (third - second)};
 }
 
-[[gnu::always_inline]] inline float code_cosine(const CodeRow& row, std::size_t u, const WavePixel& s,
-                                                const PixelChange& change) {
+[[gnu::always_inline]] inline Turn code_turn(const CodeRow& row, std::size_t u, const WavePixel& s,
+                                             const PixelChange& change) {
   const float r = 1 + row.inverse_ratio;
-  return code_model(row.wraps[u], s.phase_rad, r * change.turned(kCodeTime), {row.inverse_ratio, 0}).angle.cos;
+  return code_model(row.wraps[u], s.phase_rad, r * change.turned(kCodeTime), {row.inverse_ratio, 0}).angle;
 }
 
 /// Branches would keep the loop from being vectorised: pixels of no surface are computed and keep what they have.
-void take_off_row(const CodeRow& row, const RawMicroFrames& raw, const WaveValues& of_fringe, const WaveValues& of_code,
+void take_off_row(const CodeRow& row, const RawFrames& raw, const WaveValues& of_fringe, const WaveValues& of_code,
                   std::size_t at, PhaseMaps& maps) {
   const WaveValues fringe = of_fringe, finer = of_code;
   const CodeRow r = row;
@@ -71,7 +71,7 @@ void take_off_row(const CodeRow& row, const RawMicroFrames& raw, const WaveValue
     const WavePixel s = see_pixel(r, u, change);
     const Added add = added_by(s, fringe);
     const bool surface = r.wraps[u] > kNoSurface, placed = r.wraps[u] > kUnplaced;
-    const float in_code = s.modulation * finer.at(code_cosine(r, u, s, change)) / s.lights.of_code;
+    const float in_code = s.modulation * finer.at(code_turn(r, u, s, change).cos) / s.lights.of_code;
     const float level = select(placed, raw_mean[u] + raw_code[u] - in_code, mean[u] + code[u]);
     const float a = raw_mean[u] - add.mean, c = raw_cosine[u] - add.cosine, b = raw_sine[u] - add.sine;
     phase[u] += select(surface, wrap_once(atan2_poly(b, c) - phase[u]), 0);  // its wrap count stays
@@ -96,13 +96,12 @@ struct NormalEquations {
 void add_pixel(const CodeRow& row, std::size_t u, float max_residual, const NoiseModel& noise, NormalEquations& out) {
   const PixelChange change = change_of(row, u);
   const Pixel raw{row.pixels.mean[u] - row.black_dn, row.pixels.cosine[u], row.pixels.sine[u]};
-  const CodeWave wave{row.inverse_ratio, 0};
-  const Residual r =
-      code_residual<false>(raw, row.pixels.code[u], row.pixels.phase[u], row.wraps[u], change, row.gain[u], wave);
+  const Residual r = code_residual<false>(raw, row.pixels.code[u], row.pixels.phase[u], row.wraps[u], change,
+                                          row.gain[u], {row.inverse_ratio, 0});
   if (!(std::abs(r.rest) < max_residual * r.modulation)) return;
   const WavePixel s = see_pixel(row, u, change);
   const float ratio = 1 + row.inverse_ratio, gain = row.gain[u];
-  const Turn code = code_model(row.wraps[u], s.phase_rad, ratio * change.turned(kCodeTime), wave).angle;
+  const Turn code = code_turn(row, u, s, change);
   const float c1 = s.pixel.cosine / s.modulation, s1 = s.pixel.sine / s.modulation;
   const float c3 = c1 * (4 * c1 * c1 - 3), s3 = s1 * (3 - 4 * s1 * s1), c = code.cos;
   const std::array<float, 4> columns = {2 * c * c - 1, c * (4 * c * c - 3), -gain * (c3 * c + ratio * s3 * code.sin),
@@ -114,10 +113,6 @@ void add_pixel(const CodeRow& row, std::size_t u, float max_residual, const Nois
 }
 
 }  // namespace
-
-void RawMicroFrames::keep(const PhaseMaps& maps) {
-  mean_dn = maps.mean_dn, cosine_dn = maps.cosine_dn, sine_dn = maps.sine_dn, code_dn = maps.code_dn;
-}
 
 void linearise_micro(const Waveform& wave, const PhaseConfig& config, PhaseMaps& maps) {
   const PhaseTable phases(wave, micro_three_step());
@@ -132,13 +127,12 @@ void linearise_micro(const Waveform& wave, const PhaseConfig& config, PhaseMaps&
     maps.phase_rad[i] = phi, maps.modulation_dn[i] = b, maps.mean_dn[i] += lift;
     maps.cosine_dn[i] = b * turn.cos, maps.sine_dn[i] = b * turn.sin;
     maps.code_dn[i] = b * levels.cosine_of((maps.code_dn[i] - lift) / b);
-    const float sigma = maps.sigma_rad[i] * e.slope;
-    maps.sigma_rad[i] = root(sigma * sigma + e.spread_rad * e.spread_rad);
+    maps.sigma_rad[i] = widened(maps.sigma_rad[i], e.slope, e.spread_rad);
     reject = maps.sigma_rad[i] < config.max_sigma_rad ? PixelReject::kNone : PixelReject::kNoisy;
   }
 }
 
-void take_off_harmonics(const RawMicroFrames& raw, const Map<std::int16_t>& wraps, const MicroCode& code,
+void take_off_harmonics(const RawFrames& raw, const Map<std::int16_t>& wraps, const MicroCode& code,
                         const MicroMotion& motion, const MicroWave& wave, PhaseMaps& maps) {
   const WaveValues fringe(wave.fringe), finer(wave.code);
   CodeRows rows(motion, maps, &wraps);

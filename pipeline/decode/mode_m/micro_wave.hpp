@@ -8,19 +8,13 @@
 #pragma once
 
 #include "pipeline/decode/mode_m/micro_refit.hpp"
+#include "pipeline/decode/phase/raw_frames.hpp"
 #include "pipeline/decode/phase/waveform.hpp"
 
 namespace enamel::pipeline {
 
 struct MicroWave {
   Waveform fringe, code;
-};
-
-/// A burst's frames, solved as if the projector were linear, before anything was undone.
-struct RawMicroFrames {
-  Map<float> mean_dn, cosine_dn, sine_dn, code_dn;
-
-  void keep(const PhaseMaps& maps);
 };
 
 /// Takes the wave out of the maps before any order is known: of the three phase frames by their own solution, of the
@@ -31,7 +25,7 @@ void linearise_micro(const Waveform& wave, const PhaseConfig& config, PhaseMaps&
 /// Beforehand `maps` is what some waveform left, motion still within; afterwards what `wave` leaves, by the phase and
 /// motion that `maps` showed. Of pixels of a surface; those of unknown order keep their code. sigma_rad and reject
 /// stay.
-void take_off_harmonics(const RawMicroFrames& raw, const Map<std::int16_t>& wraps, const MicroCode& code,
+void take_off_harmonics(const RawFrames& raw, const Map<std::int16_t>& wraps, const MicroCode& code,
                         const MicroMotion& motion, const MicroWave& wave, PhaseMaps& maps);
 
 /// The wave anew, from what `wave` left of the code frame in burst.maps. max_residual: of B, beyond which a pixel sees

@@ -33,9 +33,8 @@ inline constexpr float kMostFlipResidual = 0.6F;
 /// chosen: by judgement. Of |sin phi|; nearer to a flip blur rounds frame 3 of a torn pixel.
 inline constexpr float kClearOfFlip = 0.4F;
 
-/// Of the waveform: motion and harmonics are found through each other; of B, by which frames 1 and 3 differ at most
-/// where one repeats the other. chosen: by judgement, twice the quarter radian a frame of a true burst.
-inline constexpr int kWavePasses = 2;
+/// Of B, by which frames 1 and 3 differ at most where one repeats the other. chosen: by judgement, twice the quarter
+/// radian a frame of a true burst.
 inline constexpr float kAlike = 0.5F;
 
 /// Of the ripple's depth (ripple_depth.hpp). chosen: by judgement.

@@ -16,7 +16,7 @@ namespace enamel::pipeline {
 struct FourStepMode::Memory : PatternStrategy::Work {
   std::vector<SaturatedPixel> saturated;  ///< solved without their saturated frame
   LeastCutsWork cuts;                     ///< of patterns without a code
-  RawFourFrames raw;                      ///< of a projector that is not linear
+  RawFrames raw;                          ///< of a projector that is not linear
   PolarityEvidence evidence;
   PolarityMaps polarity;
   ClosureFit closure;

@@ -25,7 +25,7 @@ void FourStepMode::solve_phase(const BurstView& view, const NoiseModel& noise, W
 void FourStepMode::straighten(Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   Memory& m = memory_of(work);
   diagnostics.wave = find_waveform(phase, four_step_three(), geometry_.fringe_px(), common_.wave);
-  if (!(diagnostics.wave.strength() > 0)) return;
+  if (diagnostics.wave.is_cosine()) return;
   // Three frames of another kind would need a table of their own.
   for (const SaturatedPixel& p : m.saturated) phase.reject[p.index] = PixelReject::kSaturated;
   m.saturated.clear();

@@ -1,8 +1,8 @@
 // Mode T's best phase: frame 3 joins once its sign is known, then motion, flips and harmonics are undone.
-#include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/closure_gates.hpp"
 #include "pipeline/decode/mode_t/four_step_memory.hpp"
 #include "pipeline/decode/mode_t/ripple_depth.hpp"
+#include "pipeline/decode/phase/chosen.hpp"
 #include "pipeline/decode/phase/median.hpp"
 
 namespace enamel::pipeline {
@@ -81,10 +81,10 @@ RefinedPhase FourStepMode::refine(const FringeOrders& orders, const RelativeSurf
     fit_closure(phase, m.polarity, diagnostics.noise, config_.closure, m.closure);
     tell(hook, "closure");
     find_motion(phase, m, diagnostics);
-    if (diagnostics.wave.strength() > 0) undo_wave(orders, m, diagnostics, phase);
+    if (!diagnostics.wave.is_cosine()) undo_wave(orders, m, diagnostics, phase);
     undo_motion(orders, m, diagnostics, phase);
     // Last, because frames that join beside a flip make their sigma anew.
-    if (diagnostics.wave.strength() > 0) widen_by_wave(orders.spans, signs_, diagnostics.wave, common_.phase, phase);
+    if (!diagnostics.wave.is_cosine()) widen_by_wave(orders.spans, signs_, diagnostics.wave, common_.phase, phase);
     tell(hook, "motion");
   }
   if (common_.correct_ripple) undo_ripple(orders, m, diagnostics, phase);

@@ -41,10 +41,6 @@ void set_frames(const Solved& raw, const std::array<float, 4>& add, std::size_t 
 
 }  // namespace
 
-void RawFourFrames::keep(const PhaseMaps& maps) {
-  mean_dn = maps.mean_dn, cosine_dn = maps.cosine_dn, sine_dn = maps.sine_dn, code_dn = maps.code_dn;
-}
-
 void linearise_four_step(const Waveform& wave, const PhaseConfig& config, PhaseMaps& maps) {
   const PhaseTable by_three(wave, four_step_three()), by_four(wave, four_step_four());
   const WaveValues values(wave);
@@ -56,14 +52,13 @@ void linearise_four_step(const Waveform& wave, const PhaseConfig& config, PhaseM
     const float s4 = 0.5F * (s + d), shown_rad = plus ? atan2_poly(s4, c) : maps.phase_rad[i];
     const float shown = plus ? root(c * c + s4 * s4) : maps.modulation_dn[i];
     const PhaseTable::Entry e = (plus ? by_four : by_three).at(shown_rad);
-    const float b = shown * e.scale, half = 0.5F * wrap_once(shown_rad + e.turn_rad), half_sine = sin_poly(half);
-    const Turn turn{1 - 2 * half_sine * half_sine, 2 * half_sine * cos_poly(half)};
+    const float b = shown * e.scale;
+    const Turn turn = turn_of(wrap_once(shown_rad + e.turn_rad));
     const auto add = added_to(values, turn, b, plus ? 1.0F : -1.0F, {});
     set_frames({a, c, s, d}, add, i, maps);
     maps.modulation_dn[i] = root(maps.cosine_dn[i] * maps.cosine_dn[i] + maps.sine_dn[i] * maps.sine_dn[i] + 1e-6F);
     maps.phase_rad[i] = atan2_poly(maps.sine_dn[i], maps.cosine_dn[i]);
-    const float sigma = maps.sigma_rad[i] * (plus ? 1.0F : e.slope);
-    maps.sigma_rad[i] = root(sigma * sigma + e.spread_rad * e.spread_rad);
+    maps.sigma_rad[i] = widened(maps.sigma_rad[i], plus ? 1.0F : e.slope, e.spread_rad);
     reject = maps.sigma_rad[i] < config.max_sigma_rad ? PixelReject::kNone : PixelReject::kNoisy;
   }
 }
@@ -76,8 +71,7 @@ void widen_by_wave(std::span<const CellSpan> spans, const CellSigns& signs, cons
     for (std::int32_t u = s.begin; u < s.end; ++u) {
       const std::size_t i = maps.phase_rad.index(u, s.row);
       const auto [factor, spread_rad] = widening.at(wrap_once(maps.phase_rad[i]));
-      const float sigma = maps.sigma_rad[i] * factor;
-      maps.sigma_rad[i] = root(sigma * sigma + spread_rad * spread_rad);
+      maps.sigma_rad[i] = widened(maps.sigma_rad[i], factor, spread_rad);
       if (maps.reject[i] == PixelReject::kNone && !(maps.sigma_rad[i] < config.max_sigma_rad))
         maps.reject[i] = PixelReject::kNoisy;
     }
@@ -98,9 +92,8 @@ void take_off_harmonics(const WaveOfFrames& in, const PolarityMaps& polarity, co
     for (std::int32_t u = s.begin; u < s.end; ++u) {
       const std::size_t i = maps.phase_rad.index(u, s.row);
       const float phase = maps.phase_rad[i] + kTwoPiF * static_cast<float>(polarity.wraps[i] - wraps);
-      const float half = 0.5F * wrap_once(phase), sine = sin_poly(half);
-      const Turn turn{1 - 2 * sine * sine, 2 * sine * cos_poly(half)};
-      const auto add = added_to(wave, turn, maps.modulation_dn[i], b, row->change(static_cast<std::size_t>(u)));
+      const auto add =
+          added_to(wave, turn_of(wrap_once(phase)), maps.modulation_dn[i], b, row->change(static_cast<std::size_t>(u)));
       set_frames({in.raw.mean_dn[i], in.raw.cosine_dn[i], in.raw.sine_dn[i], in.raw.code_dn[i]}, add, i, maps);
       maps.phase_rad[i] =
           phase + wrap_once(wrap_once(atan2_poly(maps.sine_dn[i], maps.cosine_dn[i]) - wrap_once(phase)));

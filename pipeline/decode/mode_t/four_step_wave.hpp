@@ -8,16 +8,10 @@
 #include "pipeline/decode/mode_t/cell_signs.hpp"
 #include "pipeline/decode/mode_t/closure.hpp"
 #include "pipeline/decode/phase/cell_span.hpp"
+#include "pipeline/decode/phase/raw_frames.hpp"
 #include "pipeline/decode/phase/waveform.hpp"
 
 namespace enamel::pipeline {
-
-/// A burst's frames, solved by the first three as if the projector were linear, before anything was undone.
-struct RawFourFrames {
-  Map<float> mean_dn, cosine_dn, sine_dn, code_dn;
-
-  void keep(const PhaseMaps& maps);
-};
 
 /// Takes the wave out of the maps before any order is known. Frame 3 is either like frame 1, and the first three frames
 /// tell the phase, or its sign is plus, and all four do, which are blind to an even harmonic. Moving surfaces make
@@ -33,7 +27,7 @@ void widen_by_wave(std::span<const CellSpan> spans, const CellSigns& signs, cons
 struct WaveOfFrames {
   std::span<const CellSpan> spans;
   const CellSigns& signs;
-  const RawFourFrames& raw;
+  const RawFrames& raw;
   const Waveform& wave;
 };
 

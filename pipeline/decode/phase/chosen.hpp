@@ -18,6 +18,9 @@ inline constexpr int kMisfitCell_px = 8;
 /// Of a bin of intensity (noise_model.cpp). chosen: by judgement. The median's own error is 12 % then.
 inline constexpr std::size_t kMinBinPixels = 100;
 
+/// Of a moving burst: motion and harmonics are found through each other. chosen: by judgement.
+inline constexpr int kWavePasses = 2;
+
 /// Of true phase over the phase shown, and of a cosine over its level; of a level, above and below the wave's own:
 /// noise. chosen: by judgement. Beyond the first noise would be amplified more than sigma tells.
 inline constexpr double kLargestWaveSlope = 4, kBeyondWave = 0.25;

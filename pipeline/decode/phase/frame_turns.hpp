@@ -27,6 +27,12 @@ struct Turn {
 
 [[gnu::always_inline]] inline Turn operator-(const Turn& a) { return {a.cos, -a.sin}; }
 
+/// |a| <= pi and a little: by the half angle, which the polynomials cover.
+[[gnu::always_inline]] inline Turn turn_of(float a) {
+  const float s = sin_poly(0.5F * a), c = cos_poly(0.5F * a);
+  return {1 - 2 * s * s, 2 * s * c};
+}
+
 /// What each frame's phase differs by from mid-burst, t eps + t^2/2 eps' at t = -3/2 ... 3/2.
 struct Turns {
   Turn a0, a1, a2, a3;

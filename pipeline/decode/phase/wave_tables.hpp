@@ -10,6 +10,12 @@
 
 namespace enamel::pipeline {
 
+/// Sigma of a phase of which the wave says less than a cosine.
+[[nodiscard]] inline float widened(float sigma_rad, float factor, float spread_rad) noexcept {
+  const float sigma = sigma_rad * factor;
+  return root(sigma * sigma + spread_rad * spread_rad);
+}
+
 /// True phase by the phase shown. Where a wave far from a cosine shows one phase at several, the middle of them.
 /// Immutable.
 class PhaseTable {

@@ -1,5 +1,5 @@
 // What a projector whose grey response is not linear makes of a cosine, and what three phase-shifted frames of it show
-// (docs/decode.md §6). The response acts on each level by itself and blur is symmetric, so the wave is even:
+// (docs/waveform.md). The response acts on each level by itself and blur is symmetric, so the wave is even:
 //   w(phi) = cos phi + sum_n h_n cos n phi = F(cos phi),   F(c) = c + sum_n h_n T_n(c),   n = 2 … 5
 // with the Chebyshev polynomials T_n. Harmonics of a gamma: Liu et al. 2010.
 #pragma once
@@ -22,6 +22,7 @@ struct Waveform {
   [[nodiscard]] Level at(double c) const noexcept;
   /// |h_2|, or half of another one: they leave the phase of three frames alone to first order.
   [[nodiscard]] double strength() const noexcept;
+  [[nodiscard]] bool is_cosine() const noexcept { return !(strength() > 0); }
 };
 
 /// sum_n h_n cos n a from cos a, n >= 2: what the wave has beyond its cosine. For loops over pixels.

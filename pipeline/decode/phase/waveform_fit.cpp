@@ -139,7 +139,7 @@ Waveform find_waveform(const PhaseMaps& maps, const FrameScheme& frames, int fri
     glance.least_strength = 0.5 * config.least_strength;
     const WaveMoments moments = wave_moments(maps, frames, fringe_px, glance_step);
     const bool enough = moments.pixels >= config.min_pixels;
-    if (enough && !(fit_waveform(moments, frames, glance).strength() > 0)) return {};
+    if (enough && fit_waveform(moments, frames, glance).is_cosine()) return {};
   }
   return fit_waveform(wave_moments(maps, frames, fringe_px, config.row_step), frames, config);
 }

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <limits>
 #include <numbers>
@@ -86,13 +85,8 @@ PhaseMaps fringe_of(const Waveform& wave, int width) {
     const double mean =
         (test::wave_at(wave, phi) + test::wave_at(wave, phi + third) + test::wave_at(wave, phi - third)) / 3;
     const auto i = static_cast<std::size_t>(u);
-    maps.mean_dn[i] = static_cast<float>(100 + 50 * mean);
-    maps.cosine_dn[i] = static_cast<float>(50 * said.real()), maps.sine_dn[i] = static_cast<float>(50 * said.imag());
-    maps.code_dn[i] = static_cast<float>(50 * (test::wave_at(wave, 2 * phi) - mean));
-    maps.modulation_dn[i] = static_cast<float>(50 * std::abs(said));
-    maps.phase_rad[i] = static_cast<float>(std::arg(said));
+    test::put_unit_wave(i, said, mean, test::wave_at(wave, 2 * phi), maps);
     maps.sigma_rad[i] = 0.05F;
-    maps.reject[i] = PixelReject::kNone;
   }
   return maps;
 }

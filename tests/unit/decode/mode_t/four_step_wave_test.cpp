@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <numbers>
 
@@ -103,13 +102,8 @@ PhaseMaps fringe_of(const Waveform& wave, int width, bool plus) {
     const auto said = test::three_frames_say(wave, false, phi);
     const double mean = (test::wave_at(wave, phi) + test::wave_at(wave, phi + 2 * quarter)) / 2;
     const auto i = static_cast<std::size_t>(u);
-    maps.mean_dn[i] = static_cast<float>(100 + 50 * mean);
-    maps.cosine_dn[i] = static_cast<float>(50 * said.real()), maps.sine_dn[i] = static_cast<float>(50 * said.imag());
-    maps.code_dn[i] = static_cast<float>(50 * (test::wave_at(wave, phi + (plus ? 3 : 1) * quarter) - mean));
-    maps.modulation_dn[i] = static_cast<float>(50 * std::abs(said));
-    maps.phase_rad[i] = static_cast<float>(std::arg(said));
+    test::put_unit_wave(i, said, mean, test::wave_at(wave, phi + (plus ? 3 : 1) * quarter), maps);
     maps.sigma_rad[i] = 0.02F;
-    maps.reject[i] = PixelReject::kNone;
   }
   return maps;
 }

@@ -54,6 +54,17 @@ inline std::complex<double> three_frames_say(const pipeline::Waveform& wave, boo
   return {(a - c) / 2, (a + c) / 2 - b};
 }
 
+/// Pixel i of noiseless frames of B = 50 about 100 DN. said: three_frames_say; mean, code: of the unit wave.
+inline void put_unit_wave(std::size_t i, std::complex<double> said, double mean, double code,
+                          pipeline::PhaseMaps& maps) {
+  maps.mean_dn[i] = static_cast<float>(100 + 50 * mean);
+  maps.cosine_dn[i] = static_cast<float>(50 * said.real()), maps.sine_dn[i] = static_cast<float>(50 * said.imag());
+  maps.code_dn[i] = static_cast<float>(50 * (code - mean));
+  maps.modulation_dn[i] = static_cast<float>(50 * std::abs(said));
+  maps.phase_rad[i] = static_cast<float>(std::arg(said));
+  maps.reject[i] = pipeline::PixelReject::kNone;
+}
+
 /// A burst of fringes along rows. Texture of 20 %, twice as bright at one end of the row as at the other, sensor noise.
 struct FringesOnTexture {
   int width = 640, height = 160;
