@@ -110,11 +110,13 @@ BurstVerdict BurstDecoder::find_phase(const Burst& burst) const {
   diagnostics.noise = noise_ ? noise_from_rig(*noise_, burst.view.bit_depth) : noise_from_closure(burst.view);
   strategy_->solve_phase(burst.view, diagnostics.noise, burst.work, phase);
   copy_images(phase, diagnostics.noise, burst.out);
+  tell(burst.hook, "phase");
   if (const auto why = too_few_valid(phase, config_.light)) return *why;
   if (!frames_go_together(burst.view, burst.before, phase, config_.frames, diagnostics))
     return mismatch(phase, config_.light);
   strategy_->straighten(burst.work, diagnostics, phase);
-  tell(burst.hook, "phase");
+  tell(burst.hook, "wave");
+  if (diagnostics.wave.is_cosine()) return BurstVerdict::kAccepted;
   return too_few_valid(phase, config_.light).value_or(BurstVerdict::kAccepted);
 }
 

@@ -200,7 +200,7 @@ def time_rows(page, decode, ruler_ns):
         page.row("plane, spheres, steps, sweep", "–", "skipped: no rendered bursts here", None)
         return
     budget = {"phase": 0.3, "unwrap": 4, "order": 2.5, "surface": 2}
-    steps = ["phase", "links", "unwrap", "order", "polarity", "closure", "harmonic", "motion", "refit", "surface", "rest"]
+    steps = ["phase", "wave", "links", "unwrap", "order", "polarity", "closure", "harmonic", "motion", "refit", "surface", "rest"]
     totals = {name: sum(b[s] for s in steps if s in b) for name, b in decode.items()}
     for name in decode:
         in_t = totals.get(name[:-1] + "T") if name.endswith("_M") else None
