@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,11 +15,13 @@
 #include "host/app/input.hpp"
 #include "host/app/run_options.hpp"
 #include "host/record/burst_stream.hpp"
+#include "host/session/wave_before.hpp"
 #include "pipeline/decode/decode_maps.hpp"
 #include "pipeline/decode/steps/frame_gates.hpp"
 #include "pipeline/stages/burst_view.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/log.hpp"
+#include "protocol/base/progress.hpp"
 
 namespace enamel::app {
 
@@ -40,6 +43,18 @@ std::vector<proto::Burst> bursts_before(host::BurstStream& stream, std::uint64_t
   return out;
 }
 
+/// As a scan would have by then. Told when it takes longer than a moment.
+pipeline::WaveKnowledge learned_before(std::uint64_t burst, const pipeline::BurstDecoder& decoder,
+                                       std::uint32_t calib_crc32, host::BurstStream& stream, const Clock& clock) {
+  const HostTime start = clock.now();
+  std::optional<Progress> progress;
+  return host::wave_before(stream, {burst}, decoder, calib_crc32, [&](std::uint64_t place) {
+    if (!progress && clock.now() - start > std::chrono::seconds(1))
+      progress.emplace(clock, "learning the projector's waveform from the bursts before", burst);
+    if (progress) progress->update(place);
+  });
+}
+
 Result<int> run_decode(const DecodeOptions& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const LoadedConfig config, load_config(o.run));
@@ -58,6 +73,9 @@ Result<int> run_decode(const DecodeOptions& o) {
   ENAMEL_TRY_ASSIGN(const auto decoder, pipeline::BurstDecoder::make(calib::rig_at(rig, burst.temp_centi_c / 100.0),
                                                                      config.pipeline.decode));
 
+  const std::uint32_t calib_crc32 = o.rig.empty() ? rig.crc32 : 0;
+  const pipeline::WaveKnowledge wave = learned_before(o.burst, decoder, calib_crc32, *stream, clock);
+
   pipeline::DecodeReport report{
       .burst = o.burst, .mode = calib::mode_name(rig.patterns), .figures = {}, .stage_ms = {}};
   pipeline::DecodeWorkspace workspace;
@@ -70,7 +88,7 @@ Result<int> run_decode(const DecodeOptions& o) {
   pipeline::DecodedBurst decoded;
   std::vector<pipeline::BurstView> views;
   for (const proto::Burst& was : before) views.push_back(stage::view_of(was));
-  decoder.decode(stage::view_of(burst), workspace, decoded, views);
+  decoder.decode(stage::view_of(burst), workspace, decoded, {views, wave});
   report.figures = decoder.figures(decoded.diagnostics);
   ENAMEL_TRY(pipeline::write_decode_maps(decoded, report, o.run.out));
   std::fputs(pipeline::decode_json(decoded, report).c_str(), stdout);

@@ -14,8 +14,9 @@ PipelineFigures figures_of(const flow::GraphSnapshot& snapshot) {
   for (std::size_t i = 0; i < loads.size(); ++i) {
     const flow::StageSnapshot& stage = snapshot.stages[i];
     flow::StageLoad& load = loads[i];
-    const bool is_sink = std::none_of(snapshot.edges.begin(), snapshot.edges.end(),
-                                      [&](const flow::EdgeSnapshot& e) { return e.from == stage.name; });
+    const bool is_sink = std::none_of(snapshot.edges.begin(), snapshot.edges.end(), [&](const flow::EdgeSnapshot& e) {
+      return e.from == stage.name && e.delay == 0;
+    });
     if (stage.is_source || is_sink) continue;
     out.stages.push_back({.name = load.name,
                           .median_ms = 1e-6 * static_cast<double>(stage.service_ns.p50),

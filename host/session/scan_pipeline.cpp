@@ -9,10 +9,12 @@
 
 #include "host/session/end_stages.hpp"
 #include "host/session/pipeline_figures.hpp"
+#include "host/session/wave_before.hpp"
 #include "pipeline/flow/executor.hpp"
 #include "pipeline/flow/graph.hpp"
 #include "pipeline/stages/decode_stage.hpp"
 #include "pipeline/stages/fuse_stage.hpp"
+#include "pipeline/stages/learn_stage.hpp"
 #include "pipeline/stages/track_stage.hpp"
 
 namespace enamel::host {
@@ -22,6 +24,7 @@ namespace {
 // Two decoders keep two cores busy while registration waits for its turn; the order is restored behind them.
 constexpr std::size_t kDecoders = 2;
 constexpr std::size_t kEntrance = 2;
+static_assert(kWaveDelay % kDecoders == 0);
 
 }  // namespace
 
@@ -59,6 +62,7 @@ void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<c
   for (std::size_t i = 0; i < kDecoders; ++i) {
     decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), baked, options.calib_crc32);
   }
+  auto& learner = graph.add<stage::LearnStage>();
   auto& track = graph.add<stage::TrackStage>(optics, config.track, config.guide, baked);
   const stage::FuseStageConfig fuse_config{.fuse = config.fuse,
                                            .mesh = config.mesh,
@@ -69,14 +73,18 @@ void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<c
   auto& screen = graph.add<PreviewStage>(preview);
 
   const std::array<flow::In<proto::Burst>*, kDecoders> ins{&decoders[0]->burst, &decoders[1]->burst};
+  const std::array<flow::In<pipeline::WaveKnowledge>*, kDecoders> waves{&decoders[0]->wave, &decoders[1]->wave};
   const std::array<flow::Out<stage::Decoded>*, kDecoders> outs{&decoders[0]->patch, &decoders[1]->patch};
   const flow::EdgeSpec one{.capacity = 1};
   graph.connect_split<proto::Burst>(source.burst, ins, one);
   graph.connect_merge<stage::Decoded>(outs, track.patch, one);
+  graph.connect_merge<stage::Decoded>(outs, learner.decoded, one);
   graph.connect(track.tracked, fuse->tracked, one);
   graph.connect(fuse->fused, last.fused);
   graph.connect(fuse->preview, screen.item, {.on_full = flow::OnFull::kKeepLatest});
   const flow::ItemHead none;
+  graph.connect_feedback_split<pipeline::WaveKnowledge>(
+      learner.known, waves, kWaveDelay, flow::make_item<pipeline::WaveKnowledge>(none, pipeline::WaveKnowledge{}));
   graph.connect_feedback(fuse->view, track.model, static_cast<std::size_t>(config.feedback_delay),
                          flow::make_item<ModelView>(none, ModelView{}));
   sink = &last;

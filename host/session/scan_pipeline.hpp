@@ -1,6 +1,6 @@
-// The stage graph of a scan, from bursts to the model: source -> decode -> track -> fuse -> sink, with the model fed
-// back through a delay edge and a preview tap that keeps the latest. Live scans and replays run exactly this. A rig
-// with temperature terms is taken at the temperature of the first burst.
+// The stage graph of a scan, from bursts to the model: source -> decode -> track -> fuse -> sink. The model, and what
+// decoding shows of the projector, are fed back through delay edges; a preview tap keeps the latest. Live scans and
+// replays run exactly this. A rig with temperature terms is taken at the temperature of the first burst.
 #pragma once
 
 #include <array>

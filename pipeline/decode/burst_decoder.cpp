@@ -37,7 +37,7 @@ Carrier carrier_of(const calib::Rig& rig, const RayDepth& rays, double near_mm, 
 /// One burst on its way: what it is, the memory it is worked in, and what becomes of it.
 struct BurstDecoder::Burst {
   const BurstView& view;
-  std::span<const BurstView> before;
+  const BurstsBefore& before;
   DecodeWorkspace::Steps& steps;
   PatternStrategy::Work& work;
   const StepHook& hook;
@@ -60,12 +60,13 @@ Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfi
   d.carrier_ = carrier_of(rig, *d.rays_, range->near_mm, config.links.max_slope_deg);
   d.strategy_ = make_strategy(std::move(code), {d.rays_, d.carrier_}, config);
   d.noise_ = rig.noise;
+  d.wave_priors_ = priors_of(rig, config.wave);
   d.config_ = config;
   return d;
 }
 
 void BurstDecoder::decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out,
-                          std::span<const BurstView> before) const {
+                          const BurstsBefore& before) const {
   const int w = rays_->width, h = rays_->height;
   if (workspace.strategy_ != strategy_) {
     workspace.strategy_ = strategy_;
@@ -112,9 +113,10 @@ BurstVerdict BurstDecoder::find_phase(const Burst& burst) const {
   copy_images(phase, diagnostics.noise, burst.out);
   tell(burst.hook, "phase");
   if (const auto why = too_few_valid(phase, config_.light)) return *why;
-  if (!frames_go_together(burst.view, burst.before, phase, config_.frames, diagnostics))
+  if (!frames_go_together(burst.view, burst.before.views, phase, config_.frames, diagnostics))
     return mismatch(phase, config_.light);
-  strategy_->straighten(burst.work, diagnostics, phase);
+  const std::vector<WavePrior> expected = priors_after(burst.before.wave, wave_priors_, config_.wave);
+  strategy_->straighten(expected, burst.work, diagnostics, phase);
   tell(burst.hook, "wave");
   if (diagnostics.wave.is_cosine()) return BurstVerdict::kAccepted;
   return too_few_valid(phase, config_.light).value_or(BurstVerdict::kAccepted);

@@ -9,6 +9,7 @@
 #include "calib/model/rig.hpp"
 #include "pipeline/decode/decode_config.hpp"
 #include "pipeline/decode/phase/burst_view.hpp"
+#include "pipeline/decode/phase/wave_knowledge.hpp"
 #include "pipeline/decode/steps/decoded_burst.hpp"
 #include "pipeline/decode/steps/pattern_strategy.hpp"
 #include "pipeline/decode/steps/step_hook.hpp"
@@ -36,6 +37,13 @@ class DecodeWorkspace {
   std::unique_ptr<PatternStrategy::Work> work_;
 };
 
+/// What is known from the bursts before one.
+struct BurstsBefore {
+  /// As far as they are known; kBurstsRemembered of them are enough. A frame left over from one of them is told.
+  std::span<const BurstView> views;
+  WaveKnowledge wave;  ///< of the scan's projector; each accepted burst's diagnostics.wave_shown adds to it
+};
+
 /// Immutable: decode() is const and thread-safe, each thread with its own workspace and output.
 class BurstDecoder {
  public:
@@ -46,10 +54,8 @@ class BurstDecoder {
   [[nodiscard]] static Result<BurstDecoder> make(const calib::Rig& rig, const DecodeConfig& config = {});
 
   /// `out` keeps its memory. On rejection the maps that were reached are filled, the patch is empty (all NaN).
-  /// before: the bursts before this one, as far as they are known (kBurstsRemembered of them are enough); a frame left
-  /// over from one of them is told at once.
   void decode(const BurstView& view, DecodeWorkspace& workspace, DecodedBurst& out,
-              std::span<const BurstView> before = {}) const;
+              const BurstsBefore& before = {}) const;
 
   /// The same with fresh memory.
   [[nodiscard]] DecodedBurst decode(const BurstView& view) const;
@@ -77,6 +83,7 @@ class BurstDecoder {
   Carrier carrier_;
   std::shared_ptr<const PatternStrategy> strategy_;
   std::optional<calib::NoiseValues> noise_;
+  std::vector<WavePrior> wave_priors_;  ///< of a scan's first burst
   DecodeConfig config_;
 };
 

@@ -66,7 +66,8 @@ std::vector<Family> families_of(const GraphSnapshot& s) {
 /// "its input is full", "fuse waits for it": what the neighbours' times say of the one that sets the rate.
 std::vector<std::string> effects_of(const Family& family, const GraphSnapshot& s) {
   const auto hands_on = [&](const std::string& stage) {  // a sink waits by its nature
-    return std::any_of(s.edges.begin(), s.edges.end(), [&](const EdgeSnapshot& e) { return e.from == stage; });
+    return std::any_of(s.edges.begin(), s.edges.end(),
+                       [&](const EdgeSnapshot& e) { return e.from == stage && e.delay == 0; });
   };
   std::vector<std::string> out;
   std::set<std::string> waiting;

@@ -42,9 +42,11 @@ bool Graph::may_connect(const InBase& in) {
   return false;
 }
 
-bool Graph::may_delay(const InBase& in, std::size_t delay) {
-  if (delay > 0) return true;
-  build_errors_.push_back("feedback into " + port_name(in.owner(), in.name()) + " needs a delay of at least 1");
+bool Graph::may_delay(const InBase& in, std::size_t delay, std::size_t replicas) {
+  if (delay > 0 && delay % replicas == 0) return true;
+  const std::string why =
+      delay == 0 ? " needs a delay of at least 1" : " needs a delay that is a multiple of its replicas";
+  build_errors_.push_back("feedback into " + port_name(in.owner(), in.name()) + why);
   return false;
 }
 

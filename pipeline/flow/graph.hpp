@@ -114,7 +114,7 @@ class Graph {
   /// emitted for step n − delay, and `initial` in the first `delay` steps. Never blocks the producer.
   template <class T>
   void connect_feedback(Out<T>& out, In<T>& in, std::size_t delay, const Item<T>& initial) {
-    if (!may_connect(in) || !may_delay(in, delay)) return;
+    if (!may_connect(in) || !may_delay(in, delay, 1)) return;
     Edge<T>* e = make_edge(out, in, {.capacity = delay, .on_full = OnFull::kBlock}, delay);
     for (std::size_t i = 0; i < delay; ++i) e->push(initial);
     out.attach({e});
@@ -136,6 +136,20 @@ class Graph {
     for (In<T>* in : replicas) owners.push_back(&in->owner());
     name_family(owners);
   }
+  /// Delay edges into replicas, as one into a single stage would be. delay: a multiple of their number, so that each
+  /// replica gets what is meant for the items that it is dealt.
+  template <class T>
+  void connect_feedback_split(Out<T>& out, std::span<In<T>* const> replicas, std::size_t delay,
+                              const Item<T>& initial) {
+    std::vector<Edge<T>*> lanes;
+    for (In<T>* in : replicas) {
+      if (!may_connect(*in) || !may_delay(*in, delay, replicas.size())) return;
+      lanes.push_back(make_edge(out, *in, {.capacity = delay, .on_full = OnFull::kBlock}, delay));
+      in->attach({lanes.back()}, true);
+    }
+    for (std::size_t i = 0; i < delay && !lanes.empty(); ++i) lanes[i % lanes.size()]->push(initial);
+    if (!lanes.empty()) out.attach(std::move(lanes));
+  }
   template <class T>
   void connect_merge(std::span<Out<T>* const> replicas, In<T>& in, EdgeSpec spec = {}) {
     if (!may_connect(in)) return;
@@ -147,9 +161,9 @@ class Graph {
     in.attach(std::move(lanes), false);
   }
 
-  /// Unconnected ports, duplicate names, zero capacity or delay, cycles without delay, joins of two sources, lossy
-  /// paths that reach a lossless stage. Errors: kInternal naming the stage: a graph is built by a program, not by a
-  /// user.
+  /// Unconnected ports, duplicate names, zero capacity or delay, a delay that replicas do not share out evenly, cycles
+  /// without delay, joins of two sources, lossy paths that reach a lossless stage. Errors: kInternal naming the stage:
+  /// a graph is built by a program, not by a user.
   [[nodiscard]] Result<void> validate() const;
 
   /// From any thread, also while the graph runs.
@@ -177,7 +191,7 @@ class Graph {
   /// What all their names begin with.
   static void name_family(std::span<Stage* const> replicas);
   [[nodiscard]] bool may_connect(const InBase& in);
-  [[nodiscard]] bool may_delay(const InBase& in, std::size_t delay);
+  [[nodiscard]] bool may_delay(const InBase& in, std::size_t delay, std::size_t replicas);
   void check_spec(const OutBase& out, const InBase& in, const EdgeSpec& spec);
   [[nodiscard]] Result<void> validate_ports() const;
   [[nodiscard]] Result<void> validate_flow() const;

@@ -22,17 +22,22 @@ BurstMotion motion_of(const proto::Burst& burst, const pipeline::RigidMotion& su
 
 Result<void> DecodeStage::step() {
   const auto item = burst.take();
+  const auto known = wave.take();
   if (calib_crc32_ != 0 && item->calib_crc32 != calib_crc32_) {
     patch.emit(flow::make_rejected<Decoded>(item, "foreign_calibration"));
     return {};
   }
   pipeline::DecodedBurst decoded;
-  decoder_->decode(view_of(*item), workspace_, decoded);
+  decoder_->decode(view_of(*item), workspace_, decoded, {{}, *known});
   if (!decoded.accepted()) {
     patch.emit(flow::make_rejected<Decoded>(item, pipeline::name_of(decoded.verdict).data()));
     return {};
   }
-  Decoded out{std::move(decoded.patch), std::move(decoded.relative), motion_of(*item, decoded.diagnostics.rigid), {}};
+  Decoded out{std::move(decoded.patch),
+              std::move(decoded.relative),
+              motion_of(*item, decoded.diagnostics.rigid),
+              decoded.diagnostics.wave_shown,
+              {}};
   out.digests.input = Digest().add(std::span<const std::uint8_t>(item->payload)).value();
   // Normals follow from depth; registration, which uses them, is digested next.
   out.digests.decode = Digest().add(out.patch.depth_mm).add(out.patch.sigma_mm).add(out.patch.texture_dn).value();

@@ -1,4 +1,5 @@
-// Frames to surface patch. Keeps no state between bursts, so that several replicas may share the work.
+// Frames to surface patch. Keeps no state between bursts, so that several replicas may share the work: what earlier
+// bursts tell comes through a delay edge.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +20,7 @@ class DecodeStage final : public flow::Stage {
       : Stage(name), decoder_(std::move(decoder)), calib_crc32_(calib_crc32) {}
 
   flow::In<proto::Burst> burst{*this, "burst"};
+  flow::In<pipeline::WaveKnowledge> wave{*this, "wave"};
   flow::Out<Decoded> patch{*this, "patch"};
 
   Result<void> step() override;

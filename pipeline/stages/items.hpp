@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
+#include "pipeline/decode/phase/wave_knowledge.hpp"
 #include "pipeline/types/order_check.hpp"
 #include "pipeline/types/patch.hpp"
 #include "pipeline/types/probe_motion.hpp"
@@ -22,6 +24,7 @@ struct Decoded {
   SurfacePatch patch;
   RelativeSurface relative;
   BurstMotion motion;
+  std::optional<pipeline::Waveform> wave_shown;  ///< what the burst alone shows of the projector's waveform
   Digests digests;
 };
 

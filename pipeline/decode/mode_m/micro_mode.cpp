@@ -31,8 +31,10 @@ void MicroMode::solve_phase(const BurstView& view, const NoiseModel& noise, Work
   compute_micro_phase(view, noise, common_.phase, phase);
 }
 
-void MicroMode::straighten(Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
-  diagnostics.wave = find_waveform(phase, micro_three_step(), geometry_.fringe_px(), common_.wave);
+void MicroMode::straighten(std::span<const WavePrior> expected, Work& work, DecodeDiagnostics& diagnostics,
+                           PhaseMaps& phase) const {
+  const FoundWave found = find_waveform(phase, micro_three_step(), geometry_.fringe_px(), common_.wave, expected);
+  diagnostics.wave = found.wave, diagnostics.wave_shown = found.shown;
   if (diagnostics.wave.is_cosine()) return;
   memory_of(work).raw.keep(phase);
   linearise_micro(diagnostics.wave, common_.phase, phase);

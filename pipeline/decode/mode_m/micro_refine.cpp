@@ -43,6 +43,7 @@ void MicroMode::undo_wave(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& 
   }
   take_off_harmonics(m.raw, m.wraps, code_, m.motion, m.wave, phase);
   diagnostics.wave = m.wave.fringe;
+  diagnostics.wave_shown = m.wave.fringe;
 }
 
 RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface& relative, Work& work,

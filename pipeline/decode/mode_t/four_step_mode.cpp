@@ -22,9 +22,11 @@ void FourStepMode::solve_phase(const BurstView& view, const NoiseModel& noise, W
   solve_saturated(view, noise, common_.phase, phase, memory_of(work).saturated);
 }
 
-void FourStepMode::straighten(Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
+void FourStepMode::straighten(std::span<const WavePrior> expected, Work& work, DecodeDiagnostics& diagnostics,
+                              PhaseMaps& phase) const {
   Memory& m = memory_of(work);
-  diagnostics.wave = find_waveform(phase, four_step_three(), geometry_.fringe_px(), common_.wave);
+  const FoundWave found = find_waveform(phase, four_step_three(), geometry_.fringe_px(), common_.wave, expected);
+  diagnostics.wave = found.wave, diagnostics.wave_shown = found.shown;
   if (diagnostics.wave.is_cosine()) return;
   // Three frames of another kind would need a table of their own.
   for (const SaturatedPixel& p : m.saturated) phase.reject[p.index] = PixelReject::kSaturated;

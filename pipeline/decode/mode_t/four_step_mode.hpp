@@ -45,7 +45,8 @@ class FourStepMode : public PatternStrategy {
 
   [[nodiscard]] std::unique_ptr<Work> make_work() const override;
   void solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const override;
-  void straighten(Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const override;
+  void straighten(std::span<const WavePrior> expected, Work& work, DecodeDiagnostics& diagnostics,
+                  PhaseMaps& phase) const override;
   void measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const override;
   void reject_unsure(Work& work, LinkMaps& links, Map<PixelReject>& reject) const override;
   [[nodiscard]] bool shows_pattern(const DecodeDiagnostics& diagnostics) const override;

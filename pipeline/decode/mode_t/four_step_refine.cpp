@@ -69,6 +69,7 @@ void FourStepMode::undo_wave(const FringeOrders& orders, Memory& m, DecodeDiagno
     fit_closure(phase, m.polarity, diagnostics.noise, config_.closure, m.closure);
     find_motion(phase, m, diagnostics);
   }
+  diagnostics.wave_shown = diagnostics.wave;
 }
 
 RefinedPhase FourStepMode::refine(const FringeOrders& orders, const RelativeSurface&, Work& work, const StepHook& hook,

@@ -23,6 +23,7 @@ struct Waveform {
   /// |h_2|, or half of another one: they leave the phase of three frames alone to first order.
   [[nodiscard]] double strength() const noexcept;
   [[nodiscard]] bool is_cosine() const noexcept { return !(strength() > 0); }
+  bool operator==(const Waveform&) const = default;
 };
 
 /// sum_n h_n cos n a from cos a, n >= 2: what the wave has beyond its cosine. For loops over pixels.

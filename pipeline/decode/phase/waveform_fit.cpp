@@ -73,6 +73,19 @@ struct LocalMean {
   }
 };
 
+/// By the likeliest of the priors; and by the spread of projectors alone.
+FoundWave likeliest(const WaveMoments& moments, const FrameScheme& frames, const WaveFitConfig& config,
+                    std::span<const WavePrior> priors) {
+  WaveFit best = fit_waveform(moments, frames, priors.front(), config);
+  for (const WavePrior& prior : priors.subspan(1)) {
+    const WaveFit fit = fit_waveform(moments, frames, prior, config);
+    if (fit.cost < best.cost) best = fit;
+  }
+  const WavePrior any{{}, config.prior, config.least_strength};
+  const bool is_any = priors.size() == 1 && priors.front() == any;
+  return {best.wave, is_any ? best.wave : fit_waveform(moments, frames, any, config).wave};
+}
+
 }  // namespace
 
 WaveMoments wave_moments(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px, int row_step) {
@@ -103,8 +116,8 @@ WaveMoments wave_moments(const PhaseMaps& maps, const FrameScheme& frames, int f
   return out;
 }
 
-Waveform fit_waveform(const WaveMoments& moments, const FrameScheme& frames, const WaveFitConfig& config) {
-  if (moments.pixels < config.min_pixels) return {};
+WaveFit fit_waveform(const WaveMoments& moments, const FrameScheme& frames, const WavePrior& prior,
+                     const WaveFitConfig& config) {
   const auto folds = static_cast<Eigen::Index>(frames.folds.size());
   Values seen(3 * folds), weight(3 * folds);
   const double counting = 1 / std::sqrt(2 * moments.pixels);
@@ -114,8 +127,12 @@ Waveform fit_waveform(const WaveMoments& moments, const FrameScheme& frames, con
     weight(k) = 1 / (config.crowding_spread * config.crowding_spread + counting * counting);
     weight(folds + k) = weight(2 * folds + k) = 1 / (config.ripple_spread * config.ripple_spread);
   }
-  Harmonics h = Harmonics::Zero(), stiffness;
-  for (Eigen::Index n = 0; n < h.size(); ++n) stiffness(n) = std::pow(config.prior[static_cast<std::size_t>(n)], -2);
+  Harmonics h, stiffness;
+  for (Eigen::Index n = 0; n < h.size(); ++n) {
+    h(n) = prior.mean.harmonic[static_cast<std::size_t>(n)];
+    stiffness(n) = std::pow(prior.sigma[static_cast<std::size_t>(n)], -2);
+  }
+  const Harmonics expected = h;
   for (int pass = 0; pass < kPasses; ++pass) {
     const Values now = moments_of(wave_of(h), frames);
     Eigen::MatrixXd slope(3 * folds, h.size());
@@ -123,25 +140,35 @@ Waveform fit_waveform(const WaveMoments& moments, const FrameScheme& frames, con
       slope.col(n) = (moments_of(wave_of(h + kDifference * Harmonics::Unit(n)), frames) - now) / kDifference;
     const Eigen::Matrix4d normal =
         slope.transpose() * weight.asDiagonal() * slope + Eigen::Matrix4d(stiffness.asDiagonal());
-    const Harmonics step =
-        normal.inverse() * (slope.transpose() * weight.asDiagonal() * (seen - now) - stiffness.cwiseProduct(h));
+    const Harmonics step = normal.inverse() * (slope.transpose() * weight.asDiagonal() * (seen - now) -
+                                               stiffness.cwiseProduct(h - expected));
     h += step;
     if (step.norm() < kDifference) break;
   }
-  const Waveform out = wave_of(h);
-  return out.strength() < config.least_strength ? Waveform{} : out;
+  const Values off = seen - moments_of(wave_of(h), frames);
+  const Harmonics away = h - expected;
+  const double cost = weight.dot(off.cwiseAbs2()) + stiffness.dot(away.cwiseAbs2()) - stiffness.array().log().sum();
+  return {wave_of(h), cost};
 }
 
-Waveform find_waveform(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px, const WaveFitConfig& config) {
+FoundWave find_waveform(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px, const WaveFitConfig& config,
+                        std::span<const WavePrior> priors) {
+  if (priors.empty()) return {};
+  const double least = priors.front().least_strength;
+  const auto clear = [](const Waveform& wave, double limit) { return wave.strength() < limit ? Waveform{} : wave; };
   const int glance_step = static_cast<int>(static_cast<double>(maps.phase_rad.size()) / config.glance_pixels);
   if (glance_step > config.row_step) {
-    WaveFitConfig glance = config;
-    glance.least_strength = 0.5 * config.least_strength;
     const WaveMoments moments = wave_moments(maps, frames, fringe_px, glance_step);
-    const bool enough = moments.pixels >= config.min_pixels;
-    if (enough && fit_waveform(moments, frames, glance).is_cosine()) return {};
+    if (moments.pixels >= config.min_pixels) {
+      const FoundWave glanced = likeliest(moments, frames, config, priors);
+      if (clear(glanced.wave, 0.5 * least).is_cosine()) return {{}, glanced.shown};
+    }
   }
-  return fit_waveform(wave_moments(maps, frames, fringe_px, config.row_step), frames, config);
+  const WaveMoments moments = wave_moments(maps, frames, fringe_px, config.row_step);
+  if (moments.pixels < config.min_pixels)
+    return {priors.size() == 1 ? clear(priors.front().mean, least) : Waveform{}, std::nullopt};
+  const FoundWave found = likeliest(moments, frames, config, priors);
+  return {clear(found.wave, least), found.shown};
 }
 
 }  // namespace enamel::pipeline

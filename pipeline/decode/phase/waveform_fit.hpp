@@ -7,6 +7,8 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "pipeline/decode/phase/phase.hpp"
@@ -38,13 +40,40 @@ struct WaveFitConfig {
   /// Of Waveform::strength. chosen: on synthetic stairs, above the 0.056 that a motion of 0.3 rad a frame looks like.
   /// Below, what is left is undone once orders are known (docs/decode.md §6).
   double least_strength = 0.06;
+  /// Of h_2 and h_3 from burst to burst of one projector: what is off in each, and of them what defocus takes more or
+  /// less. chosen: on drawn units of other makers.
+  std::array<double, 2> learned_spread{0.015, 0.012}, defocus_share{0.12, 0.25};
+  /// chosen: by judgement. So many bursts that show a cosine, or a wave as strong as that, are believed: what motion
+  /// looks like differs from burst to burst.
+  double sure_bursts = 4, least_learned = 0.03;
+  double blur_taken = 0.08;  ///< derived: (2 pi sigma/period)^2/2 of a blur of 1.6 px at 25 px a fringe
 };
 
-/// No harmonics where fewer than min_pixels were counted, or none is clear.
-[[nodiscard]] Waveform fit_waveform(const WaveMoments& moments, const FrameScheme& frames, const WaveFitConfig& config);
+/// What a burst's harmonics are expected to be: Gaussians, each by itself.
+struct WavePrior {
+  Waveform mean;
+  std::array<double, kWaveHarmonics> sigma{};
+  double least_strength = 0;  ///< below it nothing is undone
 
-/// Both. A few rows tell whether there is anything to find. fringe_px: as for wave_moments.
-[[nodiscard]] Waveform find_waveform(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px,
-                                     const WaveFitConfig& config);
+  bool operator==(const WavePrior&) const = default;
+};
+
+struct WaveFit {
+  Waveform wave;
+  double cost = 0;  ///< twice the negative log likelihood, prior included, but for what all priors share
+};
+/// Least squares from the prior's mean.
+[[nodiscard]] WaveFit fit_waveform(const WaveMoments& moments, const FrameScheme& frames, const WavePrior& prior,
+                                   const WaveFitConfig& config);
+
+struct FoundWave {
+  Waveform wave;                  ///< to be undone; a cosine where none is clear
+  std::optional<Waveform> shown;  ///< by this burst alone, however weak; nothing where too few pixels tell
+};
+/// priors: what the wave may be, each a possibility of its own; none: it is known to be a cosine, and the burst is not
+/// asked. A few rows tell whether there is anything to find. Where too few pixels tell, a single prior is taken at its
+/// word. fringe_px: as for wave_moments.
+[[nodiscard]] FoundWave find_waveform(const PhaseMaps& maps, const FrameScheme& frames, int fringe_px,
+                                      const WaveFitConfig& config, std::span<const WavePrior> priors);
 
 }  // namespace enamel::pipeline

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -64,6 +65,7 @@ struct DecodeDiagnostics {
   float code_shift_rad = 0;  ///< mode M: phase by which the code frame alone is off the other three, motion undone
   float code_turn_rad = 0;   ///< mode M: mean angle of the code against its orders
   Waveform wave;             ///< of the projector, as it was undone before the code was read; no harmonics: nothing was
+  std::optional<Waveform> wave_shown;  ///< what the burst alone shows of it, however weak: to be learned from
   NoiseModel noise;
 };
 

@@ -4,11 +4,13 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pipeline/decode/phase/burst_view.hpp"
 #include "pipeline/decode/phase/noise_model.hpp"
 #include "pipeline/decode/phase/phase.hpp"
+#include "pipeline/decode/phase/waveform_fit.hpp"
 #include "pipeline/decode/steps/decoded_burst.hpp"
 #include "pipeline/decode/steps/fringe_orders.hpp"
 #include "pipeline/decode/steps/refined_phase.hpp"
@@ -51,8 +53,9 @@ class PatternStrategy {
   virtual void solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const = 0;
 
   /// Takes out what the projector's response did to the phase, and tells it as diagnostics.wave. Of frames that go
-  /// together: two that are the same picture would pass for a strange response.
-  virtual void straighten(Work& work, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const = 0;
+  /// together: two that are the same picture would pass for a strange response. expected: as for find_waveform.
+  virtual void straighten(std::span<const WavePrior> expected, Work& work, DecodeDiagnostics& diagnostics,
+                          PhaseMaps& phase) const = 0;
 
   /// How well the wrapped phase is that of this mode's frames in their order; into the diagnostics, before links.
   virtual void measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const = 0;

@@ -1,6 +1,7 @@
 // What validate() refuses, what a graph counts.
 #include <gmock/gmock.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -78,6 +79,27 @@ TEST(Validate, refuses_no_capacity_and_no_delay) {
   ToyPipeline p(1, 0);
   EXPECT_THAT(p.graph.validate().error().detail, HasSubstr("delay of at least 1"));
 }
+TEST(Validate, refuses_a_delay_that_replicas_do_not_share_out_evenly) {
+  const auto verdict = [](std::size_t delay) {
+    const SteadyClock clock;
+    Graph g(clock);
+    auto& source = g.add<CountingSource>("source", 1);
+    auto& learn = g.add<FuseStage>("learn");
+    auto& sink = g.add<CollectSink>("sink");
+    RegisterStage &a = g.add<RegisterStage>("a"), &b = g.add<RegisterStage>("b");
+    const std::array<In<Number>*, 2> ins{&a.in, &b.in}, taught{&a.model, &b.model};
+    const std::array<Out<Number>*, 2> outs{&a.out, &b.out};
+    g.connect_split<Number>(source.out, ins);
+    g.connect_merge<Number>(outs, learn.in);
+    g.connect_feedback_split<Number>(learn.view, taught, delay, make_item<Number>({}, Number{0}));
+    g.connect(learn.out, sink.in);
+    return g.validate();
+  };
+  EXPECT_TRUE(verdict(4)) << "negative control";
+  EXPECT_THAT(verdict(3).error().detail, HasSubstr("'a.model' needs a delay that is a multiple of its replicas"));
+  EXPECT_THAT(verdict(0).error().detail, HasSubstr("delay of at least 1"));
+}
+
 TEST(Validate, refuses_a_cycle_without_delay) {
   Built b;
   auto& join = b.g.add<Join>("join");

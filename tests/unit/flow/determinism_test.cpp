@@ -141,5 +141,32 @@ TEST_P(Determinism, replicas_of_a_stateless_stage_keep_order_and_result) {
   EXPECT_EQ(hash_with_replicas(3, GetParam()), one);
 }
 
+/// Decoders that each need what came of the burst six before.
+std::string hash_with_taught_replicas(std::size_t replicas, std::size_t workers) {
+  const SteadyClock clock;
+  Graph g(clock);
+  auto& source = g.add<CountingSource>("source", 200);
+  auto& learn = g.add<FuseStage>("learn");
+  auto& sink = g.add<CollectSink>("sink");
+  std::vector<In<Number>*> ins, taught;
+  std::vector<Out<Number>*> outs;
+  for (std::size_t i = 0; i < replicas; ++i) {
+    auto& r = g.add<RegisterStage>("decode " + std::to_string(i));
+    ins.push_back(&r.in), taught.push_back(&r.model), outs.push_back(&r.out);
+  }
+  g.connect_split(source.out, std::span<In<Number>* const>(ins));
+  g.connect_merge(std::span<Out<Number>* const>(outs), learn.in);
+  g.connect_feedback_split(learn.view, std::span<In<Number>* const>(taught), 6, make_item<Number>({}, Number{7}));
+  g.connect(learn.out, sink.in);
+  EXPECT_TRUE(run_with(workers, g));
+  EXPECT_EQ(sink.items.size(), 200U);
+  return sink.hash();
+}
+TEST_P(Determinism, replicas_taught_by_a_delay_edge_give_the_result_of_one) {
+  const std::string one = hash_with_taught_replicas(1, 0);
+  EXPECT_EQ(hash_with_taught_replicas(2, GetParam()), one);
+  EXPECT_EQ(hash_with_taught_replicas(3, GetParam()), one);
+}
+
 }  // namespace
 }  // namespace enamel::flow

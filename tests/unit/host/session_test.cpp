@@ -74,7 +74,7 @@ TEST(Session, a_playback_accounts_for_every_burst_and_says_where_its_time_went) 
   EXPECT_TRUE(outcome->damages.empty());
   EXPECT_TRUE(outcome->simulated);
   const auto json = nlohmann::json::parse(outcome->scan.graph_json);
-  EXPECT_EQ(json.at("stages").size(), 7U);
+  EXPECT_EQ(json.at("stages").size(), 8U);
   EXPECT_FALSE(json.at("bottleneck").at("words").get<std::string>().empty());
   ASSERT_EQ(outcome->scan.figures.stages.size(), 4U) << "sources and sinks hand over, they do not work";
   EXPECT_EQ(outcome->scan.figures.stages[0].name, "decode0");

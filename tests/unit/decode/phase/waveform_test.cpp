@@ -88,7 +88,8 @@ class FindWaveform : public testing::TestWithParam<bool> {
 
   static const FrameScheme& frames() { return GetParam() ? micro_three_step() : four_step_three(); }
   static Waveform found(const test::FringesOnTexture& scene) {
-    return find_waveform(scene.solved(GetParam()), frames(), kFringe_px, {});
+    const WavePrior any{{}, WaveFitConfig{}.prior, WaveFitConfig{}.least_strength};
+    return find_waveform(scene.solved(GetParam()), frames(), kFringe_px, {}, {&any, 1}).wave;
   }
 };
 

@@ -81,7 +81,7 @@ TEST_P(FaultFrames, frame_left_over_from_a_burst_before_is_told_by_that_burst) {
   const auto verdict = [](const test::FrameSet& frames, std::span<const BurstView> bursts) {
     DecodeWorkspace workspace;
     DecodedBurst out;
-    decoder().decode(frames.view(), workspace, out, bursts);
+    decoder().decode(frames.view(), workspace, out, {bursts, {}});
     return out.verdict;
   };
   std::size_t unseen = 0;
