@@ -21,12 +21,13 @@ namespace enamel::bench {
 namespace {
 
 constexpr const char* kUsage =
-    "decode_draws [--mode M|T|both] [--count N] [--first-seed S] [--faults] [--threads N] [--json FILE] [--worst K]\n"
+    "decode_draws [--mode M|T|both] [--count N] [--first-seed S] [--faults] [--scan N] [--threads N] [--json FILE]\n"
+    "             [--worst K]      --scan N: each burst after N others of its unit, which are learned from\n"
     "decode_draws --mode M|T --dump SEED DIR\n";
 
 struct Options {
   bool micro = true, polarity = true, faults = false;
-  std::uint64_t count = 100, first_seed = 1, worst = 10, threads = 2, dump = 0;
+  std::uint64_t count = 100, first_seed = 1, worst = 10, threads = 2, dump = 0, scan = 0;
   std::string json, dump_folder;
 };
 
@@ -56,6 +57,7 @@ std::optional<Options> read_options(const std::vector<const char*>& args) {
                               : name == "--first-seed" ? &o.first_seed
                               : name == "--worst"      ? &o.worst
                               : name == "--threads"    ? &o.threads
+                              : name == "--scan"       ? &o.scan
                                                        : nullptr;
       if (number == nullptr || !read_number(value(), *number)) return std::nullopt;
     }
@@ -80,23 +82,39 @@ void try_faults(const pipeline::BurstDecoder& decoder, const test::DrawnBurst& b
   }
 }
 
-void run_draw(std::uint64_t seed, calib::PatternMode mode, bool faults, Worker& worker, DrawRow& row) {
+/// What a scan of the same unit would know after `bursts` of other scenes.
+pipeline::WaveKnowledge scanned(const test::Drawn& drawn, const pipeline::BurstDecoder& decoder, std::uint64_t bursts,
+                                Worker& worker) {
+  constexpr std::uint64_t kSeedsApart = 1'000'003;
+  pipeline::WaveKnowledge known;
+  for (std::uint64_t k = 0; k < bursts; ++k) {
+    const test::Drawn other = test::before_other_scene(drawn, drawn.seed * kSeedsApart + k);
+    const test::DrawnBurst burst = test::render(other, {.with_truth = false});
+    decoder.decode(burst.frames.view(), worker.workspace, worker.decoded, {{}, known});
+    const auto& shown = worker.decoded.diagnostics.wave_shown;
+    if (worker.decoded.accepted() && shown) pipeline::learn(*shown, known);
+  }
+  return known;
+}
+
+void run_draw(std::uint64_t seed, calib::PatternMode mode, const Options& o, Worker& worker, DrawRow& row) {
   test::ReadyDraw ready = test::ready_draw(seed, mode);
   row.drawn = ready.drawn, row.refused = std::move(ready.refused);
   if (!ready.decoder) return;
   row.decoded = true;
   const test::Drawn& drawn = row.drawn;
   const pipeline::BurstDecoder& decoder = *ready.decoder;
+  const pipeline::WaveKnowledge known = scanned(drawn, decoder, o.scan, worker);
   const double start = thread_ms();
   const test::DrawnBurst burst = test::render(drawn);
   const double rendered = thread_ms();
-  decoder.decode(burst.frames.view(), worker.workspace, worker.decoded);
+  decoder.decode(burst.frames.view(), worker.workspace, worker.decoded, {{}, known});
   row.render_ms = rendered - start, row.decode_ms = thread_ms() - rendered;
   row.judged = test::judge(drawn, burst.truth, worker.decoded);
   const test::DepthTruth truth{burst.truth.depth_mm, burst.truth.lit, burst.truth.near_edge};
   row.beside = test::beside_plain(drawn.rig, truth, worker.decoded.patch.depth_mm,
                                   test::plain_decode(drawn.rig, burst.frames.view()));
-  if (faults && row.judged.accepted() && row.judged.is_true_burst()) try_faults(decoder, burst, worker, row);
+  if (o.faults && row.judged.accepted() && row.judged.is_true_burst()) try_faults(decoder, burst, worker, row);
 }
 
 std::vector<DrawRow> run_draws(const Options& o) {
@@ -108,7 +126,7 @@ std::vector<DrawRow> run_draws(const Options& o) {
   const auto work = [&] {
     Worker worker;
     for (std::size_t i = next++; i < rows.size(); i = next++)
-      run_draw(o.first_seed + i / modes.size(), modes[i % modes.size()], o.faults, worker, rows[i]);
+      run_draw(o.first_seed + i / modes.size(), modes[i % modes.size()], o, worker, rows[i]);
   };
   std::vector<std::thread> threads;
   for (std::uint64_t k = 1; k < o.threads; ++k) threads.emplace_back(work);

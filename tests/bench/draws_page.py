@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""draws_page.py WORK OUT ENAMEL COUNT SEED: OUT/draws.md and draws.json from WORK/draws.json, which decode_draws wrote, and from
-rendered sets of random units where they are there."""
+"""draws_page.py WORK OUT ENAMEL COUNT SEED: OUT/draws.md and draws.json from WORK/draws.json and scans.json, which decode_draws
+wrote, and from rendered sets of random units where they are there."""
 import json
 import os
 import sys
@@ -94,6 +94,24 @@ def class_tables(page, true):
     return figures
 
 
+def scan_table(page, true, taught):
+    """Bursts of projectors that are not linear, alone and once more after others of their unit."""
+    page.text += ["", "## In a scan", "",
+                  wrapped("The first of these bursts once more, each after eight others of its unit before other scenes, in which the "
+                          "projector's waveform is learned. Responses other than linear.")]
+    figures, rows = {}, []
+    for mode in MODES:
+        alone = {r["seed"]: r for r in true if r["mode"] == mode and r["response"] != "linear"}
+        learned = [r for r in taught if r["mode"] == mode and r["seed"] in alone]
+        for name, t in (("alone", tally([alone[r["seed"]] for r in learned])), ("in a scan", tally(learned))):
+            figures[f"{mode}, {name}"] = t
+            rows.append((f"{mode}, {name}", [(text, None) for text in (
+                f"{t['bursts']}", shown(t["rejected_pct"], ".1f"), shown(t["wrong_pct"], ".4f"), shown(t["coverage_pct"], ".2f"),
+                shown(t["rms_z"], ".3f"))]))
+    page.table("Mode, burst", ("bursts", "rejected, %", "wrong orders, %", "coverage, %", "rms z"), [""] * 5, rows)
+    return figures
+
+
 def misleads(row, fault):
     """Whether the fault brought errors that its burst has not without it."""
     own = row["misled"] / row["smooth"] if row["smooth"] else 0
@@ -178,11 +196,13 @@ def main(work, out, program, count, seed):
                  "same burst where hardly any is wrong; below it is one that covers clearly less or has more wrong.")
     modes = {m: mode_rows(page, m, [r for r in true if r["mode"] == m]) for m in MODES}
     classes = class_tables(page, true)
+    with open(f"{work}/scans.json", encoding="utf-8") as f:
+        scans = scan_table(page, true, json.load(f))
     faults = fault_table(page, true)
     sets = draw_sets.set_rows(SHARED, program, work)
     set_table(page, sets)
     page.write(out, "draws", "tools/bench-draws", where, {
-        "count": int(count), "first_seed": int(seed), "modes": modes, "classes": classes, "faults": faults, "sets": sets,
+        "count": int(count), "first_seed": int(seed), "modes": modes, "classes": classes, "scans": scans, "faults": faults, "sets": sets,
         "notable": notable(true)})
 
 
