@@ -6,82 +6,15 @@
 #include <cmath>
 
 #include "pipeline/decode/mode_m/chosen.hpp"
-#include "pipeline/decode/mode_m/micro_pixel.hpp"
 #include "pipeline/decode/mode_m/micro_spans.hpp"
+#include "pipeline/decode/mode_m/micro_wave_pixel.hpp"
+#include "pipeline/decode/mode_m/micro_wave_rows.hpp"
 #include "pipeline/decode/phase/wave_tables.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
 using WaveUnknowns = Eigen::Vector4d;  ///< dhc_2, dhc_3, dh_2, dh_3
-
-[[gnu::always_inline]] inline PixelChange change_of(const CodeRow& row, std::size_t u) {
-  return {row.motion_rad[u], row.motion_change_rad[u], row.light[u], row.light_change[u]};
-}
-
-/// A pixel at mid-burst and the turns of its frames.
-struct WavePixel {
-  Pixel pixel;
-  float phase_rad, modulation;
-  Lights lights;
-  Turns turns;
-};
-
-[[gnu::always_inline]] inline WavePixel see_pixel(const CodeRow& row, std::size_t u, const PixelChange& change) {
-  const Pixel raw{row.pixels.mean[u] - row.black_dn, row.pixels.cosine[u], row.pixels.sine[u]};
-  const Lights lights = lights_of<false>(change);
-  const Turns turns = turns_of<false>(change);
-  const Pixel p = at_mid_burst(raw, lights, turns);
-  return {p, row.pixels.phase[u] + ahead(raw, p), root(p.cosine * p.cosine + p.sine * p.sine + 1e-6F), lights, turns};
-}
-
-/// What harmonics add to frames 0, 2, 3, as A, C and S.
-struct Added {
-  float mean, cosine, sine;
-};
-
-[[gnu::always_inline]] inline Added added_by(const WavePixel& s, const WaveValues& fringe) {
-  const Turn phase{s.pixel.cosine / s.modulation, s.pixel.sine / s.modulation};
-  const float first = s.modulation * fringe.at((phase + s.turns.a0).cos) / s.lights.of_first;
-  const float second = s.modulation * fringe.at((phase + kThirdTurn + s.turns.a2).cos) / s.lights.of_second;
-  const float third = s.modulation * fringe.at((phase + -kThirdTurn + s.turns.a3).cos) / s.lights.of_third;
-  return {kThird * (first + second + third), kThird * (2 * first - second - third), kInvRoot3 * (third - second)};
-}
-
-[[gnu::always_inline]] inline Turn code_turn(const CodeRow& row, std::size_t u, const WavePixel& s,
-                                             const PixelChange& change) {
-  const float r = 1 + row.inverse_ratio;
-  return code_model(row.wraps[u], s.phase_rad, r * change.turned(kCodeTime), {row.inverse_ratio, 0}).angle;
-}
-
-/// Branches would keep the loop from being vectorised: pixels of no surface are computed and keep what they have.
-void take_off_row(const CodeRow& row, const RawFrames& raw, const WaveValues& of_fringe, const WaveValues& of_code,
-                  std::size_t at, PhaseMaps& maps) {
-  const WaveValues fringe = of_fringe, finer = of_code;
-  const CodeRow r = row;
-  const float* __restrict raw_mean = &raw.mean_dn[at], * __restrict raw_cosine = &raw.cosine_dn[at];
-  const float* __restrict raw_sine = &raw.sine_dn[at], * __restrict raw_code = &raw.code_dn[at];
-  float* __restrict mean = &maps.mean_dn[at], * __restrict cosine = &maps.cosine_dn[at];
-  float* __restrict sine = &maps.sine_dn[at], * __restrict code = &maps.code_dn[at];
-  float* __restrict modulation = &maps.modulation_dn[at], * __restrict phase = &maps.phase_rad[at];
-  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const PixelChange change = change_of(r, u);
-    const WavePixel s = see_pixel(r, u, change);
-    const Added add = added_by(s, fringe);
-    const bool surface = r.wraps[u] > kNoSurface, placed = r.wraps[u] > kUnplaced;
-    const float in_code = s.modulation * finer.at(code_turn(r, u, s, change).cos) / s.lights.of_code;
-    const float level = select(placed, raw_mean[u] + raw_code[u] - in_code, mean[u] + code[u]);
-    const float a = raw_mean[u] - add.mean, c = raw_cosine[u] - add.cosine, b = raw_sine[u] - add.sine;
-    phase[u] += select(surface, wrap_once(atan2_poly(b, c) - phase[u]), 0);  // its wrap count stays
-    modulation[u] = select(surface, root(b * b + c * c + 1e-6F), modulation[u]);
-    code[u] = select(surface, level - a, code[u]);
-    mean[u] = select(surface, a, mean[u]);
-    cosine[u] = select(surface, c, cosine[u]);
-    sine[u] = select(surface, b, sine[u]);
-  }
-}
 
 struct NormalEquations {
   Eigen::Matrix4d square = Eigen::Matrix4d::Zero();
@@ -99,7 +32,7 @@ void add_pixel(const CodeRow& row, std::size_t u, float max_residual, const Nois
   const Residual r = code_residual<false>(raw, row.pixels.code[u], row.pixels.phase[u], row.wraps[u], change,
                                           row.gain[u], {row.inverse_ratio, 0});
   if (!(std::abs(r.rest) < max_residual * r.modulation)) return;
-  const WavePixel s = see_pixel(row, u, change);
+  const WavePixel s = see_pixel(row, u, lights_of<false>(change), turns_of<false>(change));
   const float ratio = 1 + row.inverse_ratio, gain = row.gain[u];
   const Turn code = code_turn(row, u, s, change);
   const float c1 = s.pixel.cosine / s.modulation, s1 = s.pixel.sine / s.modulation;
@@ -137,8 +70,14 @@ void take_off_harmonics(const RawFrames& raw, const Map<std::int16_t>& wraps, co
   const WaveValues fringe(wave.fringe), finer(wave.code);
   CodeRows rows(motion, maps, &wraps);
   rows.expect(code, 0);
-  for (int v = 0; v < wraps.height(); ++v)
-    take_off_row(rows.at(v), raw, fringe, finer, maps.phase_rad.index(0, v), maps);
+  const auto width = static_cast<std::size_t>(wraps.width());
+  for (int v = 0; v < wraps.height(); ++v) {
+    const std::size_t at = maps.phase_rad.index(0, v);
+    const StraightRow out{&maps.mean_dn[at], &maps.cosine_dn[at],     &maps.sine_dn[at],
+                          &maps.code_dn[at], &maps.modulation_dn[at], &maps.phase_rad[at]};
+    take_off_row(rows.at(v), {&raw.mean_dn[at], &raw.cosine_dn[at], &raw.sine_dn[at], &raw.code_dn[at]}, fringe, finer,
+                 width, out);
+  }
 }
 
 MicroWave refit_wave(const MicroBurst& burst, const MicroMotion& motion, float max_residual, const MicroWave& wave) {

@@ -1,49 +1,56 @@
 #include "pipeline/decode/mode_t/four_step_wave.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
-#include <optional>
+#include <vector>
 
 #include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/closure_rows.hpp"
-#include "pipeline/decode/phase/frame_turns.hpp"
+#include "pipeline/decode/mode_t/four_step_wave_rows.hpp"
 #include "pipeline/decode/phase/wave_tables.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-constexpr Turn kQuarter{0, 1}, kHalf{-1, 0};  // layout: of a fringe, from frame to frame
-
-/// What harmonics add to the four frames of one pixel. turn: of its phase at mid-burst; b: sign of frame 3.
-std::array<float, 4> added_to(const WaveValues& wave, const Turn& turn, float modulation, float b,
-                              const PixelChange& change) {
-  const Turns t = turns_of<false>(change);
-  const Turn last = b < 0 ? kQuarter : -kQuarter;
-  return {modulation * wave.at((turn + t.a0).cos) * change.light(-1.5F),
-          modulation * wave.at((turn + kQuarter + t.a1).cos) * change.light(-0.5F),
-          modulation * wave.at((turn + kHalf + t.a2).cos) * change.light(0.5F),
-          modulation * wave.at((turn + last + t.a3).cos) * change.light(1.5F)};
+void set_frames(const SolvedFrames& solved, std::size_t i, PhaseMaps& maps) {
+  maps.mean_dn[i] = solved.mean, maps.cosine_dn[i] = solved.cosine;
+  maps.sine_dn[i] = solved.sine, maps.code_dn[i] = solved.code;
 }
 
-/// A, C, S and D of four frames, solved by the first three.
-struct Solved {
-  float mean, cosine, sine, code;
+/// The spans of one row after the other, spread over its pixels.
+class SpanRow {
+ public:
+  SpanRow(const WaveOfFrames& in, int width) : in_(in), sign_(static_cast<std::size_t>(width)), wraps_(sign_.size()) {}
+
+  /// Of the next row that has spans; -1: there is none.
+  int next() {
+    if (at_ == in_.spans.size()) return -1;
+    const std::int32_t v = in_.spans[at_].row;
+    std::ranges::fill(sign_, 0.0F);
+    for (; at_ < in_.spans.size() && in_.spans[at_].row == v; ++at_) {
+      const CellSpan& s = in_.spans[at_];
+      const auto begin = static_cast<std::size_t>(s.begin), count = static_cast<std::size_t>(s.end - s.begin);
+      // A cell without a sign is taken as one of +1.
+      std::fill_n(&sign_[begin], count, in_.signs.at(s.cell) < 0 ? -1.0F : 1.0F);
+      std::fill_n(&wraps_[begin], count, static_cast<float>(wraps_of_cell(s.cell)));
+    }
+    return v;
+  }
+  [[nodiscard]] const float* sign() const noexcept { return sign_.data(); }
+  [[nodiscard]] const float* cell_wraps() const noexcept { return wraps_.data(); }
+
+ private:
+  const WaveOfFrames& in_;
+  std::vector<float> sign_, wraps_;
+  std::size_t at_ = 0;
 };
-
-/// The same frames less what is in them beside a cosine.
-void set_frames(const Solved& raw, const std::array<float, 4>& add, std::size_t i, PhaseMaps& maps) {
-  const float a = raw.mean - 0.5F * (add[0] + add[2]);
-  maps.mean_dn[i] = a;
-  maps.cosine_dn[i] = raw.cosine - 0.5F * (add[0] - add[2]);
-  maps.sine_dn[i] = a - (raw.mean - raw.sine - add[1]);
-  maps.code_dn[i] = raw.mean + raw.code - add[3] - a;
-}
 
 }  // namespace
 
 void linearise_four_step(const Waveform& wave, const PhaseConfig& config, PhaseMaps& maps) {
   const PhaseTable by_three(wave, four_step_three()), by_four(wave, four_step_four());
   const WaveValues values(wave);
+  const Turns at_rest = turns_of<true>({});
   for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
     PixelReject& reject = maps.reject[i];
     if (reject != PixelReject::kNone && reject != PixelReject::kNoisy) continue;
@@ -54,8 +61,8 @@ void linearise_four_step(const Waveform& wave, const PhaseConfig& config, PhaseM
     const PhaseTable::Entry e = (plus ? by_four : by_three).at(shown_rad);
     const float b = shown * e.scale;
     const Turn turn = turn_of(wrap_once(shown_rad + e.turn_rad));
-    const auto add = added_to(values, turn, b, plus ? 1.0F : -1.0F, {});
-    set_frames({a, c, s, d}, add, i, maps);
+    const AddedFrames add = added_to(values, turn, b, plus ? -kQuarter : kQuarter, at_rest, {});
+    set_frames(less({a, c, s, d}, add), i, maps);
     maps.modulation_dn[i] = root(maps.cosine_dn[i] * maps.cosine_dn[i] + maps.sine_dn[i] * maps.sine_dn[i] + 1e-6F);
     maps.phase_rad[i] = atan2_poly(maps.sine_dn[i], maps.cosine_dn[i]);
     maps.sigma_rad[i] = widened(maps.sigma_rad[i], plus ? 1.0F : e.slope, e.spread_rad);
@@ -82,22 +89,24 @@ void take_off_harmonics(const WaveOfFrames& in, const PolarityMaps& polarity, co
                         PhaseMaps& maps) {
   const WaveValues wave(in.wave);
   ErrorRows rows(errors, black_dn, maps.phase_rad.width());
-  std::optional<RowErrors> row;
-  std::int32_t at_row = -1;
-  for (const CellSpan& s : in.spans) {
-    if (s.row != at_row) row = rows.at(polarity, s.row);
-    at_row = s.row;
-    const float b = in.signs.at(s.cell);
-    const int wraps = wraps_of_cell(s.cell);
-    for (std::int32_t u = s.begin; u < s.end; ++u) {
-      const std::size_t i = maps.phase_rad.index(u, s.row);
-      const float phase = maps.phase_rad[i] + kTwoPiF * static_cast<float>(polarity.wraps[i] - wraps);
-      const auto add =
-          added_to(wave, turn_of(wrap_once(phase)), maps.modulation_dn[i], b, row->change(static_cast<std::size_t>(u)));
-      set_frames({in.raw.mean_dn[i], in.raw.cosine_dn[i], in.raw.sine_dn[i], in.raw.code_dn[i]}, add, i, maps);
-      maps.phase_rad[i] =
-          phase + wrap_once(wrap_once(atan2_poly(maps.sine_dn[i], maps.cosine_dn[i]) - wrap_once(phase)));
-    }
+  SpanRow spans(in, maps.phase_rad.width());
+  for (int v = spans.next(); v >= 0; v = spans.next()) {
+    const std::size_t i = maps.phase_rad.index(0, v);
+    const WaveRow row{.raw_mean = &in.raw.mean_dn[i],
+                      .raw_cosine = &in.raw.cosine_dn[i],
+                      .raw_sine = &in.raw.sine_dn[i],
+                      .raw_code = &in.raw.code_dn[i],
+                      .wraps = &polarity.wraps[i],
+                      .cell_wraps = spans.cell_wraps(),
+                      .sign = spans.sign(),
+                      .errors = rows.at(polarity, v),
+                      .mean = &maps.mean_dn[i],
+                      .cosine = &maps.cosine_dn[i],
+                      .sine = &maps.sine_dn[i],
+                      .code = &maps.code_dn[i],
+                      .phase = &maps.phase_rad[i],
+                      .modulation = &maps.modulation_dn[i]};
+    take_off_row(row, wave, static_cast<std::size_t>(maps.phase_rad.width()));
   }
 }
 
