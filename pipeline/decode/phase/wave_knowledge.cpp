@@ -85,8 +85,8 @@ std::vector<WavePrior> priors_after(const WaveKnowledge& known, const std::vecto
   // Near the limit bursts of one scan are treated alike.
   WavePrior next{{}, config.prior, sure ? 0.5 * config.least_learned : config.least_strength};
   for (std::size_t n = 0; n < config.learned_spread.size(); ++n) {
-    const double spread = std::hypot(config.learned_spread[n], config.defocus_share[n] * learned.harmonic[n]);
-    const double precision = 1 / (spread * spread * (1 + kMedian / bursts));
+    const double defocus = config.defocus_share[n] * learned.harmonic[n], spread = config.learned_spread[n];
+    const double precision = 1 / (defocus * defocus + spread * spread * kMedian / bursts);
     const double in_all = precision + 1 / (config.prior[n] * config.prior[n]);
     next.mean.harmonic[n] = precision * learned.harmonic[n] / in_all;
     next.sigma[n] = 1 / std::sqrt(in_all);

@@ -40,8 +40,8 @@ struct WaveFitConfig {
   /// Of Waveform::strength. chosen: on synthetic stairs, above the 0.056 that a motion of 0.3 rad a frame looks like.
   /// Below, what is left is undone once orders are known (docs/decode.md §6).
   double least_strength = 0.06;
-  /// Of h_2 and h_3 from burst to burst of one projector: what is off in each, and of them what defocus takes more or
-  /// less. chosen: on drawn units of other makers.
+  /// Of h_2 and h_3: what a burst's estimate is off by, and of them what defocus takes more or less from burst to
+  /// burst. chosen: on drawn units of other makers.
   std::array<double, 2> learned_spread{0.015, 0.012}, defocus_share{0.12, 0.25};
   /// chosen: by judgement. So many bursts that show a cosine, or a wave as strong as that, are believed: what motion
   /// looks like differs from burst to burst.

@@ -66,7 +66,7 @@ TEST(PriorsAfter, more_bursts_say_more_but_never_all_of_the_next_one) {
     ASSERT_EQ(priors.size(), 1U);
     EXPECT_NEAR(priors.front().mean.harmonic[0], 0.2, 0.005);
     EXPECT_LT(priors.front().sigma[0], last);
-    EXPECT_GT(priors.front().sigma[0], std::hypot(kConfig.learned_spread[0], 0.9 * kConfig.defocus_share[0] * 0.2));
+    EXPECT_GT(priors.front().sigma[0], 0.99 * kConfig.defocus_share[0] * 0.2) << "defocus";
     EXPECT_EQ(priors.front().sigma[3], kConfig.prior[3]);
     last = priors.front().sigma[0];
   }
