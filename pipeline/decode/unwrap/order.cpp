@@ -44,8 +44,8 @@ class Solver {
     take_offers();
   }
 
-  /// A zone that borders on nothing decided lies within the depth range where its code leaves most of it one place
-  /// there: nothing speaks for the repetitions of the code beyond.
+  /// A zone lies within the depth range where its code leaves most of it one place there and none of the decided
+  /// segments beside it lies where the code is the same again: nothing speaks for the repetitions beyond.
   void stay_within_range() {
     if (evidence_.repeats_after() == 0 || !find_open_zones(kBroad_px)) return;
     for (const std::int32_t open : work_.open) {
@@ -55,10 +55,19 @@ class Solver {
     }
     for (Zone& zone : work_.zones) {
       const auto most = std::ranges::max_element(zone.votes_px);
-      const bool clear = zone.around == kUnknown && 2 * *most > zone.px;
-      zone.offer = clear ? zone.base + static_cast<std::int32_t>(most - zone.votes_px.begin()) : kUnknown;
+      const auto state = static_cast<std::int32_t>(most - zone.votes_px.begin());
+      const bool clear = 2 * *most > zone.px && (zone.beside & repetitions_of(state)) == 0;
+      zone.offer = clear ? zone.base + state : kUnknown;
     }
     take_offers();
+  }
+
+  /// States at which the code is that of `state`, but for that one itself; a bit each.
+  [[nodiscard]] std::uint32_t repetitions_of(std::int32_t state) const {
+    const std::int32_t period = evidence_.repeats_after();
+    std::uint32_t out = 0;
+    for (std::int32_t k = state % period; k < kStates; k += period) out |= k == state ? 0U : 1U << index(k);
+    return out;
   }
 
   /// The cheapest state of a segment if it is clearly so but for repetitions of the code beyond the range; -1: it is
@@ -156,12 +165,13 @@ class Solver {
     }
   }
 
-  /// Fills the zones' `around`.
+  /// Fills the zones' `around` and `beside`.
   void look_around(std::int32_t least_px) {
     const auto note = [&](std::size_t open, std::size_t source) {
-      std::int32_t& known = zone_of(open).around;
-      const std::int32_t shift = out_.segments[source].shift;
-      known = known == kUnknown || known == shift ? shift : kSeveral;
+      Zone& zone = zone_of(open);
+      const std::int32_t shift = out_.segments[source].shift, state = shift - zone.base;
+      zone.around = zone.around == kUnknown || zone.around == shift ? shift : kSeveral;
+      if (state >= 0 && state < kStates) zone.beside |= 1U << index(state);
     };
     each_link(least_px, [&](std::size_t i, std::size_t o) {
       if (undecided(i) && !undecided(o)) note(i, o);

@@ -81,6 +81,7 @@ struct OrderResult {
       std::array<std::int32_t, kOrderStates> votes_px{};  ///< of segments that have but this one within the depth range
       std::int32_t base = 0;                              ///< shift of state 0
       std::int32_t around = 0;                            ///< shift of the decided segments beside it
+      std::uint32_t beside = 0;                           ///< states of all of these, a bit each
       std::int32_t offer = 0;                             ///< shift that its segments may take
       std::int32_t px = 0;
     };
