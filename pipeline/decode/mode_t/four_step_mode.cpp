@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pipeline/decode/mode_t/closure_gates.hpp"
+#include "pipeline/decode/mode_t/faint.hpp"
 #include "pipeline/decode/mode_t/fast_motion.hpp"
 #include "pipeline/decode/mode_t/four_step_memory.hpp"
 
@@ -19,6 +20,7 @@ FourStepMode::Memory& FourStepMode::memory_of(Work& work) { return static_cast<M
 
 void FourStepMode::solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const {
   compute_phase(view, noise, common_.phase, phase);
+  admit_faint(common_.phase, phase);
   solve_saturated(view, noise, common_.phase, phase, memory_of(work).saturated);
 }
 

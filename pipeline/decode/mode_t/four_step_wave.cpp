@@ -6,6 +6,7 @@
 
 #include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/closure_rows.hpp"
+#include "pipeline/decode/mode_t/faint.hpp"
 #include "pipeline/decode/mode_t/four_step_wave_rows.hpp"
 #include "pipeline/decode/phase/wave_tables.hpp"
 
@@ -48,7 +49,7 @@ class SpanRow {
 }  // namespace
 
 void linearise_four_step(const Waveform& wave, const PhaseConfig& config, PhaseMaps& maps) {
-  const PhaseTable by_three(wave, four_step_three()), by_four(wave, four_step_four());
+  const PhaseTable three(wave, four_step_three()), four(wave, four_step_four());
   const WaveValues values(wave);
   const Turns at_rest = turns_of<true>({});
   for (std::size_t i = 0; i < maps.phase_rad.size(); ++i) {
@@ -58,15 +59,18 @@ void linearise_four_step(const Waveform& wave, const PhaseConfig& config, PhaseM
     const bool plus = std::abs(d + s) > kAlike * maps.modulation_dn[i];  // false for NaN: saturated
     const float s4 = 0.5F * (s + d), shown_rad = plus ? atan2_poly(s4, c) : maps.phase_rad[i];
     const float shown = plus ? root(c * c + s4 * s4) : maps.modulation_dn[i];
-    const PhaseTable::Entry e = (plus ? by_four : by_three).at(shown_rad);
+    const PhaseTable::Entry e = (plus ? four : three).at(shown_rad);
     const float b = shown * e.scale;
     const Turn turn = turn_of(wrap_once(shown_rad + e.turn_rad));
     const AddedFrames add = added_to(values, turn, b, plus ? -kQuarter : kQuarter, at_rest, {});
     set_frames(less({a, c, s, d}, add), i, maps);
     maps.modulation_dn[i] = root(maps.cosine_dn[i] * maps.cosine_dn[i] + maps.sine_dn[i] * maps.sine_dn[i] + 1e-6F);
     maps.phase_rad[i] = atan2_poly(maps.sine_dn[i], maps.cosine_dn[i]);
-    maps.sigma_rad[i] = widened(maps.sigma_rad[i], plus ? 1.0F : e.slope, e.spread_rad);
-    reject = maps.sigma_rad[i] < config.max_sigma_rad ? PixelReject::kNone : PixelReject::kNoisy;
+    const float slope = plus ? 1.0F : e.slope, by_three = maps.sigma_rad[i];
+    const float by_four = d == d ? by_three * fourth_frame_gain(c, s) : by_three;
+    maps.sigma_rad[i] = widened(by_three, slope, e.spread_rad);
+    const bool fine = widened(by_four, slope, e.spread_rad) < config.max_sigma_rad;
+    reject = fine ? PixelReject::kNone : PixelReject::kNoisy;
   }
 }
 
@@ -79,7 +83,8 @@ void widen_by_wave(std::span<const CellSpan> spans, const CellSigns& signs, cons
       const std::size_t i = maps.phase_rad.index(u, s.row);
       const auto [factor, spread_rad] = widening.at(wrap_once(maps.phase_rad[i]));
       maps.sigma_rad[i] = widened(maps.sigma_rad[i], factor, spread_rad);
-      if (maps.reject[i] == PixelReject::kNone && !(maps.sigma_rad[i] < config.max_sigma_rad))
+      if (maps.reject[i] == PixelReject::kNone &&
+          !(maps.sigma_rad[i] * fourth_frame_gain(maps.cosine_dn[i], maps.sine_dn[i]) < config.max_sigma_rad))
         maps.reject[i] = PixelReject::kNoisy;
     }
   }

@@ -16,7 +16,8 @@ struct PhaseConfig {
   float dark_sigmas = 5;
   /// chosen: by judgement. Of full scale; what is brighter may be clipped.
   float saturation = 0.97F;
-  /// chosen: by judgement, as noise of 0.08 mm in depth at mid-range. Predicted of the three-frame solution.
+  /// chosen: by judgement, as noise of 0.08 mm in depth at mid-range. Predicted of the three-frame solution; in mode
+  /// T of all four frames (mode_t/faint.hpp).
   float max_sigma_rad = 0.15F;
 };
 

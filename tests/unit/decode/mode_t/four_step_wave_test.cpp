@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 
 #include "pipeline/decode/burst_decoder.hpp"
@@ -130,10 +132,23 @@ TEST(LineariseFourStep, leaves_the_frames_of_a_cosine_whatever_the_sign_of_the_l
   }
 }
 
+int noisy_of(PhaseMaps maps, bool has_fourth) {
+  if (!has_fourth) std::ranges::fill(maps.code_dn.pixels(), std::numeric_limits<float>::quiet_NaN());
+  linearise_four_step(test::gamma_wave(1.8), {}, maps);
+  return static_cast<int>(std::ranges::count(maps.reject.pixels(), PixelReject::kNoisy));
+}
+
+TEST(LineariseFourStep, counts_on_a_fourth_frame_that_will_join) {
+  PhaseMaps maps = fringe_of(test::gamma_wave(1.8), 500, false);
+  for (float& sigma_rad : maps.sigma_rad.pixels()) sigma_rad = 0.1F;
+  EXPECT_LT(noisy_of(maps, true), noisy_of(maps, false) - 25);
+}
+
 TEST(LineariseFourStep, leaves_saturated_and_dark_pixels_and_decides_anew_which_are_noisy) {
   const Waveform wave = test::gamma_wave(1.8);
   PhaseMaps maps = fringe_of(wave, 500, false);
   for (float& sigma_rad : maps.sigma_rad.pixels()) sigma_rad = 0.1F;
+  std::ranges::fill(maps.code_dn.pixels(), std::numeric_limits<float>::quiet_NaN());  // three frames are all there is
   maps.reject[0] = PixelReject::kSaturated, maps.reject[1] = PixelReject::kDark;
   const PhaseMaps before = maps;
   linearise_four_step(wave, {}, maps);
