@@ -60,8 +60,10 @@ void linearise_micro(const Waveform& wave, const PhaseConfig& config, PhaseMaps&
     maps.phase_rad[i] = phi, maps.modulation_dn[i] = b, maps.mean_dn[i] += lift;
     maps.cosine_dn[i] = b * turn.cos, maps.sine_dn[i] = b * turn.sin;
     maps.code_dn[i] = b * levels.cosine_of((maps.code_dn[i] - lift) / b);
-    maps.sigma_rad[i] = widened(maps.sigma_rad[i], e.slope, e.spread_rad);
-    reject = maps.sigma_rad[i] < config.max_sigma_rad ? PixelReject::kNone : PixelReject::kNoisy;
+    const float by_light_rad = maps.sigma_rad[i];
+    maps.sigma_rad[i] = widened(by_light_rad, e.slope, e.spread_rad);
+    const bool told = is_told(by_light_rad, maps.sigma_rad[i], config.max_sigma_rad);
+    reject = told ? PixelReject::kNone : PixelReject::kNoisy;
   }
 }
 

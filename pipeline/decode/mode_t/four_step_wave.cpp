@@ -66,11 +66,10 @@ void linearise_four_step(const Waveform& wave, const PhaseConfig& config, PhaseM
     set_frames(less({a, c, s, d}, add), i, maps);
     maps.modulation_dn[i] = root(maps.cosine_dn[i] * maps.cosine_dn[i] + maps.sine_dn[i] * maps.sine_dn[i] + 1e-6F);
     maps.phase_rad[i] = atan2_poly(maps.sine_dn[i], maps.cosine_dn[i]);
-    const float slope = plus ? 1.0F : e.slope, by_three = maps.sigma_rad[i];
-    const float by_four = d == d ? by_three * fourth_frame_gain(c, s) : by_three;
-    maps.sigma_rad[i] = widened(by_three, slope, e.spread_rad);
-    const bool fine = widened(by_four, slope, e.spread_rad) < config.max_sigma_rad;
-    reject = fine ? PixelReject::kNone : PixelReject::kNoisy;
+    const float by_three_rad = maps.sigma_rad[i], by_four_rad = by_three_rad * (d == d ? fourth_frame_gain(c, s) : 1);
+    maps.sigma_rad[i] = widened(by_three_rad, plus ? 1.0F : e.slope, e.spread_rad);
+    const bool told = is_told(by_four_rad, maps.sigma_rad[i], config.max_sigma_rad);
+    reject = told ? PixelReject::kNone : PixelReject::kNoisy;
   }
 }
 
@@ -83,8 +82,7 @@ void widen_by_wave(std::span<const CellSpan> spans, const CellSigns& signs, cons
       const std::size_t i = maps.phase_rad.index(u, s.row);
       const auto [factor, spread_rad] = widening.at(wrap_once(maps.phase_rad[i]));
       maps.sigma_rad[i] = widened(maps.sigma_rad[i], factor, spread_rad);
-      if (maps.reject[i] == PixelReject::kNone &&
-          !(maps.sigma_rad[i] * fourth_frame_gain(maps.cosine_dn[i], maps.sine_dn[i]) < config.max_sigma_rad))
+      if (maps.reject[i] == PixelReject::kNone && !(maps.sigma_rad[i] < kMostAlongFringe * config.max_sigma_rad))
         maps.reject[i] = PixelReject::kNoisy;
     }
   }

@@ -16,6 +16,17 @@ namespace enamel::pipeline {
   return root(sigma * sigma + spread_rad * spread_rad);
 }
 
+/// Largest sigma of a place in the fringe over that which the mask takes of a pixel's light. derived: sqrt 3, as along
+/// a fringe of mode T's three frames (mode_t/faint.hpp).
+inline constexpr float kMostAlongFringe = 1.7320508F;
+
+/// The mask behind a wave: a pixel is judged by its light, as that of a cosine is. The places of a fringe where the
+/// wave says little would else be cut out of every surface; they are kept with the sigma that they have. Where it says
+/// next to nothing they are left out. by_light_rad: as of a cosine; told_rad: widened.
+[[nodiscard]] inline bool is_told(float by_light_rad, float told_rad, float max_sigma_rad) noexcept {
+  return by_light_rad < max_sigma_rad && told_rad < kMostAlongFringe * max_sigma_rad;
+}
+
 /// True phase by the phase shown. Where a wave far from a cosine shows one phase at several, the middle of them.
 /// Immutable.
 class PhaseTable {

@@ -123,11 +123,28 @@ TEST(LineariseMicro, decides_anew_which_phases_are_noisy_and_leaves_saturated_an
   EXPECT_EQ(maps.phase_rad[1], before.phase_rad[1]);
   int noisier = 0, calmer = 0;
   for (std::size_t i = 2; i < kWidth; ++i) {
-    EXPECT_EQ(maps.reject[i] == PixelReject::kNone, maps.sigma_rad[i] < PhaseConfig{}.max_sigma_rad) << i;
+    EXPECT_EQ(maps.reject[i] == PixelReject::kNone, maps.sigma_rad[i] < 1.732F * PhaseConfig{}.max_sigma_rad) << i;
     (maps.sigma_rad[i] > before.sigma_rad[i] ? noisier : calmer) += 1;
   }
   EXPECT_GT(noisier, 50);
   EXPECT_GT(calmer, 50);
+}
+
+TEST(LineariseMicro, keeps_what_is_lit_well_and_leaves_out_what_is_not_wherever_in_the_fringe) {
+  const float most = PhaseConfig{}.max_sigma_rad;
+  for (const float by_light : {0.9F * most, 1.1F * most}) {
+    PhaseMaps maps = fringe_of(test::gamma_wave(1.6), 500);
+    for (float& sigma_rad : maps.sigma_rad.pixels()) sigma_rad = by_light;
+    linearise_micro(test::gamma_wave(1.6), {}, maps);
+    int kept_beyond = 0, left_out_below = 0;
+    for (std::size_t i = 0; i < maps.reject.size(); ++i) {
+      const bool kept = maps.reject[i] == PixelReject::kNone;
+      kept_beyond += kept && maps.sigma_rad[i] > most ? 1 : 0;
+      left_out_below += !kept && maps.sigma_rad[i] < most ? 1 : 0;
+    }
+    EXPECT_EQ(kept_beyond > 50, by_light < most) << by_light;
+    EXPECT_EQ(left_out_below > 50, by_light > most) << by_light;
+  }
 }
 
 TEST(LineariseMicro, saturated_code_frame_stays_unknown) {

@@ -140,7 +140,7 @@ int noisy_of(PhaseMaps maps, bool has_fourth) {
 
 TEST(LineariseFourStep, counts_on_a_fourth_frame_that_will_join) {
   PhaseMaps maps = fringe_of(test::gamma_wave(1.8), 500, false);
-  for (float& sigma_rad : maps.sigma_rad.pixels()) sigma_rad = 0.1F;
+  for (float& sigma_rad : maps.sigma_rad.pixels()) sigma_rad = 0.16F;
   EXPECT_LT(noisy_of(maps, true), noisy_of(maps, false) - 25);
 }
 
@@ -158,7 +158,7 @@ TEST(LineariseFourStep, leaves_saturated_and_dark_pixels_and_decides_anew_which_
     EXPECT_EQ(maps.phase_rad[i], before.phase_rad[i]);
   }
   for (std::size_t i = 2; i < maps.reject.size(); ++i) {
-    EXPECT_EQ(maps.reject[i] == PixelReject::kNone, maps.sigma_rad[i] < PhaseConfig{}.max_sigma_rad) << i;
+    EXPECT_EQ(maps.reject[i] == PixelReject::kNone, maps.sigma_rad[i] < 1.732F * PhaseConfig{}.max_sigma_rad) << i;
     noisy += maps.reject[i] == PixelReject::kNoisy ? 1 : 0;
   }
   EXPECT_GT(noisy, 25);   // phases that three frames hardly tell
