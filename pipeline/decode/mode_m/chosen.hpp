@@ -53,10 +53,11 @@ inline constexpr int kWaveRowStep = 8;
 inline constexpr double kWaveSpread = 0.03;
 
 /// Of an odd frame: side of a block; sigma of its phase of the code frame that is asked; spread of the unknowns, in the
-/// order of kOddColumns: phases anywhere, what blocks leave of motion, light and gain. chosen: by judgement.
+/// order of kOddColumns: phases and light of a frame anywhere, what blocks leave of motion, light, gain and harmonics.
+/// chosen: by judgement.
 inline constexpr int kOddBlock_px = 64;
 inline constexpr double kOddInformed_rad = 0.05;
-inline constexpr std::array<double, 5> kOddSpread = {1, 1, 0.3, 0.3, 0.1};
+inline constexpr std::array<double, 9> kOddSpread = {1, 1, 1, 1, 0.3, 0.3, 0.1, 0.1, 0.1};
 
 /// Of pixels with a saturated frame. chosen: by judgement.
 inline constexpr float kLargestBend_rad = 1.0F;     ///< of the step across a run against the carrier's

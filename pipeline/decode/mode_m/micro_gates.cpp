@@ -1,42 +1,42 @@
 #include "pipeline/decode/mode_m/micro_gates.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/mode_m/micro_spans.hpp"
+#include "pipeline/decode/phase/block_fit.hpp"
 #include "pipeline/decode/phase/median.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-using Matrix = Eigen::Matrix<double, kOddColumns, kOddColumns>;
-using Vector = Eigen::Matrix<double, kOddColumns, 1>;
-
 constexpr int kRowStep = 8;            ///< layout: stride over rows
 constexpr float kHalfPi = 1.5707964F;  ///< derived: erf(x/sqrt 2) is x/sqrt(x^2 + pi/2) to 0.06
-static_assert(kOddSpread.size() == kOddColumns);
 
-struct Equations {
-  Matrix left = Matrix::Zero();
-  Vector right = Vector::Zero();
-};
+constexpr float kHalfOfOdd = 0.66F;  ///< derived: half of an odd frame's delta over what it shows by, on average
+constexpr double kProvenSigmas = 4;  ///< derived: noise alone gets there once in 30 000 bursts
+
+/// The two unknowns from `first` on are none.
+constexpr std::array<double, kOddColumns> without(std::size_t first) {
+  auto spread = kOddSpread;
+  spread[first] = spread[first + 1] = 1e-6;
+  return spread;
+}
 
 class Blocks {
  public:
+  using Fit = BlockFit<kOddColumns>;
+
   /// sums: of one block, as add_micro_odd_row lays them out.
   void add(const double* sums) {
-    Equations block;
-    for (Eigen::Index i = 0; i < block.left.rows(); ++i) {
-      for (Eigen::Index j = i; j < block.left.cols(); ++j) block.left(i, j) = block.left(j, i) = *sums++;
-      block.right[i] = *sums++;
-    }
-    asked_ += sums[0], explained_ += sums[1];
-    all_.left += block.left, all_.right += block.right;
+    const Fit block(sums);
+    asked_ += sums[kMicroOddSums - 1], explained_ += block.count();
+    all_ += block;
     judge(block, kOddInformed_rad);
   }
 
@@ -47,24 +47,33 @@ class Blocks {
       unrest_.clear();
     }
     const double explained = asked_ > 0 ? explained_ / asked_ : 1;  // all codes may be saturated
-    return {median(code_shift_), median(odd_), explained, median(unrest_)};
+    return {median(code_shift_), median(odd_), exposure_step(), share(), explained, median(unrest_)};
   }
 
  private:
-  void judge(const Equations& block, double informed_rad) {
-    Matrix left = block.left;
-    left.diagonal() += Vector(kOddSpread.data()).cwiseAbs2().cwiseInverse();
-    const auto factors = left.ldlt();
-    const Matrix covariance = factors.solve(Matrix::Identity());
-    if (!(std::max(covariance(0, 0), covariance(1, 1)) < informed_rad * informed_rad)) return;
-    const Vector x = factors.solve(block.right);
-    code_shift_.push_back(static_cast<float>(x[0]));
-    odd_.push_back(static_cast<float>(std::hypot(x[0], x[1])));
-    unrest_.push_back(static_cast<float>(std::abs(x[3])));
+  void judge(const Fit& block, double informed_rad) {
+    const auto known = block.solve(without(2));
+    if (!(std::max(known.sigma(0), known.sigma(1)) < informed_rad)) return;
+    const auto lit = block.solve(without(0));
+    code_shift_.push_back(static_cast<float>(known.x[0]));
+    odd_.push_back(static_cast<float>(std::hypot(known.x[0], known.x[1])));
+    alone_light_.push_back(static_cast<float>(lit.x[2])), skew_light_.push_back(static_cast<float>(lit.x[3]));
+    unrest_.push_back(static_cast<float>(std::abs(known.x[5])));
+    told_ += block.told_by_first<kOddUnknowns>(kOddSpread);
   }
 
-  std::vector<float> code_shift_, odd_, unrest_;
-  Equations all_;
+  /// A frame's exposure is the same in all blocks.
+  [[nodiscard]] float exposure_step() { return kHalfOfOdd * std::hypot(median(alone_light_), median(skew_light_)); }
+
+  [[nodiscard]] double share() const {
+    const double by_noise = std::sqrt(2.0 * kOddUnknowns * static_cast<double>(odd_.size()));  // of chi squared
+    if (!(told_.first > kProvenSigmas * by_noise)) return 0;
+    return told_.first / (told_.first + std::max(told_.left, 0.0));
+  }
+
+  std::vector<float> code_shift_, odd_, alone_light_, skew_light_, unrest_;
+  Fit all_;
+  Fit::Told told_;
   double asked_ = 0, explained_ = 0;
 };
 

@@ -10,10 +10,15 @@ namespace enamel::pipeline {
 /// permutation of the three phase frames has put in wrong places are off the code frame by a third of a step between
 /// orders; a frame of another burst is off all others by a phase delta of its own. Beside a common phase, which nothing
 /// shows, and motion, four phases have two more degrees of freedom: that of the code frame alone, and the skew of the
-/// three others at right angles to motion. One odd frame shows in them by 0.55 to 1 delta.
+/// three others at right angles to motion. One odd frame shows in them by 0.55 to 1 delta, and a frame that is brighter
+/// than the others in two like them. What a motion that was not quite found leaves looks like such a frame here and
+/// there, but not like nothing else.
 struct MicroOdd {
-  float code_shift_rad = 0;    ///< of phi, signed: code frame alone
-  float odd_shift_rad = 0;     ///< both together
+  float code_shift_rad = 0;  ///< of phi, signed: code frame alone
+  float odd_shift_rad = 0;   ///< both together
+  float exposure_step = 0;   ///< of A: half of what light such a frame has more, were it not its phase that differs
+  double odd_share =
+      0;  ///< of what motion, light and harmonics leave beside noise: explained by these four; 0: by chance
   double explained_share = 0;  ///< of pixels with a code: predicted by the other frames to within max_residual
   float unrest = 0;            ///< of B: light that changed during the burst otherwise than the motion explains
 };

@@ -30,8 +30,10 @@ void odd_columns(const CodeRow& in, const NoiseModel& model, float limit, std::s
                  OddStretch& out) {
   const NoiseModel noise = model;
   const Row row(in);
-  float* __restrict alone = out.x[0].data(), * __restrict skew = out.x[1].data(), * __restrict motion = out.x[2].data();
-  float* __restrict light = out.x[3].data(), * __restrict gain = out.x[4].data(), * __restrict rest = out.x[5].data();
+  const auto to = [&](std::size_t k) { return out.x[k].data(); };
+  float* __restrict alone = to(0), * __restrict skew = to(1), * __restrict alone_light = to(2);
+  float* __restrict skew_light = to(3), * __restrict motion = to(4), * __restrict light = to(5);
+  float* __restrict gain = to(6), * __restrict second = to(7), * __restrict third = to(8), * __restrict rest = to(9);
   float* __restrict weight = out.weight.data(), * __restrict asked = out.asked.data(), * __restrict used = out.used.data();
   ENAMEL_INDEPENDENT
   for (std::size_t j = 0; j < count; ++j) {
@@ -39,7 +41,10 @@ void odd_columns(const CodeRow& in, const NoiseModel& model, float limit, std::s
     const Residual k = row.residual<kSteady>(u);
     const bool placed = row.placed(u), known = (k.rest == k.rest) & placed;
     const bool counts = (std::abs(k.rest) < limit * k.modulation) & known;
-    alone[j] = k.by_alone, skew[j] = k.by_skew, motion[j] = k.by_motion, light[j] = k.by_light, gain[j] = k.by_gain;
+    alone[j] = k.by_alone, skew[j] = k.by_skew;
+    alone_light[j] = k.by_alone_light, skew_light[j] = k.by_skew_light;
+    motion[j] = k.by_motion, light[j] = k.by_light, gain[j] = k.by_gain;
+    second[j] = k.by_second, third[j] = k.by_third;
     rest[j] = select(counts, -k.rest, 0);
     weight[j] = select(counts, 1 / (kResidualVariance * noise.variance(row.mean[u])), 0);
     asked[j] = select(known, 1, 0);
@@ -70,8 +75,9 @@ void odd_loop(const CodeRow& row, const NoiseModel& noise, float limit, std::siz
       for (std::size_t j = i; j <= kOddColumns; ++j, to += width)
         add_product(stretch.x[i].data(), stretch.x[j].data(), stretch.weight.data(), count, to);
     }
-    add_to(stretch.asked.data(), count, to);
+    add_product(stretch.x[kOddColumns].data(), stretch.x[kOddColumns].data(), stretch.weight.data(), count, to);
     add_to(stretch.used.data(), count, to + width);
+    add_to(stretch.asked.data(), count, to + 2 * width);
   }
 }
 

@@ -66,6 +66,10 @@ struct CodeModel {
   float modulation;  ///< B of the fundamental over that of the three-frame solution
 };
 
+/// cos 2x and cos 3x of cos x.
+[[gnu::always_inline]] inline float twice(float cosine) { return 2 * cosine * cosine - 1; }
+[[gnu::always_inline]] inline float thrice(float cosine) { return cosine * (4 * cosine * cosine - 3); }
+
 /// x less its nearest whole number, |x| < 2^22.
 [[gnu::always_inline]] inline float fraction(float x) {
   constexpr float kWhole = 12582912;  // physical: 1.5 * 2^23: the sum has no digits behind the point
@@ -82,9 +86,11 @@ struct CodeModel {
 }
 
 /// What the code frame shows beyond the prediction of the other three, about the motion and gain assumed, and its slope
-/// over each of them. In DN; light: of dA/A; alone: of a phase that the code frame has for itself; skew: see kSkew.
+/// over each of them. In DN; light: of dA/A; alone: of a phase that the code frame has for itself; skew: see kSkew;
+/// second, third: of the projector's B2/B and B3/B.
 struct Residual {
-  float rest, by_motion, by_light, by_gain, by_alone, by_skew, modulation;
+  float rest, by_motion, by_light, by_gain, by_alone, by_skew, by_alone_light, by_skew_light, by_second, by_third,
+      modulation;
 };
 
 /// raw: above black; code: I_1 - A; phase_rad: of `raw`, with its order.
@@ -114,6 +120,10 @@ template <bool kSteady>
           .by_gain = -b * k.light,
           .by_alone = by_alone,
           .by_skew = slope(-kFirstSkew * s0, -kSecondSkew * s2, -kThirdSkew * s3),
+          .by_alone_light = b * by_swelling - p.mean,
+          .by_skew_light = slope(kFirstSkew * (p.mean + c0), kSecondSkew * (p.mean + c2), kThirdSkew * (p.mean + c3)),
+          .by_second = b * slope(twice(c0 / b), twice(c2 / b), twice(c3 / b)) - gain * b * twice(k.angle.cos),
+          .by_third = b * (thrice(c) - gain * thrice(k.angle.cos)),
           .modulation = b};
 }
 

@@ -29,7 +29,8 @@ void MicroMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics
   diagnostics.code_shift_rad = odd.code_shift_rad;
   diagnostics.odd_shift_rad = odd.odd_shift_rad;
   diagnostics.unrest = odd.unrest;
-  diagnostics.exposure_step = odd.unrest;
+  diagnostics.exposure_step = odd.exposure_step;
+  diagnostics.odd_share = odd.odd_share;
   diagnostics.closure_share = odd.explained_share;
 }
 

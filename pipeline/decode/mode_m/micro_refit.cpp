@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pipeline/decode/mode_m/micro_spans.hpp"
+#include "pipeline/decode/phase/block_fit.hpp"
 
 namespace enamel::pipeline {
 namespace {

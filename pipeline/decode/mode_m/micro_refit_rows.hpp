@@ -6,6 +6,7 @@
 #include "pipeline/decode/mode_m/code_strips.hpp"
 #include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "pipeline/decode/mode_m/micro_refit.hpp"
+#include "pipeline/decode/phase/block_fit.hpp"
 #include "pipeline/decode/phase/frame_turns.hpp"
 
 namespace enamel::pipeline {
@@ -51,13 +52,14 @@ struct ResidualRow {
 };
 void code_residual_row(const CodeRow& row, std::size_t count, const ResidualRow& out);
 
-/// layout: unknowns of the odd frame: phase of the code frame alone, skew of the other three, and beside them motion,
-/// light and gain as far as they differ from what `row` says.
-inline constexpr std::size_t kOddColumns = 5;
-inline constexpr std::size_t kMicroOddSums = kOddColumns * (kOddColumns + 3) / 2 + 2;
+/// layout: unknowns of the odd frame: phase of the code frame alone, skew of the other three, both again of light; then
+/// beside them motion, light, gain and two harmonics as far as they differ from what `row` says.
+inline constexpr std::size_t kOddColumns = 9;
+inline constexpr int kOddUnknowns = 4;
+inline constexpr std::size_t kMicroOddSums = BlockFit<kOddColumns>::kSums + 1;
 
-/// Adds the row's normal equations to sums[k * width + u]: for each unknown i its products with i, i + 1, ... and then
-/// with the residual, weighted by 1/variance of R; last, pixels with a code and those of them whose residual counts.
+/// Adds the row's normal equations to sums[k * width + u], weighted by 1/variance of R: those of BlockFit, last the
+/// pixels with a code.
 void add_micro_odd_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width, float* sums);
 
 /// Phase and A - black of every second pixel, count of them, as they were at mid-burst. Of the row, gain, modulation,

@@ -1,7 +1,6 @@
 // Rows of a mode M burst with their orders and motion, and sums over blocks of them. Private to pipeline/decode.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -64,52 +63,6 @@ class CodeRows {
   GridRows rate_, gain_, light_, rate_change_, light_change_;
   float inverse_ratio_ = 0, harmonic_ = 0, black_dn_;
   bool steady_;
-};
-
-/// Sums over square blocks of an image of what rows add to every column, first in float over a block's rows.
-template <std::size_t kSums>
-class BlockSums {
- public:
-  /// sums: of block k, row major, [k * kSums + s].
-  BlockSums(int width, int height, int block_px, std::vector<float>& column_sums, std::vector<double>& sums)
-      : width_(static_cast<std::size_t>(width)),
-        block_px_(static_cast<std::size_t>(block_px)),
-        across_((width_ + block_px_ - 1) / block_px_),
-        columns_(column_sums),
-        sums_(sums) {
-    columns_.assign(kSums * width_, 0.0F);
-    sums_.assign(across_ * ((static_cast<std::size_t>(height) + block_px_ - 1) / block_px_) * kSums, 0.0);
-  }
-
-  [[nodiscard]] std::size_t width() const noexcept { return width_; }
-
-  /// Where row v adds its sum s of column u: at [s * width + u]. Rows come in order.
-  [[nodiscard]] float* columns_of(int v) {
-    const std::size_t row = static_cast<std::size_t>(v) / block_px_;
-    if (row != block_row_) finish();
-    block_row_ = row;
-    return columns_.data();
-  }
-
-  /// After the last row.
-  void finish() {
-    double* out = &sums_[block_row_ * across_ * kSums];
-    for (std::size_t s = 0; s < kSums; ++s) {
-      const float* column = &columns_[s * width_];
-      for (std::size_t k = 0; k < across_; ++k) {
-        double sum = 0;
-        for (std::size_t u = k * block_px_; u < std::min(width_, (k + 1) * block_px_); ++u)
-          sum += static_cast<double>(column[u]);
-        out[k * kSums + s] += sum;
-      }
-    }
-    std::fill(columns_.begin(), columns_.end(), 0.0F);
-  }
-
- private:
-  std::size_t width_, block_px_, across_, block_row_ = 0;
-  std::vector<float>& columns_;
-  std::vector<double>& sums_;
 };
 
 }  // namespace enamel::pipeline

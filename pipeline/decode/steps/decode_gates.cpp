@@ -39,9 +39,12 @@ bool follows_code(const DecodeDiagnostics& d, const CodeGate& gate) noexcept {
 }
 
 bool has_odd_frame(const DecodeDiagnostics& d, const OddFrameGate& gate) noexcept {
+  const double share = d.odd_share.value_or(gate.min_share);
+  if (share < gate.min_share && d.code_agreement >= gate.sound_agreement) return false;
+  const float max_shift_rad = share > gate.most_share ? gate.max_proven_rad : gate.max_shift_rad;
   const float excused_rad = gate.max_over_motion * d.motion_spread_rad + gate.max_over_sigma * d.odd_sigma_rad;
   const bool elsewhere =
-      d.odd_shift_rad > gate.max_shift_rad + excused_rad && d.odd_shift_rad > gate.max_over_unrest * d.unrest;
+      d.odd_shift_rad > max_shift_rad + excused_rad && d.odd_shift_rad > gate.max_over_unrest * d.unrest;
   return elsewhere || d.exposure_step > gate.max_exposure_step + 0.5F * d.odd_sigma_rad;
 }
 

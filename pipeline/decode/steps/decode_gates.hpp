@@ -55,6 +55,14 @@ struct OddFrameGate {
   /// A frame that is brighter or darker by twice this, beside half of the noise. chosen: on drawn bursts and rendered
   /// sets, of which bright ones show 0.02 at most.
   float max_exposure_step = 0.03F;
+  /// Of what motion, light and harmonics leave, where the mode tells it. chosen: by judgement. An odd frame leaves
+  /// little else; what is not quite known of a surface's motion has no reason to look like one. It excuses no code that
+  /// is not sound.
+  double min_share = 1.0 / 3;
+  double sound_agreement = 0.95;  ///< chosen: by judgement, as CodeGate's
+  /// Where most of what is left is an odd frame's, less of a shift is proof. chosen: on drawn bursts.
+  double most_share = 0.5;
+  float max_proven_rad = 0.06F;
   float max_over_sigma = 1.0F;  ///< derived: the median of |noise| over blocks is 0.67 of its sigma
 };
 

@@ -181,5 +181,18 @@ TEST(Draw, reaches_every_class_of_condition) {
   EXPECT_GT(std::min({least(responses), least(scenes), least(motions), least(albedos)}), 10);
 }
 
+/// Turning balls and teeth, gum and few fringes: what is left of their motion, light and waveform looks like a frame of
+/// another time in some blocks.
+TEST(DrawnSurfaces, that_move_or_show_few_fringes_are_not_taken_for_an_odd_frame) {
+  for (const std::uint64_t seed : {300064U, 300178U, 300238U}) {
+    const ReadyDraw ready = ready_draw(seed, PatternMode::kMicro);
+    const DrawnBurst burst = render(ready.drawn);
+    const Judged judged = judge(ready.drawn, burst.truth, ready.decoder->decode(burst.frames.view()));
+    EXPECT_TRUE(judged.is_true_burst()) << seed;
+    EXPECT_TRUE(judged.accepted()) << seed << " " << name_of(judged.verdict);
+    EXPECT_LE(judged.wrong_share(), 0.001) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace enamel::test
