@@ -16,7 +16,6 @@ namespace enamel::pipeline {
 namespace {
 
 constexpr int kRowStep = 8;            ///< layout: stride over rows
-constexpr float kHalfPi = 1.5707964F;  ///< derived: erf(x/sqrt 2) is x/sqrt(x^2 + pi/2) to 0.06
 
 constexpr float kHalfOfOdd = 0.66F;  ///< derived: half of an odd frame's delta over what it shows by, on average
 constexpr double kProvenSigmas = 4;  ///< derived: noise alone gets there once in 30 000 bursts
@@ -92,27 +91,6 @@ MicroOdd find_micro_odd(const MicroBurst& burst, const MicroMotion& motion, floa
   Blocks blocks;
   for (std::size_t at = 0; at < sums.size(); at += kMicroOddSums) blocks.add(&sums[at]);
   return blocks.result();
-}
-
-double direction_share(const PhaseMaps& maps, const Carrier& carrier) {
-  double follows = 0, expected = 0;
-  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  for (std::size_t at = 0; at < maps.phase_rad.size(); at += width) {
-    const float* __restrict p = &maps.phase_rad[at], * __restrict c = carrier.phase_mid_rad + at;
-    const float* __restrict sigma = &maps.sigma_rad[at];
-    const PixelReject* __restrict reject = &maps.reject[at];
-    float row_follows = 0, row_expected = 0;
-    for (std::size_t u = 0; u + 1 < width; ++u) {
-      const bool valid = (reject[u] == PixelReject::kNone) & (reject[u + 1] == PixelReject::kNone);
-      const float step = c[u + 1] - c[u], noise2 = sigma[u] * sigma[u] + sigma[u + 1] * sigma[u + 1];
-      const float kept = std::abs(step) / root(step * step + kHalfPi * noise2 + 1e-12F);  // of a sign, by noise
-      row_follows += select(valid, select(wrap_once(p[u + 1] - p[u]) * step > 0, kept, -kept), 0);
-      row_expected += select(valid, kept * kept, 0);
-    }
-    follows += static_cast<double>(row_follows);
-    expected += static_cast<double>(row_expected);
-  }
-  return expected > 0 ? 0.5 + 0.5 * std::clamp(follows / expected, -1.0, 1.0) : 0;
 }
 
 }  // namespace enamel::pipeline

@@ -27,10 +27,4 @@ struct MicroOdd {
 /// what it leaves counts.
 [[nodiscard]] MicroOdd find_micro_odd(const MicroBurst& burst, const MicroMotion& motion, float max_residual);
 
-/// How far the phase of valid horizontal neighbours changes in the direction of the rig's carrier: 1 where it does, 0
-/// where it runs the other way, and as much whatever the noise, each pair counting by what its noise lets it tell. An
-/// odd permutation of mode M's three phase frames turns the sign of the phase, and its code is as good as before (cos
-/// is even): only this tells.
-[[nodiscard]] double direction_share(const PhaseMaps& maps, const Carrier& carrier);
-
 }  // namespace enamel::pipeline

@@ -39,6 +39,7 @@ void FourStepMode::straighten(std::span<const WavePrior> expected, Work& work, D
 
 void FourStepMode::measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const {
   diagnostics.closure_share = closure_share(phase, diagnostics.noise);
+  diagnostics.direction_share = direction_share(phase, geometry_.carrier);
 }
 
 void FourStepMode::reject_unsure(Work& work, LinkMaps& links, Map<PixelReject>& reject) const {
@@ -46,7 +47,9 @@ void FourStepMode::reject_unsure(Work& work, LinkMaps& links, Map<PixelReject>& 
 }
 
 bool FourStepMode::shows_pattern(const DecodeDiagnostics& diagnostics) const {
-  return diagnostics.closure_share >= config_.closes.min_share;
+  const bool runs = diagnostics.direction_share >= config_.runs.min_direction_share ||
+                    diagnostics.linked_share >= config_.runs.sound_linked_share;
+  return runs && diagnostics.closure_share >= config_.closes.min_share;
 }
 
 std::optional<float> FourStepMode::fast_motion(const PhaseMaps& phase) const {

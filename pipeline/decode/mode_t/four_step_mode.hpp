@@ -29,6 +29,14 @@ struct FastMotionGate {
   double least_motion_rad = 0.15;
 };
 
+/// Whether the phase runs as the carrier does, before any order is known. In the dark its direction is unsure, but then
+/// links, which allow for noise, hold: frames 1 and 3 in each other's place break both.
+struct RunningGate {
+  /// chosen: on drawn bursts, of which true ones with less direction have links of 0.999 and more, and those with the
+  /// two frames in each other's place at most 0.89 where they would be accepted.
+  double min_direction_share = 0.75, sound_linked_share = 0.97;
+};
+
 struct FourStepConfig {
   PolarityConfig polarity;
   ClosureConfig closure;
@@ -36,6 +44,7 @@ struct FourStepConfig {
   TornConfig torn;
   CutConfig cuts;  ///< of patterns without a code
   ClosureGate closes;
+  RunningGate runs;
   FastMotionGate fast;
 };
 

@@ -9,6 +9,7 @@
 #include "pipeline/decode/phase/phase.hpp"
 #include "pipeline/decode/steps/decoded_burst.hpp"
 #include "pipeline/decode/steps/fringe_orders.hpp"
+#include "pipeline/decode/unwrap/links.hpp"
 
 namespace enamel::pipeline {
 
@@ -88,5 +89,11 @@ struct MotionGate {
 [[nodiscard]] bool follows_code(const DecodeDiagnostics& diagnostics, const CodeGate& gate) noexcept;
 
 [[nodiscard]] bool has_odd_frame(const DecodeDiagnostics& diagnostics, const OddFrameGate& gate) noexcept;
+
+/// How far the phase of valid horizontal neighbours changes in the direction of the rig's carrier: 1 where it does, 0
+/// where it runs the other way, and as much whatever the noise, each pair counting by what its noise lets it tell. An
+/// odd permutation of mode M's three phase frames turns the sign of the phase, and its code is as good as before (cos
+/// is even): only this tells. Frames 1 and 3 of mode T in each other's place turn it wherever frame 3's sign is plus.
+[[nodiscard]] double direction_share(const PhaseMaps& maps, const Carrier& carrier);
 
 }  // namespace enamel::pipeline

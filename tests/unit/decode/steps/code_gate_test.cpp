@@ -8,7 +8,6 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/decode/mode_m/micro_gates.hpp"
 #include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "pipeline/decode/steps/decode_gates.hpp"
 #include "pipeline/decode/steps/frame_gates.hpp"
