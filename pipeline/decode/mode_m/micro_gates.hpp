@@ -17,8 +17,8 @@ struct MicroOdd {
   float code_shift_rad = 0;  ///< of phi, signed: code frame alone
   float odd_shift_rad = 0;   ///< both together
   float exposure_step = 0;   ///< of A: half of what light such a frame has more, were it not its phase that differs
-  double odd_share =
-      0;  ///< of what motion, light and harmonics leave beside noise: explained by these four; 0: by chance
+  /// Of what motion, light and harmonics leave beside noise: explained by these four; 0: by chance.
+  double odd_share = 0;
   double explained_share = 0;  ///< of pixels with a code: predicted by the other frames to within max_residual
   float unrest = 0;            ///< of B: light that changed during the burst otherwise than the motion explains
 };
