@@ -16,7 +16,7 @@ void admit_faint(const PhaseConfig& config, PhaseMaps& maps) {
   for (std::size_t i = 0; i < count; ++i) {
     const bool fine = (sigma[i] * fourth_frame_gain(cosine[i], sine[i]) < most) & (code[i] == code[i]);
     const auto was = static_cast<int>(reject[i]);
-    reject[i] = static_cast<PixelReject>((was == kNoisy) & fine ? kNone : was);
+    reject[i] = static_cast<PixelReject>(((was == kNoisy) & fine) ? kNone : was);
   }
 }
 
