@@ -15,7 +15,7 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kRowStep = 8;            ///< layout: stride over rows
+constexpr int kRowStep = 8;  ///< layout: stride over rows
 
 constexpr float kHalfOfOdd = 0.66F;  ///< derived: half of an odd frame's delta over what it shows by, on average
 constexpr double kProvenSigmas = 4;  ///< derived: noise alone gets there once in 30 000 bursts
