@@ -10,6 +10,7 @@
 namespace enamel::pipeline {
 namespace {
 
+constexpr int kDirectionRowStep = 4;   // layout: of the rows that are asked: tens of thousands of pairs
 constexpr float kHalfPi = 1.5707964F;  ///< derived: erf(x/sqrt 2) is x/sqrt(x^2 + pi/2) to 0.06
 
 }  // namespace
@@ -58,7 +59,7 @@ bool has_odd_frame(const DecodeDiagnostics& d, const OddFrameGate& gate) noexcep
 double direction_share(const PhaseMaps& maps, const Carrier& carrier) {
   double follows = 0, expected = 0;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  for (std::size_t at = 0; at < maps.phase_rad.size(); at += width) {
+  for (std::size_t at = 0; at < maps.phase_rad.size(); at += kDirectionRowStep * width) {
     const float* __restrict p = &maps.phase_rad[at], * __restrict c = carrier.phase_mid_rad + at;
     const float* __restrict sigma = &maps.sigma_rad[at];
     const PixelReject* __restrict reject = &maps.reject[at];
