@@ -81,8 +81,7 @@ struct CodeModel {
   const Turn once = turn_of(phase_rad);
   const float beyond = phase_rad * wave.inverse_ratio + moved_rad;  // within half a turn and a little
   const Turn a = once + turn_of(wrap_once(beyond + kTwoPiF * fraction(wraps * wave.inverse_ratio)));
-  const float cos3 = once.cos * (4 * once.cos * once.cos - 3);
-  return {a, a.cos + harmonic * (2 * a.cos * a.cos - 1), 1 - harmonic * cos3};
+  return {a, a.cos + harmonic * twice(a.cos), 1 - harmonic * thrice(once.cos)};
 }
 
 /// What the code frame shows beyond the prediction of the other three, about the motion and gain assumed, and its slope

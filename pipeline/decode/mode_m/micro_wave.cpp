@@ -36,9 +36,8 @@ void add_pixel(const CodeRow& row, std::size_t u, float max_residual, const Nois
   const float ratio = 1 + row.inverse_ratio, gain = row.gain[u];
   const Turn code = code_turn(row, u, s, change);
   const float c1 = s.pixel.cosine / s.modulation, s1 = s.pixel.sine / s.modulation;
-  const float c3 = c1 * (4 * c1 * c1 - 3), s3 = s1 * (3 - 4 * s1 * s1), c = code.cos;
-  const std::array<float, 4> columns = {2 * c * c - 1, c * (4 * c * c - 3), -gain * (c3 * c + ratio * s3 * code.sin),
-                                        -c3};
+  const float c3 = thrice(c1), s3 = s1 * (3 - 4 * s1 * s1), c = code.cos;
+  const std::array<float, 4> columns = {twice(c), thrice(c), -gain * (c3 * c + ratio * s3 * code.sin), -c3};
   WaveUnknowns x;
   for (std::size_t k = 0; k < columns.size(); ++k)
     x(static_cast<Eigen::Index>(k)) = static_cast<double>(s.modulation * columns[k]);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "pipeline/decode/mode_m/micro_phase.hpp"
@@ -184,24 +185,22 @@ TEST(RepeatedShare, of_fringes_is_little_even_where_noise_ends_the_mask) {
 
 TEST(RepeatedShare, of_light_without_fringes_is_one) { EXPECT_GT(repeated_of(true, 0), 0.95) << "negative control"; }
 
-TEST(OddFrame, is_refused_where_it_is_what_the_frames_differ_by_and_not_where_much_else_is) {
+bool refused(float odd_shift_rad, std::optional<double> odd_share, double code_agreement = 1) {
   DecodeDiagnostics d;
-  d.odd_shift_rad = 0.2F, d.code_agreement = 1, d.odd_share = 0.8;
-  EXPECT_TRUE(has_odd_frame(d, {}));
-  d.odd_share = 0.2;
-  EXPECT_FALSE(has_odd_frame(d, {}));
-  d.code_agreement = 0.92;
-  EXPECT_TRUE(has_odd_frame(d, {})) << "no excuse for a code that is not sound";
-  d.odd_share.reset();
-  EXPECT_TRUE(has_odd_frame(d, {})) << "of a mode that does not tell";
+  d.odd_shift_rad = odd_shift_rad, d.odd_share = odd_share, d.code_agreement = code_agreement;
+  return has_odd_frame(d, {});
+}
+
+TEST(OddFrame, is_refused_where_it_is_what_the_frames_differ_by_and_not_where_much_else_is) {
+  EXPECT_TRUE(refused(0.2F, 0.8));
+  EXPECT_FALSE(refused(0.2F, 0.2));
+  EXPECT_TRUE(refused(0.2F, 0.2, 0.92)) << "no excuse for a code that is not sound";
+  EXPECT_TRUE(refused(0.2F, std::nullopt, 0.92)) << "of a mode that does not tell";
 }
 
 TEST(OddFrame, needs_less_of_a_shift_where_it_explains_most) {
-  DecodeDiagnostics d;
-  d.odd_shift_rad = 0.08F, d.code_agreement = 1, d.odd_share = 0.4;
-  EXPECT_FALSE(has_odd_frame(d, {}));
-  d.odd_share = 0.8;
-  EXPECT_TRUE(has_odd_frame(d, {}));
+  EXPECT_FALSE(refused(0.08F, 0.4));
+  EXPECT_TRUE(refused(0.08F, 0.8));
 }
 
 }  // namespace
