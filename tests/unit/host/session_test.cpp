@@ -8,6 +8,7 @@
 
 #include "host/session/pipeline_figures.hpp"
 #include "host/session/replay_session.hpp"
+#include "tests/unit/host/bare_stream.hpp"
 #include "tests/unit/protocol/random_messages.hpp"
 
 namespace enamel::host {
@@ -16,14 +17,12 @@ namespace {
 constexpr std::uint32_t kForeign = 7;  // bursts of another calibration: turned away before they are decoded
 
 /// Bursts and, where `damaged` says so, a record that cannot be read.
-class MadeUpStream final : public BurstStream {
+class MadeUpStream final : public test::BareStream {
  public:
   MadeUpStream(std::uint64_t bursts, std::optional<std::uint64_t> damaged) : bursts_(bursts), damaged_(damaged) {
     info_.bursts = bursts;
     info_.metadata.emplace_back("model", "enamel twin, SIMULATED");
   }
-  [[nodiscard]] const capture::CaptureInfo& info() const noexcept override { return info_; }
-  [[nodiscard]] const std::string& rig_text() const noexcept override { return no_rig_; }
   [[nodiscard]] Result<std::optional<capture::Record>> next() override {
     if (next_ == bursts_) return std::optional<capture::Record>();
     const std::uint64_t n = next_++;
@@ -34,14 +33,8 @@ class MadeUpStream final : public BurstStream {
     return std::optional(capture::Record{.value = std::move(burst)});
   }
   void rewind() noexcept override { next_ = 0; }
-  [[nodiscard]] Result<proto::Burst> burst_with_id(BurstId /*id*/) override { return fail(ErrorCode::kInternal, ""); }
-  [[nodiscard]] Result<proto::Bytes> attachment(const std::string& name) override {
-    return fail(ErrorCode::kFileNotFound, name);
-  }
 
  private:
-  capture::CaptureInfo info_;
-  std::string no_rig_;
   std::uint64_t bursts_, next_ = 0;
   std::optional<std::uint64_t> damaged_;
 };

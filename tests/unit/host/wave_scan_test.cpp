@@ -13,6 +13,7 @@
 #include "pipeline/stages/digest.hpp"
 #include "tests/support/draw/ready.hpp"
 #include "tests/support/draw/render.hpp"
+#include "tests/unit/host/bare_stream.hpp"
 #include "tests/unit/protocol/random_messages.hpp"
 
 namespace enamel::host {
@@ -46,23 +47,15 @@ const Scan& scan() {
   return made;
 }
 
-class ScanStream final : public BurstStream {
+class ScanStream final : public test::BareStream {
  public:
-  [[nodiscard]] const capture::CaptureInfo& info() const noexcept override { return info_; }
-  [[nodiscard]] const std::string& rig_text() const noexcept override { return no_rig_; }
   [[nodiscard]] Result<std::optional<capture::Record>> next() override {
     if (next_ == kBursts) return std::optional<capture::Record>();
     return std::optional(capture::Record{.value = scan().bursts[next_++]});
   }
   void rewind() noexcept override { next_ = 0; }
-  [[nodiscard]] Result<proto::Burst> burst_with_id(BurstId id) override { return scan().bursts.at(id.value); }
-  [[nodiscard]] Result<proto::Bytes> attachment(const std::string& name) override {
-    return fail(ErrorCode::kFileNotFound, name);
-  }
 
  private:
-  capture::CaptureInfo info_;
-  std::string no_rig_;
   std::size_t next_ = 0;
 };
 
