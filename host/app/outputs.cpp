@@ -1,6 +1,9 @@
 // The files of a run.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -17,10 +20,10 @@ namespace enamel::app {
 
 namespace {
 
-std::vector<host::PoseRow> pose_rows(const host::ScanResult& scan) {
+std::vector<host::PoseRow> pose_rows(const std::vector<host::PlacedPose>& poses) {
   std::vector<host::PoseRow> rows;
-  rows.reserve(scan.poses.size());
-  for (const host::PlacedPose& p : scan.poses) rows.push_back({p.id.value, to_ns(p.t_mid), p.T_model_cam});
+  rows.reserve(poses.size());
+  for (const host::PlacedPose& p : poses) rows.push_back({p.id.value, to_ns(p.t_mid), p.T_model_cam});
   return rows;
 }
 
@@ -37,13 +40,47 @@ Result<std::string> accuracy(const Mesh& mesh, const std::vector<host::PoseRow>&
   return host::compare_json(result);
 }
 
+std::string segment_folder(SegmentId id) { return fmt::format("segments/{:02}", id); }
+
+// What is apart lies beside the model in files of the same kind. Returns the meshes, for the hash.
+Result<std::string> write_apart(const std::string& folder, const std::vector<host::ApartSegment>& apart) {
+  std::error_code ec;
+  std::filesystem::remove_all(folder + "/segments", ec);  // of a run before into the same folder
+  std::string meshes;
+  for (const host::ApartSegment& segment : apart) {
+    const std::string into = folder + "/" + segment_folder(segment.id);
+    std::filesystem::create_directories(into, ec);
+    if (ec) return fail(ErrorCode::kFileWrite, into + ": " + ec.message());
+    const std::string ply = host::ply_bytes(segment.mesh);
+    ENAMEL_TRY(write_file(into + "/mesh.ply", ply));
+    ENAMEL_TRY(host::write_poses_csv(into + "/poses.csv", pose_rows(segment.poses)));
+    meshes += ply;
+  }
+  return meshes;
+}
+
+std::vector<host::SegmentFacts> segment_facts(const std::vector<host::SegmentRow>& rows) {
+  std::vector<host::SegmentFacts> out;
+  for (const host::SegmentRow& row : rows) {
+    if (row.id == kModelSegment) continue;
+    host::SegmentFacts facts{row.id, row.bursts, row.first.value, row.last.value, {}, {}, {}};
+    if (row.into) facts.into = *row.into;
+    if (row.joined_at) facts.joined_at = row.joined_at->value;
+    if (!row.into) facts.folder = segment_folder(row.id);
+    out.push_back(std::move(facts));
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<host::Report> write_outputs(const std::string& folder, const host::ScanResult& scan, host::Report report,
                                    const Truth& truth) {
-  const auto poses = pose_rows(scan);
+  const auto poses = pose_rows(scan.poses);
   const std::string ply = host::ply_bytes(scan.mesh);
-  report.hash = scan.trace.hash(RollingHash().update(ply).hex());
+  ENAMEL_TRY_ASSIGN(const std::string apart, write_apart(folder, scan.apart));
+  report.hash = scan.trace.hash(RollingHash().update(ply).update(apart).hex());
+  report.segments = segment_facts(scan.segments);
   report.stage_ms = scan.stage_ms;
   report.latency_ms = scan.latency_ms;
   report.pipeline_json = scan.graph_json;

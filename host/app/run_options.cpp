@@ -90,6 +90,7 @@ void print_summary(const host::Report& report, bool json) {
                     std::to_string(b.rejected_total()) + " rejected");
   row("losses", std::to_string(b.lost_on_wire) + " on the wire, " + std::to_string(b.incomplete) + " incomplete, " +
                     std::to_string(b.shed) + " shed");
+  if (!report.segments.empty()) row("segments", host::segments_line(report.segments));
   const host::OrderTotals& o = report.orders;
   row("fringe orders", std::to_string(o.guided_px) + " px by the model, " + std::to_string(o.withdrawn_px) +
                            " px withdrawn, " + std::to_string(o.suspect_bursts) + " bursts in doubt");

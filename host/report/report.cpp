@@ -24,12 +24,48 @@ nlohmann::json orders(const OrderTotals& o) {
           {"withdrawn_px", o.withdrawn_px}};
 }
 
+nlohmann::json segments(const std::vector<SegmentFacts>& all) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const SegmentFacts& s : all) {
+    nlohmann::json one{{"id", s.id},
+                       {"bursts", s.bursts},
+                       {"first_burst", s.first_burst},
+                       {"last_burst", s.last_burst},
+                       {"state", s.into ? "joined" : "apart"}};
+    if (s.into) one["into"] = *s.into;
+    if (s.into) one["joined_at"] = s.joined_at ? nlohmann::json(*s.joined_at) : nlohmann::json("end");
+    if (!s.folder.empty()) one["folder"] = s.folder;
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
 }  // namespace
+
+std::string segments_line(const std::vector<SegmentFacts>& segments) {
+  std::uint64_t joined = 0, apart = 0, bursts = 0;
+  std::string folders;
+  for (const SegmentFacts& s : segments) {
+    if (s.into) {
+      ++joined;
+      continue;
+    }
+    ++apart;
+    bursts += s.bursts;
+    folders += (folders.empty() ? "" : ", ") + s.folder;
+  }
+  std::string out;
+  if (joined > 0) out = std::to_string(joined) + " joined";
+  if (apart == 0) return out;
+  if (!out.empty()) out += ", ";
+  return out + std::to_string(apart) + " apart (" + std::to_string(bursts) + " bursts): " + folders;
+}
 
 std::string to_json(const Report& r) {
   nlohmann::json stages = nlohmann::json::object();
   for (const auto& [name, p] : r.stage_ms) stages[name] = {{"p50", p.p50}, {"p99", p.p99}};
   nlohmann::json out = {{"bursts", bursts(r.bursts)},
+                        {"segments", segments(r.segments)},
                         {"orders", orders(r.orders)},
                         {"rate_hz", r.rate_hz},
                         {"latency_ms", percentiles(r.latency_ms)},

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/report/accounting.hpp"
 #include "protocol/base/result.hpp"
@@ -23,8 +24,19 @@ struct OrderTotals {
   std::uint64_t withdrawn_px = 0;    ///< left out because code and model contradict each other
 };
 
+/// A stretch of bursts that began anew because nothing told where it lies: joined to an older one, or still apart.
+struct SegmentFacts {
+  std::uint64_t id = 0;
+  std::uint64_t bursts = 0;  ///< placed in it while it stood for itself
+  std::uint64_t first_burst = 0, last_burst = 0;
+  std::optional<std::uint64_t> into;       ///< the segment that it was joined to; 0: the model. None: it is apart
+  std::optional<std::uint64_t> joined_at;  ///< the burst that proved it; none: found after the last burst
+  std::string folder;                      ///< relative to the report, where it is apart
+};
+
 struct Report {
   BurstCounts bursts;
+  std::vector<SegmentFacts> segments;  ///< besides the model
   OrderTotals orders;
   double rate_hz = 0;      ///< accepted bursts by the time the run took; wall time, so not part of the hash
   Percentiles latency_ms;  ///< last exposure to fused, live runs only
@@ -40,6 +52,9 @@ struct Report {
   std::string config_toml;                   ///< resolved configuration
   bool simulated = false;
 };
+
+/// "2 joined to the model, 1 apart (14 bursts): segments/03", or empty where there is nothing but the model.
+[[nodiscard]] std::string segments_line(const std::vector<SegmentFacts>& segments);
 
 [[nodiscard]] std::string to_json(const Report& report);
 

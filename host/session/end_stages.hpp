@@ -16,6 +16,7 @@
 #include "host/ingest/ingress_gate.hpp"
 #include "host/report/stage_trace.hpp"
 #include "host/session/scan_pipeline.hpp"
+#include "host/session/segment_ledger.hpp"
 #include "pipeline/decode/steps/decoded_burst.hpp"
 #include "pipeline/decode/steps/frame_gates.hpp"
 #include "pipeline/flow/stage.hpp"
@@ -81,7 +82,8 @@ class SinkStage final : public flow::Stage {
     if (item.ok()) {
       const stage::Digests& d = item->digests;
       row.digest = {d.input, d.decode, d.track, d.fuse};
-      placed.push_back(item.id);
+      segments.placed(item.id, item->track);
+      placed.push_back({item.id, item->track.segment});
       poses.push_back({item.captured, item->track.T_model_cam, item->motion});
       add(item->orders);
       fused_count.add();
@@ -94,8 +96,13 @@ class SinkStage final : public flow::Stage {
   }
 
   StageTrace trace;
-  std::vector<BurstId> placed;                ///< the fused bursts, in order …
-  std::vector<pipeline::MeasuredPose> poses;  ///< … and where they were
+  struct Placed {
+    BurstId id;
+    SegmentId segment;
+  };
+  std::vector<Placed> placed;                 ///< the fused bursts, in order …
+  std::vector<pipeline::MeasuredPose> poses;  ///< … and where they were in the frames of their segments
+  SegmentLedger segments;
   OrderTotals orders;
   std::map<std::string, std::uint64_t> rejected;
   Counter fused_count, rejected_count;  ///< readable from any thread

@@ -7,6 +7,7 @@
 #include <span>
 #include <thread>
 
+#include "host/session/end_joins.hpp"
 #include "host/session/end_stages.hpp"
 #include "host/session/pipeline_figures.hpp"
 #include "host/session/wave_before.hpp"
@@ -46,6 +47,7 @@ struct ScanPipeline::Impl {
   flow::Graph graph;
   PreviewSlot preview;
   std::atomic<SinkStage*> sink{nullptr};  ///< of the graph, once started
+  stage::TrackStage* track = nullptr;
   stage::FuseStage* fuse = nullptr;
   std::atomic<std::uint64_t> pushed{0};
   std::optional<HostTime> first_push;
@@ -63,12 +65,13 @@ void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<c
     decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), baked, options.calib_crc32);
   }
   auto& learner = graph.add<stage::LearnStage>();
-  auto& track = graph.add<stage::TrackStage>(optics, config.track, config.guide, baked);
+  track = &graph.add<stage::TrackStage>(optics, config.track, config.guide, baked);
   const stage::FuseStageConfig fuse_config{.fuse = config.fuse,
                                            .mesh = config.mesh,
                                            .preview_model = options.preview_model,
                                            .preview_period = config.preview_period};
-  fuse = &graph.add<stage::FuseStage>(optics, fuse_config);
+  fuse = &graph.add<stage::FuseStage>(optics, fuse_config,
+                                      pipeline::Unpacker(baked->shared_rays(), baked->config().normals));
   SinkStage& last = graph.add<SinkStage>(clock);
   auto& screen = graph.add<PreviewStage>(preview);
 
@@ -77,15 +80,15 @@ void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<c
   const std::array<flow::Out<stage::Decoded>*, kDecoders> outs{&decoders[0]->patch, &decoders[1]->patch};
   const flow::EdgeSpec one{.capacity = 1};
   graph.connect_split<proto::Burst>(source.burst, ins, one);
-  graph.connect_merge<stage::Decoded>(outs, track.patch, one);
+  graph.connect_merge<stage::Decoded>(outs, track->patch, one);
   graph.connect_merge<stage::Decoded>(outs, learner.decoded, one);
-  graph.connect(track.tracked, fuse->tracked, one);
+  graph.connect(track->tracked, fuse->tracked, one);
   graph.connect(fuse->fused, last.fused);
   graph.connect(fuse->preview, screen.item, {.on_full = flow::OnFull::kKeepLatest});
   const flow::ItemHead none;
   graph.connect_feedback_split<pipeline::WaveKnowledge>(
       learner.known, waves, kWaveDelay, flow::make_item<pipeline::WaveKnowledge>(none, pipeline::WaveKnowledge{}));
-  graph.connect_feedback(fuse->view, track.model, static_cast<std::size_t>(config.feedback_delay),
+  graph.connect_feedback(fuse->view, track->model, static_cast<std::size_t>(config.feedback_delay),
                          flow::make_item<ModelView>(none, ModelView{}));
   sink = &last;
 }
@@ -180,9 +183,11 @@ ScanResult ScanPipeline::take_result() {
   SinkStage& sink = *impl_->sink.load();
   ScanResult result;
   result.trace = std::move(sink.trace);
-  const std::vector<Pose> at_mid_burst = pipeline::poses_at_mid_burst(sink.poses, {});
-  for (std::size_t i = 0; i < sink.poses.size(); ++i)
-    result.poses.push_back({sink.placed[i], sink.poses[i].t_mid, at_mid_burst[i]});
+  join_at_end(*impl_->track, *impl_->fuse, sink.segments, impl_->config.track.join);
+  result.segments = sink.segments.rows();
+  result.poses = poses_in(kModelSegment, sink);
+  for (const auto& [id, bursts] : impl_->fuse->segments().kept())
+    result.apart.push_back({id, poses_in(id, sink), impl_->fuse->extract_apart(id)});
   result.rejected = std::move(sink.rejected);
   result.orders = sink.orders;
   result.accepted = impl_->pushed.load();

@@ -17,6 +17,7 @@
 #include "host/report/report.hpp"
 #include "host/report/stage_trace.hpp"
 #include "host/session/pipeline_config.hpp"
+#include "host/session/segment_ledger.hpp"
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/mesh.hpp"
 #include "pipeline/types/preview.hpp"
@@ -40,11 +41,20 @@ struct PlacedPose {
   Pose T_model_cam;  ///< at t_mid
 };
 
+/// A segment whose place in the model nobody knows: kept beside it, in a frame of its own.
+struct ApartSegment {
+  SegmentId id = 0;
+  std::vector<PlacedPose> poses;
+  Mesh mesh;
+};
+
 /// What a run leaves behind. Everything but times is a function of the bursts, the rig and the configuration.
 struct ScanResult {
   StageTrace trace;
-  std::vector<PlacedPose> poses;  ///< of the fused bursts, in order
+  std::vector<PlacedPose> poses;  ///< of the bursts fused into the model, in order
   Mesh mesh;
+  std::vector<ApartSegment> apart;   ///< ascending id
+  std::vector<SegmentRow> segments;  ///< as they were scanned, ascending id
   std::uint64_t accepted = 0, fused = 0;
   std::map<std::string, std::uint64_t> rejected;
   OrderTotals orders;

@@ -15,6 +15,10 @@ namespace {
 // A preview need not follow every micron, nor catch up at once.
 constexpr double kVisibleMoveMm = 0.005;
 constexpr std::size_t kBlocksAtOnce = 250;
+// Bursts of a joined segment that are fused beside each that follows: a segment of a second is there within half of
+// one.
+constexpr std::size_t kCatchUp = 2;
+constexpr std::size_t kAll = ~std::size_t{0};
 
 // Median of every 64th pixel: for a distance bar.
 double median_depth(const Map<float>& depth) {
@@ -39,11 +43,12 @@ std::shared_ptr<const Map<std::uint8_t>> grey(const Map<float>& texture) {
 
 }  // namespace
 
-FuseStage::FuseStage(const calib::Rig& rig, const FuseStageConfig& config)
+FuseStage::FuseStage(const calib::Rig& rig, const FuseStageConfig& config, pipeline::Unpacker unpack)
     : Stage("fuse"),
       config_(config),
-      model_(rig, config.fuse),
+      model_(rig, config.fuse, std::move(unpack)),
       mesher_(config.mesh),
+      apart_mesher_(config.mesh),
       last_view_(std::make_shared<const ModelView>()) {}
 
 Result<void> FuseStage::step() {
@@ -54,7 +59,8 @@ Result<void> FuseStage::step() {
   }
   const SurfacePatch& patch = *item->patch;
   const Pose& T_model_cam = item->result.T_model_cam;
-  const pipeline::FuseStats stats = model_.integrate(item.id, patch, T_model_cam);
+  const pipeline::FuseStats stats = model_.integrate(item.id, patch, item->result);
+  model_.catch_up(kCatchUp);
   last_view_ = std::make_shared<const ModelView>(model_.view(T_model_cam, patch));
 
   Fused out{item->result, item->orders, item->motion, item->digests};
@@ -88,20 +94,40 @@ std::shared_ptr<const BurstPreview> FuseStage::make_preview(const flow::Item<Tra
   last_preview_.track = item->result.state;
   last_preview_.track_overlap = item->result.overlap;
   last_preview_.T_model_cam = item->result.T_model_cam;
+  last_preview_.segment = item->result.segment;
   const SurfacePatch& patch = *item->patch;
   last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
   last_preview_.live = grey(patch.texture_dn);
   if (config_.preview_model && until_preview_-- == 0) {
     until_preview_ = config_.preview_period - 1;
-    mesher_.update(model_, model_.take_changed(kVisibleMoveMm), kBlocksAtOnce);
-    last_preview_.model = std::make_shared<const ModelSnapshot>(mesher_.snapshot());
+    last_preview_.model = growing_surface();
   }
   return std::make_shared<const BurstPreview>(last_preview_);
 }
 
+std::shared_ptr<const ModelSnapshot> FuseStage::growing_surface() {
+  pipeline::TsdfModel* const apart = model_.active() == kModelSegment ? nullptr : model_.apart();
+  if (apart == nullptr) {
+    mesher_.update(model_.model(), model_.model().take_changed(kVisibleMoveMm), kBlocksAtOnce);
+    return std::make_shared<const ModelSnapshot>(mesher_.snapshot());
+  }
+  if (apart_meshed_ != model_.openings()) apart_mesher_ = pipeline::IncrementalMesher(config_.mesh);
+  apart_meshed_ = model_.openings();
+  apart_mesher_.update(*apart, apart->take_changed(kVisibleMoveMm), kBlocksAtOnce);
+  return std::make_shared<const ModelSnapshot>(apart_mesher_.snapshot());
+}
+
 Mesh FuseStage::extract_mesh() {
-  mesher_.update(model_, model_.take_changed());
+  model_.catch_up(kAll);
+  mesher_.update(model_.model(), model_.model().take_changed());
   return mesher_.extract();
+}
+
+Mesh FuseStage::extract_apart(SegmentId segment) const {
+  pipeline::TsdfModel model = model_.fuse_apart(segment);
+  pipeline::IncrementalMesher mesher(config_.mesh);
+  mesher.update(model, model.take_changed());
+  return mesher.extract();
 }
 
 }  // namespace enamel::stage

@@ -1,11 +1,12 @@
-// Fusion: adds placed patches to the model, gives the model's view back to registration and shows the growing surface.
+// Fusion: adds placed patches to the model, or to the segment apart that they were placed in, gives its view back to
+// registration and shows the growing surface.
 #pragma once
 
 #include <memory>
 
 #include "pipeline/flow/stage.hpp"
-#include "pipeline/model/fuse/tsdf_model.hpp"
 #include "pipeline/model/mesh/incremental_mesher.hpp"
+#include "pipeline/model/segments/segmented_model.hpp"
 #include "pipeline/stages/items.hpp"
 #include "pipeline/types/mesh.hpp"
 #include "pipeline/types/model_view.hpp"
@@ -23,7 +24,7 @@ struct FuseStageConfig {
 /// Sees rejected bursts too: registration wants a view for every burst, and the person at the screen that one was lost.
 class FuseStage final : public flow::Stage {
  public:
-  FuseStage(const calib::Rig& rig, const FuseStageConfig& config);
+  FuseStage(const calib::Rig& rig, const FuseStageConfig& config, pipeline::Unpacker unpack);
 
   flow::In<Tracked> tracked{*this, "tracked"};
   flow::Out<Fused> fused{*this, "fused"};
@@ -33,16 +34,23 @@ class FuseStage final : public flow::Stage {
   Result<void> step() override;
   [[nodiscard]] bool handles_rejected() const noexcept override { return true; }
 
-  /// After the run: the surface with all its blocks welded.
+  /// After the run: what is apart, and joins that are found then.
+  [[nodiscard]] pipeline::SegmentedModel& segments() noexcept { return model_; }
+  /// After the run: the model's surface with all its blocks welded …
   [[nodiscard]] Mesh extract_mesh();
+  /// … and that of a segment that is still apart.
+  [[nodiscard]] Mesh extract_apart(SegmentId segment) const;
 
  private:
   void pass_rejected(const flow::Item<Tracked>& item);
   [[nodiscard]] std::shared_ptr<const BurstPreview> make_preview(const flow::Item<Tracked>& item);
+  [[nodiscard]] std::shared_ptr<const ModelSnapshot> growing_surface();
 
   FuseStageConfig config_;
-  pipeline::TsdfModel model_;
+  pipeline::SegmentedModel model_;
   pipeline::IncrementalMesher mesher_;
+  pipeline::IncrementalMesher apart_mesher_;  ///< of the segment apart that is being scanned …
+  std::uint64_t apart_meshed_ = 0;            ///< … SegmentedModel::openings() of it
   std::shared_ptr<const ModelView> last_view_;
   BurstPreview last_preview_;
   int until_preview_ = 0;

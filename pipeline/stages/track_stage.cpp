@@ -20,16 +20,18 @@ Result<void> TrackStage::step() {
   const auto view = model.take();
   const TrackResult result = tracker_.track(decoded.id, decoded.captured, decoded->patch, *view, decoded->motion.twist);
   if (result.state == TrackState::kLost) {
-    tracked.emit(flow::make_rejected<Tracked>(decoded, "lost_track"));
+    tracked.emit(flow::make_rejected<Tracked>(decoded, "too_little_surface"));
     return {};
   }
   OrderCheck orders;
-  auto completed = complete(decoded.value, *view, result.T_model_cam, orders);
+  std::shared_ptr<const SurfacePatch> completed{decoded.value, &decoded->patch};
+  if (view->segment == result.segment) completed = complete(decoded.value, *view, result.T_model_cam, orders);
   Tracked out{std::move(completed), decoded->motion, result, orders, decoded->digests};
   out.digests.track = Digest()
                           .add(result.T_model_cam)
                           .add(result.rms_mm)
                           .add(result.overlap)
+                          .add(result.segment)
                           .add(orders.checked)
                           .add(orders.contradicting)
                           .add(orders.guided_px)

@@ -24,6 +24,11 @@ class TrackStage final : public flow::Stage {
 
   Result<void> step() override;
 
+  /// After the run: seeks the place of a burst that is still apart.
+  [[nodiscard]] std::optional<SegmentJoin> seek(const pipeline::PlacedBurst& burst, const SurfacePatch& patch_of) {
+    return tracker_.seek(burst, patch_of);
+  }
+
  private:
   /// The decoded patch itself, or a copy with the regions that the model decides and without what contradicts it.
   [[nodiscard]] std::shared_ptr<const SurfacePatch> complete(const std::shared_ptr<const Decoded>& decoded,

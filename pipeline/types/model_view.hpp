@@ -5,6 +5,7 @@
 
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/map.hpp"
+#include "pipeline/types/track.hpp"
 
 namespace enamel {
 
@@ -14,7 +15,8 @@ namespace enamel {
 /// needed. The maps have ceil(width / stride) x ceil(height / stride) pixels.
 struct ModelView {
   bool empty = true;              ///< nothing fused yet
-  std::uint64_t after_burst = 0;  ///< last burst fused into the model when this was drawn
+  SegmentId segment = kModelSegment;  ///< whose surface this is, and whose frame "model frame" means
+  std::uint64_t after_burst = 0;      ///< last burst fused into the model when this was drawn
   Pose T_model_cam = Pose::Identity();
   int stride = 1;  ///< camera pixels a view pixel, in u and v
   Map<Vec3f>

@@ -50,11 +50,12 @@ struct BurstPreview {
   bool placed = false;  ///< `track` and `T_model_cam` hold; false before the first burst
   TrackState track = TrackState::kLost;
   double track_overlap = std::numeric_limits<double>::quiet_NaN();  ///< TrackResult::overlap, 0…1; NaN = unknown
-  Pose T_model_cam = Pose::Identity();                              ///< at mid-burst; last known when lost
+  Pose T_model_cam = Pose::Identity();  ///< in the frame of `segment`, at mid-burst; last known when lost
+  SegmentId segment = kModelSegment;    ///< that `T_model_cam` and `model` are of: another than 0 stands apart
   double surface_distance_mm =
       std::numeric_limits<double>::quiet_NaN();   ///< median depth of this burst, NaN = none seen
   std::shared_ptr<const Map<std::uint8_t>> live;  ///< fringe-free 8-bit texture of this burst, or null
-  std::shared_ptr<const ModelSnapshot> model;     ///< or null while nothing is fused
+  std::shared_ptr<const ModelSnapshot> model;     ///< of that segment, or null while nothing is fused
 };
 
 /// The newest burst and the session around it.

@@ -84,7 +84,7 @@ int run(const std::string& folder, const std::string& out, std::size_t delay) {
     const auto result = tracker.track(id, row.t_mid, decoded.patch, views.front());
     const double track_ms = cpu_ms() - before;
     views.pop_front();
-    const bool placed = result.state != enamel::TrackState::kLost;
+    const bool placed = result.state != enamel::TrackState::kLost && result.segment == enamel::kModelSegment;
     if (placed) {
       (void)model.integrate(id, decoded.patch, result.T_model_cam);
       write_pose(poses, row, result.T_model_cam);

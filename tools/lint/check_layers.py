@@ -12,7 +12,7 @@ FIRMWARE = ["firmware/hal", "firmware/sim", "firmware/acquire", "firmware/publis
 HOST = ["host/ingest", "host/record", "host/report", "host/update", "host/session"]
 DECODE = ["pipeline/decode/" + room for room in ("phase", "unwrap", "triangulate", "motion", "steps", "mode_t", "mode_m")]
 REGISTER = ["pipeline/register/" + room for room in ("icp", "feature", "track")]
-MODEL = ["pipeline/model/" + room for room in ("fuse", "mesh", "guide")]
+MODEL = ["pipeline/model/" + room for room in ("fuse", "mesh", "guide", "segments")]
 SHARED = BASE + ["calib/model", "pipeline/types"]
 ALGORITHMS = ["pipeline/types", "pipeline/decode"] + DECODE + REGISTER + MODEL
 
@@ -43,6 +43,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "pipeline/model/fuse": (2, SHARED),
     "pipeline/model/mesh": (2, SHARED + ["pipeline/model/fuse"]),
     "pipeline/model/guide": (2, SHARED + ["pipeline/decode/phase", "pipeline/decode/triangulate", "pipeline/register/icp"]),
+    "pipeline/model/segments": (2, SHARED + ["pipeline/decode/phase", "pipeline/decode/triangulate", "pipeline/model/fuse"]),
     "pipeline/stages": (3, BASE + ["protocol/types", "calib/model", "pipeline/flow"] + ALGORITHMS),
     **{m: (3, PROTOCOL + FIRMWARE + ["calib/model"]) for m in FIRMWARE},
     "firmware/boot": (3, IMAGE + ["firmware/hal"]),

@@ -97,7 +97,7 @@ FuseStats TsdfModel::integrate(BurstId burst, const SurfacePatch& patch, const P
     return stats;
   }
   ++integrations_;
-  after_burst_ = burst.value;
+  after_burst_ = std::max(after_burst_, burst.value);
   allocate_band(patch, T_model_cam, stats);
   const Pose T_cam_model = T_model_cam.inverse();
   for (const std::int32_t id : touched_) {

@@ -116,4 +116,13 @@ ModelView view_from_patch(const SurfacePatch& patch, const Pose& T_model_cam, co
   return view;
 }
 
+ModelView carried_into(const Pose& T_other_model, ModelView view) {
+  view.T_model_cam = T_other_model * view.T_model_cam;
+  const Eigen::Matrix3f R = T_other_model.linear().cast<float>();
+  const Vec3f t = T_other_model.translation().cast<float>();
+  for (Vec3f& p : view.points.pixels()) p = R * p + t;
+  for (Vec3f& n : view.normals.pixels()) n = R * n;
+  return view;
+}
+
 }  // namespace enamel::pipeline

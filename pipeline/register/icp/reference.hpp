@@ -54,4 +54,7 @@ class Reference {
 [[nodiscard]] ModelView view_from_patch(const SurfacePatch& patch, const Pose& T_model_cam,
                                         const calib::LensValues& lens, int stride = 1);
 
+/// The same view in another frame.
+[[nodiscard]] ModelView carried_into(const Pose& T_other_model, ModelView view);
+
 }  // namespace enamel::pipeline

@@ -31,6 +31,15 @@ void KeyframeStore::add(const SurfacePatch& patch, const Pose& T_model_cam, std:
       {T_model_cam, std::move(features), view_from_patch(patch, T_model_cam, lens_, config_.view_stride)});
 }
 
+void KeyframeStore::absorb(KeyframeStore&& other, const Pose& T_model_other) {
+  for (Keyframe& frame : other.frames_) {
+    const Pose T_model_cam = T_model_other * frame.T_model_cam;
+    if (!wants(T_model_cam)) continue;
+    frames_.push_back({T_model_cam, std::move(frame.features), carried_into(T_model_other, std::move(frame.view))});
+  }
+  other.frames_.clear();
+}
+
 std::vector<std::size_t> KeyframeStore::candidates(const Pose& T_model_cam, std::uint64_t turn) const {
   std::vector<std::size_t> order(frames_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

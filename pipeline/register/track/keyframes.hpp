@@ -32,6 +32,8 @@ class KeyframeStore {
 
   [[nodiscard]] bool wants(const Pose& T_model_cam) const;
   void add(const SurfacePatch& patch, const Pose& T_model_cam, std::vector<Feature> features);
+  /// Takes over another store's keyframes: those that are wanted here, in their order.
+  void absorb(KeyframeStore&& other, const Pose& T_model_other);
   [[nodiscard]] const std::vector<Keyframe>& all() const noexcept { return frames_; }
   /// Indices to try for a burst last known near T: at most max_tried, half of them the nearest, half by turns so that
   /// every keyframe is reached within a few bursts. `turn` counts the attempts.

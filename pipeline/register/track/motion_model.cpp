@@ -12,6 +12,10 @@ void MotionModel::add(DeviceTime t, const Pose& T_model_cam, const std::optional
   states_[0] = {t, T_model_cam, twist};
 }
 
+void MotionModel::carry_into(const Pose& T_other_model) {
+  for (std::size_t i = 0; i < count_; ++i) states_[i].T = T_other_model * states_[i].T;
+}
+
 std::optional<MotionModel::Velocity> MotionModel::mean_velocity() const {
   const State& last = states_[0];
   std::size_t oldest = 0;

@@ -28,6 +28,8 @@ class MotionModel {
   void add(DeviceTime t, const Pose& T_model_cam, const std::optional<ProbeTwist>& twist = std::nullopt);
   /// Forgets velocities (a jump), keeps nothing.
   void clear() { count_ = 0; }
+  /// The same motion in another frame.
+  void carry_into(const Pose& T_other_model);
 
   [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
   [[nodiscard]] DeviceTime last_time() const noexcept { return states_[0].t; }

@@ -1,10 +1,8 @@
 #include "pipeline/register/track/tracker.hpp"
 
 #include <algorithm>
-#include <array>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 #include "pipeline/register/track/seconds.hpp"
 
@@ -26,23 +24,23 @@ std::size_t full_grid(const calib::LensValues& camera, int stride) {
   return static_cast<std::size_t>(camera.width / stride) * static_cast<std::size_t>(camera.height / stride);
 }
 
-/// The wrist rolls about the place looked at, faster than sparse bursts can foretell: small turns first.
-std::array<Pose, 8> turned_about_work_point(const Pose& pose, double distance_mm, const std::array<double, 2>& angles) {
-  const Vec3d work(0, 0, distance_mm);
-  std::array<Pose, 8> out;
-  std::size_t n = 0;
-  for (const double degrees : angles) {
-    for (const Vec3d& axis : {Vec3d::UnitX().eval(), Vec3d::UnitY().eval()}) {
-      for (const double sign : {1.0, -1.0}) {
-        const Eigen::AngleAxisd turn(sign * degrees * std::numbers::pi / 180, axis);
-        out[n++] = pose * Eigen::Translation3d(work) * turn * Eigen::Translation3d(-work);
-      }
-    }
-  }
+IcpResult as_it_lies() {
+  IcpResult out;
+  out.overlap = 1;
   return out;
 }
 
 }  // namespace
+
+struct Tracker::Burst {
+  BurstId id;
+  DeviceTime t;
+  bool in_sequence;  ///< a moment after the last one
+  const SurfacePatch& patch;
+  const PatchPyramid& pyramid;
+  const ModelView& view;
+  const std::optional<ProbeTwist>& twist;
+};
 
 Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
     : config_(with_work_distance(config, middle_depth(rig, config.motion.work_distance_mm))),
@@ -50,98 +48,108 @@ Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
       camera_(rig.camera),
       px_per_mm_(rig.camera.fx / config_.motion.work_distance_mm),
       grid_size_(full_grid(rig.camera, config.icp.levels.back().stride_px)),
-      motion_(config_.motion),
-      keyframes_(rig.camera, config_.keyframes) {}
+      near_(config_, camera_),
+      votes_(config_.join) {}
 
-TrackResult Tracker::track(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view,
+TrackResult Tracker::track(BurstId id, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view,
                            const std::optional<ProbeTwist>& twist) {
   const bool in_sequence = last_seen_ && t_mid > *last_seen_ && seconds(*last_seen_, t_mid) <= config_.max_gap_s;
   last_seen_ = t_mid;
   const PatchPyramid pyramid = make_pyramid(patch, config_.icp);
-  const auto samples = static_cast<double>(pyramid.levels.back().size());
-  if (samples < config_.start_coverage * static_cast<double>(grid_size_)) return lost();
-  if (motion_.empty()) {
-    IcpResult first;
-    first.overlap = 1;
-    return accept(TrackState::kStarted, t_mid, patch, first, twist);
+  const Burst burst{id, t_mid, in_sequence, patch, pyramid, view, twist};
+  if (static_cast<double>(pyramid.levels.back().size()) < config_.start_coverage * static_cast<double>(grid_size_)) {
+    TrackResult lost;
+    if (!segments_.empty()) lost.T_model_cam = find(active_).motion.last_pose();
+    lost.segment = active_;
+    return lost;
   }
-  if (in_sequence && seconds(motion_.last_time(), t_mid) <= config_.max_gap_s) {
-    if (const auto near = align_near(pyramid, view, t_mid))
-      return accept(TrackState::kTracking, t_mid, patch, *near, twist);
+  if (segments_.empty()) return accept(start(), TrackState::kStarted, burst, as_it_lies());
+  std::optional<IcpResult> here;
+  if (SegmentMemory& active = find(active_); was_here(active, burst)) here = near_(active, pyramid, view, t_mid);
+  if (here && active_ == kModelSegment) return accept(find(active_), TrackState::kTracking, burst, *here);
+  if (auto back = back_in_an_older(burst, here)) return *back;
+  TrackResult out = here ? accept(find(active_), TrackState::kTracking, burst, *here)
+                         : accept(start(), TrackState::kStarted, burst, as_it_lies());
+  if (const auto join = vote({id, out.segment, out.T_model_cam}, patch, pyramid)) {
+    out.state = TrackState::kRelocalised;
+    out.segment = join->into;
+    out.T_model_cam = join->T_into_segment * out.T_model_cam;
+    out.joins.push_back(*join);
   }
-  if (const auto found = find_again(burst, patch, pyramid, view)) {
-    motion_.clear();
-    return accept(TrackState::kRelocalised, t_mid, patch, *found, twist);
-  }
-  return lost();
+  return out;
 }
 
-std::optional<IcpResult> Tracker::align_near(const PatchPyramid& pyramid, const ModelView& view, DeviceTime t) const {
-  const Pose predicted = motion_.predict(t);
-  // The model first: it averages many bursts. The last patch covers what the model, two bursts behind, does not show
-  // yet.
-  std::vector<Pose> starts{predicted, motion_.last_pose()};
-  if (const auto by_twist = motion_.predict_by_twist(t)) starts.insert(starts.begin() + 1, *by_twist);
-  if (auto found = align_from(starts, pyramid, view, predicted, t)) return found;
-  for (const Pose& turned :
-       turned_about_work_point(motion_.last_pose(), config_.motion.work_distance_mm, config_.wrist_deg)) {
-    starts.push_back(turned);
-  }
-  return align_from(starts, pyramid, *last_patch_, predicted, t);
+std::optional<SegmentJoin> Tracker::seek(const PlacedBurst& burst, const SurfacePatch& patch) {
+  return vote(burst, patch, make_pyramid(patch, config_.icp));
 }
 
-std::optional<IcpResult> Tracker::align_from(std::span<const Pose> starts, const PatchPyramid& pyramid,
-                                             const ModelView& source, const Pose& predicted, DeviceTime t) const {
-  if (source.empty) return std::nullopt;
-  const Reference reference(source, config_.icp.reference);
-  for (const Pose& start : starts) {
-    const IcpResult result = align(pyramid, reference, camera_, start, predicted, config_.icp);
-    if (acceptable(result, pyramid.levels.back().median_sigma_mm, config_.accept) && plausible(result.T_model_cam, t)) {
-      return result;
+bool Tracker::was_here(const SegmentMemory& segment, const Burst& burst) const {
+  const double since = seconds(segment.motion.last_time(), burst.t);
+  return burst.in_sequence && since >= 0 && since <= config_.max_gap_s;
+}
+
+std::optional<TrackResult> Tracker::back_in_an_older(const Burst& burst, const std::optional<IcpResult>& here) {
+  for (SegmentMemory& older : segments_) {
+    if (older.id >= active_) break;
+    if (!was_here(older, burst)) continue;
+    const auto there = near_(older, burst.pyramid, burst.view, burst.t);
+    if (!there) continue;
+    std::vector<SegmentJoin> joins;
+    const SegmentId into = older.id;
+    if (here) {
+      joins.push_back({active_, into, there->T_model_cam * here->T_model_cam.inverse()});
+      carry_out(joins.back());
     }
+    active_ = into;
+    TrackResult out = accept(find(into), here ? TrackState::kRelocalised : TrackState::kTracking, burst, *there);
+    out.joins = std::move(joins);
+    return out;
   }
   return std::nullopt;
 }
 
-std::optional<IcpResult> Tracker::find_again(BurstId burst, const SurfacePatch& patch, const PatchPyramid& pyramid,
-                                             const ModelView& view) {
+std::optional<SegmentJoin> Tracker::vote(const PlacedBurst& placed, const SurfacePatch& patch,
+                                         const PatchPyramid& pyramid) {
   const auto features = extract_features(patch, px_per_mm_, config_.features);
-  const auto candidates = keyframes_.candidates(motion_.last_pose(), searches_++);
-  const auto found = relocalise({features, pyramid, burst.value}, {keyframes_.all(), candidates}, camera_,
-                                config_.features.ratio, config_.icp, config_.relocalise);
-  if (!found) return std::nullopt;
-  if (view.empty) return found->icp;
-  // The fused model is the better reference where it shows this place.
-  const Reference reference(view, config_.icp.reference);
-  const Pose& start = found->icp.T_model_cam;
-  const IcpResult refined = align(pyramid, reference, camera_, start, start, config_.icp);
-  return acceptable(refined, pyramid.levels.back().median_sigma_mm, config_.accept) ? refined : found->icp;
-}
-
-bool Tracker::plausible(const Pose& T_model_cam, DeviceTime t) const {
-  const double dt = seconds(motion_.last_time(), t);
-  const Vec3d work(0, 0, config_.motion.work_distance_mm);
-  const double shift = (T_model_cam * work - motion_.last_pose() * work).norm();
-  const Eigen::AngleAxisd turn(motion_.last_pose().linear().transpose() * T_model_cam.linear());
-  const double turn_deg = turn.angle() * 180 / std::numbers::pi;
-  return shift <= config_.slack_mm + config_.max_speed_mm_s * dt &&
-         turn_deg <= config_.slack_deg + config_.max_turn_deg_s * dt;
-}
-
-TrackResult Tracker::accept(TrackState state, DeviceTime t, const SurfacePatch& patch, const IcpResult& icp,
-                            const std::optional<ProbeTwist>& twist) {
-  motion_.add(t, icp.T_model_cam, twist);
-  last_patch_ = view_from_patch(patch, icp.T_model_cam, lens_, config_.keyframes.view_stride);
-  if (keyframes_.wants(icp.T_model_cam)) {
-    keyframes_.add(patch, icp.T_model_cam, extract_features(patch, px_per_mm_, config_.features));
+  const std::uint64_t turn = searches_++;
+  for (const SegmentMemory& older : segments_) {
+    if (older.id >= placed.segment) break;
+    const auto candidates = older.keyframes.candidates(older.motion.last_pose(), turn);
+    const auto found = relocalise({features, pyramid, placed.id.value}, {older.keyframes.all(), candidates}, camera_,
+                                  config_.features.ratio, config_.icp, config_.relocalise);
+    if (!found) continue;
+    const Pose T_into_segment = found->icp.T_model_cam * placed.T_segment_cam.inverse();
+    const Vec3d looked_at = placed.T_segment_cam * Vec3d(0, 0, config_.motion.work_distance_mm);
+    const auto join = votes_.add({placed.id, {placed.segment, older.id, T_into_segment}, looked_at});
+    if (join) carry_out(*join);
+    return join;
   }
-  return {state, icp.T_model_cam, icp.rms_mm, icp.overlap, icp.iterations};
+  return std::nullopt;
 }
 
-TrackResult Tracker::lost() const {
-  TrackResult out;
-  if (!motion_.empty()) out.T_model_cam = motion_.last_pose();
-  return out;
+void Tracker::carry_out(const SegmentJoin& join) {
+  SegmentMemory& from = find(join.segment);
+  find(join.into).absorb(std::move(from), join.T_into_segment, active_ == join.segment);
+  std::erase_if(segments_, [&](const SegmentMemory& s) { return s.id == join.segment; });
+  votes_.forget(join.segment);
+  if (active_ == join.segment) active_ = join.into;
+}
+
+SegmentMemory& Tracker::start() {
+  segments_.push_back({next_id_, MotionModel(config_.motion), KeyframeStore(lens_, config_.keyframes), std::nullopt});
+  active_ = next_id_++;
+  return segments_.back();
+}
+
+SegmentMemory& Tracker::find(SegmentId id) { return *std::ranges::find(segments_, id, &SegmentMemory::id); }
+
+TrackResult Tracker::accept(SegmentMemory& segment, TrackState state, const Burst& burst, const IcpResult& icp) {
+  segment.motion.add(burst.t, icp.T_model_cam, burst.twist);
+  segment.last_patch = view_from_patch(burst.patch, icp.T_model_cam, lens_, config_.keyframes.view_stride);
+  if (segment.keyframes.wants(icp.T_model_cam)) {
+    segment.keyframes.add(burst.patch, icp.T_model_cam, extract_features(burst.patch, px_per_mm_, config_.features));
+  }
+  return {state, icp.T_model_cam, icp.rms_mm, icp.overlap, icp.iterations, segment.id, {}};
 }
 
 }  // namespace enamel::pipeline

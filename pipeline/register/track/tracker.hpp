@@ -1,75 +1,74 @@
-// Places each burst in the model: predict, align to the model's view, fall back to the last patch, else find it again.
+// Places each burst: in the segment where the hand is, else in one that it left a moment ago, else in a new segment of
+// its own, which is joined to an older one as soon as bursts agree where it lies.
 #pragma once
 
-#include <array>
 #include <optional>
-#include <span>
+#include <vector>
 
 #include "calib/model/rig.hpp"
-#include "pipeline/register/icp/icp.hpp"
-#include "pipeline/register/track/acceptance.hpp"
-#include "pipeline/register/track/keyframes.hpp"
-#include "pipeline/register/track/motion_model.hpp"
-#include "pipeline/register/track/relocalise.hpp"
+#include "pipeline/register/track/near_alignment.hpp"
+#include "pipeline/register/track/segment_memory.hpp"
+#include "pipeline/register/track/tracker_config.hpp"
 #include "pipeline/types/model_view.hpp"
 #include "pipeline/types/patch.hpp"
+#include "pipeline/types/probe_motion.hpp"
 #include "pipeline/types/track.hpp"
 #include "protocol/base/ids.hpp"
 #include "protocol/base/time.hpp"
 
 namespace enamel::pipeline {
 
-struct TrackerConfig {
-  IcpConfig icp;
-  AcceptConfig accept;
-  FeatureConfig features;
-  KeyframeConfig keyframes;
-  RelocaliseConfig relocalise;
-  MotionConfig motion;
-  double start_coverage = 0.05;  ///< share of the image's grid that must be good surface to define the model
-  double max_gap_s = 0.5;       ///< of data time without a burst, or without a placed one: found again by features only
-  double max_speed_mm_s = 200;  ///< of the point at the working distance: no hand is faster, an alignment may be
-  double max_turn_deg_s = 360;
-  double slack_mm = 0.5;  ///< added to what the speed limits allow
-  double slack_deg = 3;
-  std::array<double, 2> wrist_deg{12, 24};  ///< turns tried about the place looked at where no other start converges
+/// A burst that stands in a segment, to be found in another.
+struct PlacedBurst {
+  BurstId id;
+  SegmentId segment = kModelSegment;
+  Pose T_segment_cam = Pose::Identity();
 };
 
 /// One burst after the other, in order of burst; single-threaded. Results are a function of the sequence of arguments
-/// only. A patch whose result is kLost must not be fused. The model frame is that of the first patch placed and never
+/// only. A patch whose result is kLost must not be fused. The model's frame is that of the first patch placed and never
 /// changes.
 class Tracker {
  public:
   Tracker(const calib::Rig& rig, const TrackerConfig& config);
+  Tracker(const Tracker&) = delete;
+  Tracker& operator=(const Tracker&) = delete;
 
-  /// view: the model as it was some bursts ago, drawn from any recent pose, or empty. t_mid: data time of mid-burst.
+  /// view: a segment as it was some bursts ago, drawn from any recent pose, or empty. t_mid: data time of mid-burst.
   /// twist: what the burst itself shows of the probe's velocity; a prior for the bursts to come.
   [[nodiscard]] TrackResult track(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view,
                                   const std::optional<ProbeTwist>& twist = std::nullopt);
 
-  [[nodiscard]] const std::vector<Keyframe>& keyframes() const noexcept { return keyframes_.all(); }
+  /// Looks for the place of a burst, whose segment is still apart, in the older segments. After the scan, when these
+  /// have all their keyframes; `burst` as track() placed it, after the joins since.
+  [[nodiscard]] std::optional<SegmentJoin> seek(const PlacedBurst& burst, const SurfacePatch& patch);
+
+  /// The model first; segments that were joined are gone. Empty before the first burst.
+  [[nodiscard]] const std::vector<SegmentMemory>& segments() const noexcept { return segments_; }
+  [[nodiscard]] const TrackerConfig& config() const noexcept { return config_; }
 
  private:
-  [[nodiscard]] std::optional<IcpResult> align_near(const PatchPyramid& pyramid, const ModelView& view,
-                                                    DeviceTime t) const;
-  /// From one start after the other; the first that may be believed.
-  [[nodiscard]] std::optional<IcpResult> align_from(std::span<const Pose> starts, const PatchPyramid& pyramid,
-                                                    const ModelView& source, const Pose& predicted, DeviceTime t) const;
-  [[nodiscard]] std::optional<IcpResult> find_again(BurstId burst, const SurfacePatch& patch,
-                                                    const PatchPyramid& pyramid, const ModelView& view);
-  [[nodiscard]] bool plausible(const Pose& T_model_cam, DeviceTime t) const;
-  [[nodiscard]] TrackResult accept(TrackState state, DeviceTime t, const SurfacePatch& patch, const IcpResult& icp,
-                                   const std::optional<ProbeTwist>& twist);
-  [[nodiscard]] TrackResult lost() const;
+  struct Burst;
+  [[nodiscard]] bool was_here(const SegmentMemory& segment, const Burst& burst) const;
+  /// In one that the hand left a moment ago; where the burst stands in the active one too, they are joined.
+  [[nodiscard]] std::optional<TrackResult> back_in_an_older(const Burst& burst, const std::optional<IcpResult>& here);
+  [[nodiscard]] SegmentMemory& start();
+  [[nodiscard]] TrackResult accept(SegmentMemory& segment, TrackState state, const Burst& burst, const IcpResult& icp);
+  [[nodiscard]] std::optional<SegmentJoin> vote(const PlacedBurst& placed, const SurfacePatch& patch,
+                                                const PatchPyramid& pyramid);
+  void carry_out(const SegmentJoin& join);
+  [[nodiscard]] SegmentMemory& find(SegmentId id);
 
   TrackerConfig config_;
   calib::LensValues lens_;
   ViewCamera camera_;
   double px_per_mm_ = 1;
   std::size_t grid_size_ = 0;  ///< samples of a full image at the finest level
-  MotionModel motion_;
-  KeyframeStore keyframes_;
-  std::optional<ModelView> last_patch_;  ///< of the last placed burst
+  NearAlignment near_;
+  std::vector<SegmentMemory> segments_;  ///< ascending id
+  SegmentId active_ = kModelSegment;     ///< where the last burst was placed
+  SegmentId next_id_ = kModelSegment;
+  JoinVotes votes_;
   std::optional<DeviceTime> last_seen_;  ///< of the last burst handed in
   std::uint64_t searches_ = 0;
 };

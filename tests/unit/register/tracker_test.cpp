@@ -8,46 +8,15 @@
 
 #include "tests/unit/register/burst_times.hpp"
 #include "tests/unit/register/synthetic_surface.hpp"
+#include "tests/unit/register/track_session.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
 namespace ts = ::enamel::testing;
 
-/// A hand moving 10 mm/s along x with 60 µm of 9 Hz tremor and a slow turn.
-Pose hand(double t_s) {
-  const double wave = std::sin(2 * std::numbers::pi * 9 * t_s);
-  return ts::looking_down(10 * t_s, 0.06 * wave, {0.05 * t_s, 0.1 * t_s + 0.001 * wave, 0.03 * t_s}, 0.05 * wave);
-}
-
-/// One tracker fed from one surface. Poses are judged in the frame of the first burst's true pose.
-class Session {
- public:
-  /// shrink: of the probe's pixels; 4 (160 x 120) is fast and coarse.
-  explicit Session(std::uint64_t surface_seed, int shrink = 4, const TrackerConfig& config = {})
-      : rig_(ts::test_rig(shrink)), surface_(surface_seed), tracker_(rig_, config) {}
-
-  TrackResult feed(int n, const Pose& truth, const ModelView& view = {}) { return feed(n, surface_, truth, view); }
-  TrackResult feed(int n, const ts::SyntheticSurface& surface, const Pose& truth, const ModelView& view = {}) {
-    const auto id = static_cast<std::uint64_t>(n);
-    return tracker_.track(BurstId{id}, time_of(n),
-                          ts::make_patch(surface, rig_.camera, truth, {sigma_mm, 0.03, id + 100}), view);
-  }
-  [[nodiscard]] ModelView model_from(const Pose& truth) const {
-    return ts::view_in_frame(surface_, rig_.camera, truth, hand(0));
-  }
-  [[nodiscard]] static double error_mm(const TrackResult& r, const Pose& truth) {
-    return ts::point_error_mm(hand(0) * r.T_model_cam, truth);
-  }
-  [[nodiscard]] const Tracker& tracker() const { return tracker_; }
-
-  double sigma_mm = 0.01;
-
- private:
-  calib::Rig rig_;
-  ts::SyntheticSurface surface_;
-  Tracker tracker_;
-};
+using ts::hand;
+using Session = ts::TrackSession;
 
 TEST(Tracker, follows_a_sweep_with_the_model_two_bursts_behind) {
   Session s(11, 2);
@@ -131,34 +100,22 @@ TEST(Tracker, an_empty_first_patch_does_not_define_the_model) {
   EXPECT_EQ(s.feed(1, hand(0)).state, TrackState::kStarted);
 }
 
-TEST(Tracker, is_lost_on_another_surface_and_keeps_its_model) {
+TEST(Tracker, another_surface_is_a_segment_apart_and_the_model_stays_as_it_was) {
   Session s(15);
   for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
-  const std::size_t keyframes = s.tracker().keyframes().size();
+  const std::size_t keyframes = s.tracker().segments().front().keyframes.all().size();
   for (int n = 3; n < 6; ++n) {
     const ts::SyntheticSurface other(300 + static_cast<std::uint64_t>(n));
-    EXPECT_EQ(s.feed(n, other, hand(seconds_of(n))).state, TrackState::kLost) << n;
+    const TrackResult r = s.feed(n, other, hand(seconds_of(n)));
+    EXPECT_EQ(r.state, TrackState::kStarted) << n;
+    EXPECT_EQ(r.segment, static_cast<SegmentId>(n - 2)) << n;
   }
-  EXPECT_EQ(s.tracker().keyframes().size(), keyframes);
+  EXPECT_EQ(s.tracker().segments().front().keyframes.all().size(), keyframes);
   const Pose truth = hand(seconds_of(6));
   const TrackResult r = s.feed(6, truth);
-  EXPECT_NE(r.state, TrackState::kLost);
+  EXPECT_EQ(r.state, TrackState::kTracking) << "the model is still in reach";
+  EXPECT_EQ(r.segment, kModelSegment);
   EXPECT_LT(Session::error_mm(r, truth), 0.02);
-}
-
-TEST(Tracker, after_a_time_gap_finds_the_same_model_frame) {
-  Session s(16);
-  for (int n = 0; n < 4; ++n) (void)s.feed(n, hand(seconds_of(n)));
-  const Pose truth = ts::looking_down(-2, 1.5, {0.05, -0.08, 0.4});
-  const TrackResult r = s.feed(60, truth);
-  EXPECT_EQ(r.state, TrackState::kRelocalised);
-  EXPECT_LT(Session::error_mm(r, truth), 0.02);
-}
-
-TEST(Tracker, after_a_time_gap_over_unknown_ground_starts_no_second_model) {
-  Session s(17);
-  for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
-  for (int n = 60; n < 63; ++n) EXPECT_EQ(s.feed(n, ts::looking_down(60, 60)).state, TrackState::kLost) << n;
 }
 
 TEST(Tracker, finds_its_place_after_jumps_on_many_surfaces) {
@@ -167,12 +124,12 @@ TEST(Tracker, finds_its_place_after_jumps_on_many_surfaces) {
   constexpr int kTrials = 20;
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto key = static_cast<std::uint64_t>(trial);
-    Session s(500 + key);
+    Session s(500 + key, 4, ts::believing_one_vote());
     (void)s.feed(0, hand(0));
     const Vec3d turn(0.08 * ts::normal(10 * key), 0.08 * ts::normal(10 * key + 1), 0.6 * ts::normal(10 * key + 2));
     const Pose truth = ts::looking_down(2 * ts::normal(10 * key + 3), 2 * ts::normal(10 * key + 4), turn);
     const TrackResult r = s.feed(40, truth);
-    if (r.state == TrackState::kLost) continue;
+    if (r.segment != kModelSegment) continue;
     ++(Session::error_mm(r, truth) < 0.05 ? found : wrong);
   }
   EXPECT_EQ(wrong, 0);
@@ -207,12 +164,13 @@ TEST(Relocalise, refuses_to_choose_between_two_places_that_look_alike) {
 }
 
 TEST(Tracker, refuses_foreign_surfaces_after_jumps) {
-  Session s(18);
+  Session s(18, 4, ts::believing_one_vote());
   for (int n = 0; n < 3; ++n) (void)s.feed(n, hand(seconds_of(n)));
   for (int trial = 0; trial < 12; ++trial) {
     const ts::SyntheticSurface other(900 + static_cast<std::uint64_t>(trial));
-    EXPECT_EQ(s.feed(100 + 30 * trial, other, hand(0)).state, TrackState::kLost) << trial;
+    EXPECT_EQ(s.feed(100 + 30 * trial, other, hand(0)).state, TrackState::kStarted) << trial;
   }
+  EXPECT_EQ(s.tracker().segments().size(), 13U);
 }
 
 TEST(Tracker, the_same_sequence_gives_the_same_bits_whatever_the_threads) {
@@ -220,7 +178,7 @@ TEST(Tracker, the_same_sequence_gives_the_same_bits_whatever_the_threads) {
   std::vector<std::vector<TrackResult>> runs;
   for (const int threads : {1, 4}) {
     cv::setNumThreads(threads);
-    Session s(19);
+    Session s(19, 4, ts::believing_one_vote());
     std::vector<TrackResult> results;
     for (const int n : {0, 1, 40, 41})
       results.push_back(s.feed(n, n < 40 ? hand(seconds_of(n)) : ts::looking_down(1, 1, {0, 0, 0.5})));

@@ -1,0 +1,74 @@
+#include "pipeline/register/track/near_alignment.hpp"
+
+#include <array>
+#include <numbers>
+#include <vector>
+
+#include "pipeline/register/track/seconds.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+/// The wrist rolls about the place looked at, faster than sparse bursts can foretell: small turns first.
+std::array<Pose, 8> turned_about_work_point(const Pose& pose, double distance_mm, const std::array<double, 2>& angles) {
+  const Vec3d work(0, 0, distance_mm);
+  std::array<Pose, 8> out;
+  std::size_t n = 0;
+  for (const double degrees : angles) {
+    for (const Vec3d& axis : {Vec3d::UnitX().eval(), Vec3d::UnitY().eval()}) {
+      for (const double sign : {1.0, -1.0}) {
+        const Eigen::AngleAxisd turn(sign * degrees * std::numbers::pi / 180, axis);
+        out[n++] = pose * Eigen::Translation3d(work) * turn * Eigen::Translation3d(-work);
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<IcpResult> NearAlignment::operator()(const SegmentMemory& segment, const PatchPyramid& pyramid,
+                                                   const ModelView& view, DeviceTime t) const {
+  const MotionModel& motion = segment.motion;
+  const Pose predicted = motion.predict(t);
+  const Ask ask{motion, pyramid, predicted, t};
+  std::vector<Pose> starts{predicted, motion.last_pose()};
+  if (const auto by_twist = motion.predict_by_twist(t)) starts.insert(starts.begin() + 1, *by_twist);
+  // The model first: it averages many bursts. The last patch covers what the model, two bursts behind, does not show
+  // yet.
+  if (!view.empty && view.segment == segment.id) {
+    if (auto found = from(starts, view, ask)) return found;
+  }
+  for (const Pose& turned :
+       turned_about_work_point(motion.last_pose(), config_.motion.work_distance_mm, config_.wrist_deg)) {
+    starts.push_back(turned);
+  }
+  return from(starts, *segment.last_patch, ask);
+}
+
+std::optional<IcpResult> NearAlignment::from(std::span<const Pose> starts, const ModelView& source,
+                                             const Ask& ask) const {
+  if (source.empty) return std::nullopt;
+  const Reference reference(source, config_.icp.reference);
+  for (const Pose& start : starts) {
+    const IcpResult result = align(ask.pyramid, reference, camera_, start, ask.predicted, config_.icp);
+    if (acceptable(result, ask.pyramid.levels.back().median_sigma_mm, config_.accept) &&
+        plausible(result.T_model_cam, ask)) {
+      return result;
+    }
+  }
+  return std::nullopt;
+}
+
+bool NearAlignment::plausible(const Pose& T_model_cam, const Ask& ask) const {
+  const Pose& last = ask.motion.last_pose();
+  const double dt = seconds(ask.motion.last_time(), ask.t);
+  const Vec3d work(0, 0, config_.motion.work_distance_mm);
+  const double shift = (T_model_cam * work - last * work).norm();
+  const Eigen::AngleAxisd turn(last.linear().transpose() * T_model_cam.linear());
+  const double turn_deg = turn.angle() * 180 / std::numbers::pi;
+  return shift <= config_.slack_mm + config_.max_speed_mm_s * dt &&
+         turn_deg <= config_.slack_deg + config_.max_turn_deg_s * dt;
+}
+
+}  // namespace enamel::pipeline

@@ -1,0 +1,18 @@
+#include "pipeline/register/track/segment_memory.hpp"
+
+#include <utility>
+
+#include "pipeline/register/icp/reference.hpp"
+
+namespace enamel::pipeline {
+
+void SegmentMemory::absorb(SegmentMemory&& other, const Pose& T_this_other, bool is_newer) {
+  keyframes.absorb(std::move(other.keyframes), T_this_other);
+  if (!is_newer) return;
+  motion = other.motion;
+  motion.carry_into(T_this_other);
+  last_patch.reset();
+  if (other.last_patch) last_patch = carried_into(T_this_other, std::move(*other.last_patch));
+}
+
+}  // namespace enamel::pipeline
