@@ -67,6 +67,8 @@ view::UserCommands Screen::draw(PreviewFrame session) {
 Result<std::string> Screen::write_picture(PreviewFrame session, const Mesh& mesh, const std::string& path) {
   const auto last = frame(std::move(session));
   last->model = snapshot_of(mesh);
+  last->whole = nullptr;  // the finished model, whatever was scanned last
+  last->segment = kModelSegment;
   view::Picture picture;
   if (window_) {
     ENAMEL_TRY(window_->render(last));

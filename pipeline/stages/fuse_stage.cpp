@@ -95,6 +95,12 @@ std::shared_ptr<const BurstPreview> FuseStage::make_preview(const flow::Item<Tra
   last_preview_.track_overlap = item->result.overlap;
   last_preview_.T_model_cam = item->result.T_model_cam;
   last_preview_.segment = item->result.segment;
+  if (item->result.segment == kModelSegment) {
+    last_preview_.whole = nullptr;
+    last_preview_.T_model_return = item->result.T_model_cam;
+  } else if (!last_preview_.whole) {
+    last_preview_.whole = std::make_shared<const ModelSnapshot>(mesher_.snapshot());
+  }
   const SurfacePatch& patch = *item->patch;
   last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
   last_preview_.live = grey(patch.texture_dn);

@@ -56,6 +56,8 @@ struct BurstPreview {
       std::numeric_limits<double>::quiet_NaN();   ///< median depth of this burst, NaN = none seen
   std::shared_ptr<const Map<std::uint8_t>> live;  ///< fringe-free 8-bit texture of this burst, or null
   std::shared_ptr<const ModelSnapshot> model;     ///< of that segment, or null while nothing is fused
+  std::shared_ptr<const ModelSnapshot> whole;     ///< the model while a segment apart is scanned, else null …
+  Pose T_model_return = Pose::Identity();         ///< … and where the probe was last in it: the place to return to
 };
 
 /// The newest burst and the session around it.

@@ -165,7 +165,7 @@ void ModelPass::draw(const ViewCamera& camera, double aspect, int height_px, con
   glUseProgram(program_.id());
   set_uniform(program_, "view", view_matrix(camera));
   set_uniform(program_, "projection", projection_matrix(camera, aspect));
-  set_uniform(program_, "albedo", toggles.mono ? kMonoGrey : kTooth);
+  set_uniform(program_, "albedo", toggles.mono && tone_ == kTooth ? kMonoGrey : tone_);
   set_uniform(program_, "ramp_low", kQualityRamp[0]);
   set_uniform(program_, "ramp_mid", kQualityRamp[1]);
   set_uniform(program_, "ramp_high", kQualityRamp[2]);

@@ -9,6 +9,7 @@
 
 #include "protocol/base/result.hpp"
 #include "viewer/gl/gl_objects.hpp"
+#include "viewer/scene/colour.hpp"
 #include "viewer/scene/mesh_diff.hpp"
 #include "viewer/scene/slot_arena.hpp"
 #include "viewer/scene/toggles.hpp"
@@ -25,6 +26,8 @@ class ModelPass {
 
   /// Draws into the bound target. `height_px` is the target's height.
   void draw(const ViewCamera& camera, double aspect, int height_px, const DisplayToggles& toggles);
+
+  void set_tone(const Colour& tone) noexcept { tone_ = tone; }
 
   [[nodiscard]] std::size_t triangles() const noexcept { return triangles_; }
   [[nodiscard]] std::size_t pending() const noexcept { return pending_; }
@@ -47,6 +50,7 @@ class ModelPass {
   void grow_buffers();
   void point_attributes() const;
 
+  Colour tone_ = kTooth;
   GlProgram program_;
   GlVertexArray vertex_array_;
   GlBuffer vertices_;

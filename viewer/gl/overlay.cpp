@@ -143,6 +143,9 @@ bool draw_overlay(const OverlayInput& input, const Fonts& fonts) {
   if (input.toggles.live_image) {
     draw_live_corner(input, pen);
   }
+  if (input.return_texture != 0) {
+    draw_return_corner(input, pen);
+  }
   float right_column = 0;
   if (input.toggles.panels) {
     right_column = draw_figures(input, pen);

@@ -25,6 +25,9 @@ struct OverlayInput {
   GLuint live_texture = 0;
   int live_width = 0;
   int live_height = 0;
+  GLuint return_texture = 0;  ///< picture of the model and the place in it to return to, or none
+  int return_width = 0;
+  int return_height = 0;
 };
 
 /// Between ImGui::NewFrame and ImGui::Render. True: the scan/pause button was pressed.
@@ -32,6 +35,8 @@ struct OverlayInput {
 
 /// Parts of it.
 void draw_live_corner(const OverlayInput& input, const Pen& pen);
+/// Needs return_texture.
+void draw_return_corner(const OverlayInput& input, const Pen& pen);
 /// Needs frame->pipeline.
 void draw_stages(const OverlayInput& input, const Pen& pen, ImVec2 top_right);
 void draw_legend(const OverlayInput& input, const Pen& pen, ImVec2 bottom_right);

@@ -90,6 +90,19 @@ void draw_live_corner(const OverlayInput& in, const Pen& pen) {
   pen.text(ImVec2(from.x + pen.px(1), to.y + pen.px(9)), pen.fonts->body, in.distance.colour, distance_words(in));
 }
 
+void draw_return_corner(const OverlayInput& in, const Pen& pen) {
+  const float width = static_cast<float>(in.return_width);
+  const float height = static_cast<float>(in.return_height);
+  const ImVec2 panel_from(pen.px(kMargin), pen.px(kMargin + 46));
+  const ImVec2 from(panel_from.x + pen.px(12), panel_from.y + pen.px(12));
+  const ImVec2 to(from.x + width, from.y + height);
+  pen.panel(panel_from, ImVec2(to.x + pen.px(12), to.y + pen.px(42)), 0.84F);
+  // OpenGL's rows begin at the bottom.
+  pen.list->AddImageRounded(texture_id(in.return_texture), from, to, ImVec2(0, 1), ImVec2(1, 0), IM_COL32_WHITE,
+                            pen.px(6));
+  pen.text(ImVec2(from.x + pen.px(1), to.y + pen.px(9)), pen.fonts->body, kText, "The model: return here");
+}
+
 void draw_legend(const OverlayInput& in, const Pen& pen, ImVec2 bottom_right) {
   static_cast<void>(in);
   const float width = pen.px(214);

@@ -9,6 +9,8 @@
 namespace enamel::view {
 namespace {
 
+constexpr double kReturnShare = 0.2;  // of the picture's width
+
 std::string gl_string(GLenum name) {
   const GLubyte* text = glGetString(name);
   return text != nullptr ? reinterpret_cast<const char*>(text) : "";
@@ -85,7 +87,9 @@ Result<void> ViewerCore::draw(std::shared_ptr<const PreviewFrame> frame, const D
   }
   const PreviewFrame& now = *frame_;
   static const ModelSnapshot kNothing;
+  scene_->model().set_tone(now.segment == kModelSegment ? kTooth : kApartTooth);
   scene_->model().update(now.model ? *now.model : kNothing, request.upload_budget_bytes);
+  ENAMEL_TRY(return_.update(now, {static_cast<int>(kReturnShare * request.width), toggles_, field_, scale_}));
   move_camera(now, static_cast<double>(request.width) / request.height, request.dt_s);
   send_live_image(now);
 
@@ -94,7 +98,9 @@ Result<void> ViewerCore::draw(std::shared_ptr<const PreviewFrame> frame, const D
   view.toggles = toggles_;
   view.field = field_;
   view.probe_colour = status_line(now).colour;
-  view.trail = now.trail;
+  if (now.segment == kModelSegment) {
+    view.trail = now.trail;
+  }
   view.line_scale = scale_;
   if (now.placed) {
     view.T_model_cam = now.T_model_cam;
@@ -129,6 +135,11 @@ void ViewerCore::draw_panels(const PreviewFrame& frame, const DrawRequest& reque
     input.live_width = live_source_->width();
     input.live_height = live_source_->height();
   }
+  if (const RenderTarget* const picture = return_.get()) {
+    input.return_texture = picture->colour();
+    input.return_width = picture->width();
+    input.return_height = picture->height();
+  }
   scan_clicked_ = draw_overlay(input, fonts_) || scan_clicked_;
   ImGui::Render();
   out_->bind();
@@ -157,13 +168,14 @@ void ViewerCore::move_camera(const PreviewFrame& frame, double aspect, double dt
     return;
   }
   if (const auto goal = camera_goal(frame, aspect)) {
-    if (recentre_) {
+    if (recentre_ || frame.segment != followed_) {  // another frame of reference: nothing to glide over
       camera_ = *goal;
     } else {
       camera_ = follow_.step(camera_, *goal, dt_s);
     }
   }
   recentre_ = false;
+  followed_ = frame.segment;
 }
 
 void ViewerCore::send_live_image(const PreviewFrame& frame) {

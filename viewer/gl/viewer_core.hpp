@@ -13,6 +13,7 @@
 #include "protocol/base/result.hpp"
 #include "viewer/gl/overlay.hpp"
 #include "viewer/gl/picture.hpp"
+#include "viewer/gl/return_picture.hpp"
 #include "viewer/gl/scene_renderer.hpp"
 #include "viewer/gl/viewer_options.hpp"
 #include "viewer/scene/follow_camera.hpp"
@@ -76,6 +77,8 @@ class ViewerCore {
   bool imgui_gl_ = false;
   std::unique_ptr<SceneRenderer> scene_;
   std::optional<RenderTarget> out_;
+  ReturnPicture return_;
+  SegmentId followed_ = kModelSegment;  ///< in whose frame the camera is
   GlTexture live_;
   std::shared_ptr<const Map<std::uint8_t>> live_source_;
   std::shared_ptr<const ModelSnapshot> overview_of_;

@@ -13,6 +13,8 @@ struct Colour {
 /// Warm ivory of the model; matte grey of the mono view.
 inline constexpr Colour kTooth{0.945F, 0.892F, 0.800F};
 inline constexpr Colour kMonoGrey{0.72F, 0.73F, 0.75F};
+/// Surface whose place in the model nobody knows yet: cold, so that it is never taken for the model.
+inline constexpr Colour kApartTooth{0.60F, 0.76F, 0.93F};
 
 /// State colours; each is always shown together with words.
 inline constexpr Colour kGood{0.22F, 0.80F, 0.47F};

@@ -19,11 +19,14 @@ StatusLine tracking_line(const PreviewFrame& frame) noexcept {
   if (!frame.placed) {
     return {kIdle, "READY", "Hold the probe over a tooth"};
   }
+  if (frame.segment != kModelSegment) {
+    return {kViolet, "NEW PLACE", "Kept apart: go on, or return to the place shown"};
+  }
   switch (frame.track) {
     case TrackState::kLost:
-      return {kBad, "TRACKING LOST", "Go back to a place already scanned"};
+      return {kBad, "NO SURFACE", "Hold the probe over a tooth"};
     case TrackState::kRelocalised:
-      return {kWeak, "FOUND AGAIN", "Stay here for a moment"};
+      return {kWeak, "JOINED TO THE MODEL", "Stay here for a moment"};
     case TrackState::kStarted:
     case TrackState::kTracking:
       break;

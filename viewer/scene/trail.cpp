@@ -17,7 +17,7 @@ void Trail::add(const BurstPreview& burst) {
     return;
   }
   last_ = burst.burst;
-  if (burst.track == TrackState::kLost) {
+  if (burst.track == TrackState::kLost || burst.segment != kModelSegment) {
     if (end_) {
       append(trail_break());
     }

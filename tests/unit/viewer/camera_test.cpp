@@ -195,6 +195,26 @@ TEST(Trail, breaks_where_tracking_was_lost_and_ignores_standing_still) {
   EXPECT_FLOAT_EQ(points[0].z(), 44.0F);
 }
 
+TEST(Trail, shows_nothing_of_a_segment_in_another_frame) {
+  Trail trail(ProbeField{});
+  PreviewFrame frame;
+  frame.placed = true;
+  frame.track = TrackState::kTracking;
+  frame.surface_distance_mm = 48;
+  for (std::uint64_t n = 0; n < 9; ++n) {
+    frame.burst = BurstId{n};
+    frame.segment = n >= 3 && n < 6 ? 1U : kModelSegment;
+    frame.T_model_cam.translation().x() = frame.segment == 1U ? 500 : static_cast<double>(n);
+    trail.add(frame);
+  }
+  std::size_t breaks = 0;
+  for (const Vec3f& point : trail.points().in_order()) {
+    breaks += point.allFinite() ? 0U : 1U;
+    EXPECT_FALSE(point.x() > 100);
+  }
+  EXPECT_EQ(breaks, 1U);
+}
+
 TEST(Trail, stays_bounded) {
   Trail trail(ProbeField{}, 0.1, 100);
   PreviewFrame frame;

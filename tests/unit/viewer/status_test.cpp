@@ -35,6 +35,15 @@ TEST(StatusLine, green_amber_red_with_different_words) {
   EXPECT_FALSE(status_line(scanning(TrackState::kLost)).hint.empty());
 }
 
+TEST(StatusLine, a_segment_apart_has_words_and_a_tone_of_its_own) {
+  PreviewFrame frame = scanning(TrackState::kTracking);
+  frame.segment = 2;
+  const StatusLine apart = status_line(frame);
+  EXPECT_EQ(apart.title, "NEW PLACE");
+  EXPECT_FALSE(apart.hint.empty());
+  for (const Colour& other : {kGood, kWeak, kBad}) EXPECT_NE(apart.colour, other);
+}
+
 TEST(StatusLine, little_overlap_is_weak_and_unknown_overlap_is_not) {
   PreviewFrame frame = scanning(TrackState::kTracking);
   frame.track_overlap = std::nan("");

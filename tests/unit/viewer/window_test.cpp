@@ -122,6 +122,23 @@ TEST_F(WindowTest, outline_says_the_tracking_state) {
   EXPECT_LT(outline_distance(shown(found), kWeak), 60);
 }
 
+TEST_F(WindowTest, a_segment_apart_is_cold_and_the_place_to_return_to_is_shown_beside_it) {
+  constexpr Region kReturn{0.03, 0.10, 0.21, 0.30};
+  const auto whole = scene_.frame(19, 20);
+  auto apart = scene_.frame(12, 20);
+  apart->segment = 1;
+  const double without = share_of(shown(apart), kReturn, is_tooth);
+  EXPECT_LT(share_of(shown(apart), kMiddle, is_tooth), 0.01) << "not in the model's tone";
+  auto with = std::make_shared<PreviewFrame>(*apart);
+  with->whole = whole->model;
+  with->T_model_return = whole->T_model_cam;
+  EXPECT_GT(share_of(shown(with), kReturn, is_tooth), without + 0.05);
+  auto joined = std::make_shared<PreviewFrame>(*scene_.frame(12, 20));
+  const Picture back = shown(joined);
+  EXPECT_GT(share_of(back, kMiddle, is_tooth), 0.10);
+  EXPECT_LT(share_of(back, kReturn, is_tooth), without + 0.02);
+}
+
 TEST_F(WindowTest, same_frame_is_not_drawn_again_and_new_one_is) {
   const auto frame = scene_.frame(5, 20);
   ASSERT_TRUE(window_->render(frame));
