@@ -84,7 +84,9 @@ Result<std::unique_ptr<TwinSource>> TwinSource::create(const SceneConfig& config
 
 const std::string& TwinSource::rig_text() const { return impl_->instrument.rig.text; }
 std::optional<std::uint64_t> TwinSource::count() const { return impl_->total; }
-std::int64_t TwinSource::t_mid_ns(std::uint64_t n) const { return mid_burst_ns(impl_->config.timing, n); }
+std::int64_t TwinSource::t_mid_ns(std::uint64_t n) const {
+  return mid_burst_ns(impl_->config.timing, impl_->path->slot(n));
+}
 const BurstTruth& TwinSource::truth() const { return impl_->truth; }
 const TriSurface& TwinSource::surface() const { return impl_->truth_surface; }
 std::span<const std::uint8_t> TwinSource::seen() const { return impl_->seen.counts(); }
@@ -94,11 +96,12 @@ const calib::Rig& TwinSource::rig() const { return impl_->instrument.rig; }
 BurstPoses TwinSource::poses(std::uint64_t n) const {
   const SceneConfig& c = impl_->config;
   const int instants = c.render.grid * c.render.grid;
+  const std::uint64_t slot = impl_->path->slot(n);
   BurstPoses out;
   out.mid = impl_->pose_at(1e-9 * static_cast<double>(t_mid_ns(n)));
   out.is_static = true;
   for (int k = 0; k < 4; ++k) {
-    const double start = 1e-9 * static_cast<double>(exposure_start_ns(c.timing, n, k));
+    const double start = 1e-9 * static_cast<double>(exposure_start_ns(c.timing, slot, k));
     for (int i = 0; i < instants; ++i) {
       const double share = c.effects.exposure ? (i + 0.5) / instants : 0.5;
       const Pose pose = c.effects.motion ? impl_->pose_at(start + share * 1e-3 * c.timing.exposure_ms) : out.mid;
@@ -132,7 +135,7 @@ Result<std::optional<fw::SimBurst>> TwinSource::next() {
   for (int k = 0; k < 4; ++k) {
     auto& image = light[static_cast<std::size_t>(k)];
     for (float& e : image) e *= full_well;
-    burst.t_exposure_ns[static_cast<std::size_t>(k)] = exposure_start_ns(m.config.timing, n, k);
+    burst.t_exposure_ns[static_cast<std::size_t>(k)] = exposure_start_ns(m.config.timing, m.path->slot(n), k);
     burst.frames[static_cast<std::size_t>(k)] = digitise(image, m.sensor, {m.config.seed, n, k});
   }
   m.truth.burst_index = n;

@@ -63,77 +63,15 @@ class Views final : public Trajectory {
   int total_ = 0;
 };
 
-struct ArchState {
-  double s, roll_deg, height;
-};
-
-class ArchPath final : public Trajectory {
- public:
-  ArchPath(const ArchPathConfig& config, const Arch& arch, const TimingConfig& timing)
-      : config_(config), arch_(arch), timing_(timing) {
-    for (std::size_t i = 0; i < config_.passes.size(); ++i) {
-      begin_s_.push_back(end_s_);
-      end_s_ += length(config_.passes[i]) / config_.speed_mm_s + (i + 1 < config_.passes.size() ? config_.turn_s : 0.0);
-    }
-  }
-  [[nodiscard]] int bursts() const override { return static_cast<int>(end_s_ * timing_.burst_rate_hz); }
-
-  [[nodiscard]] Pose pose_at(double t_s) const override {
-    const ArchState a = state_at(t_s);
-    const Eigen::Vector2d p = arch_.point(a.s), t = arch_.tangent(a.s), b = arch_.buccal(a.s);
-    const Vector3d target(p.x(), p.y(), a.height);
-    const Vector3d x(t.x(), t.y(), 0), up(0, 0, 1), out(b.x(), b.y(), 0);
-    const double roll = a.roll_deg * kRadPerDeg;
-    const Vector3d z = -(std::cos(roll) * up + std::sin(roll) * out);
-    Pose pose = Pose::Identity();
-    pose.linear().col(0) = x;
-    pose.linear().col(1) = z.cross(x);
-    pose.linear().col(2) = z;
-    pose.translation() = target - config_.distance_mm * z;
-    return pose;
-  }
-
- private:
-  static double length(const PassConfig& p) { return std::abs(p.to_mm - p.from_mm); }
-  [[nodiscard]] double velocity(const PassConfig& p) const {
-    return p.to_mm >= p.from_mm ? config_.speed_mm_s : -config_.speed_mm_s;
-  }
-
-  [[nodiscard]] ArchState state_at(double t_s) const {
-    std::size_t i = 0;
-    while (i + 1 < begin_s_.size() && t_s >= begin_s_[i + 1]) ++i;
-    const PassConfig& pass = config_.passes[i];
-    const double dt = t_s - begin_s_[i], duration = length(pass) / config_.speed_mm_s;
-    if (dt <= duration || i + 1 == config_.passes.size()) {
-      return {pass.from_mm + velocity(pass) * dt, pass.roll_deg, pass.height_mm};
-    }
-    // Turn: the position follows a cubic that keeps the velocity at both ends, roll and height a smooth step.
-    const PassConfig& next = config_.passes[i + 1];
-    const double u = (dt - duration) / config_.turn_s, u2 = u * u, u3 = u2 * u;
-    const double m0 = velocity(pass) * config_.turn_s, m1 = velocity(next) * config_.turn_s;
-    const double step = u3 * (u * (6.0 * u - 15.0) + 10.0);
-    return {
-        (2 * u3 - 3 * u2 + 1) * pass.to_mm + (u3 - 2 * u2 + u) * m0 + (3 * u2 - 2 * u3) * next.from_mm + (u3 - u2) * m1,
-        pass.roll_deg + step * (next.roll_deg - pass.roll_deg),
-        pass.height_mm + step * (next.height_mm - pass.height_mm)};
-  }
-
-  ArchPathConfig config_;
-  Arch arch_;
-  TimingConfig timing_;
-  std::vector<double> begin_s_;
-  double end_s_ = 0;
-};
-
 }  // namespace
 
-std::int64_t exposure_start_ns(const TimingConfig& timing, std::uint64_t burst, int frame) {
-  return std::llround(1e9 * (timing.start_s + static_cast<double>(burst) / timing.burst_rate_hz)) +
+std::int64_t exposure_start_ns(const TimingConfig& timing, std::uint64_t slot, int frame) {
+  return std::llround(1e9 * (timing.start_s + static_cast<double>(slot) / timing.burst_rate_hz)) +
          std::llround(1e6 * timing.frame_period_ms * frame);
 }
 
-std::int64_t mid_burst_ns(const TimingConfig& timing, std::uint64_t burst) {
-  return (exposure_start_ns(timing, burst, 0) + exposure_start_ns(timing, burst, 3) +
+std::int64_t mid_burst_ns(const TimingConfig& timing, std::uint64_t slot) {
+  return (exposure_start_ns(timing, slot, 0) + exposure_start_ns(timing, slot, 3) +
           std::llround(1e6 * timing.exposure_ms)) /
          2;
 }
@@ -171,10 +109,6 @@ Pose Tremor::displacement(double t_s) const {
 
 std::unique_ptr<Trajectory> make_views(std::vector<ViewConfig> views, const TimingConfig& timing) {
   return std::make_unique<Views>(std::move(views), timing);
-}
-
-std::unique_ptr<Trajectory> make_arch_path(const ArchPathConfig& config, const Arch& arch, const TimingConfig& timing) {
-  return std::make_unique<ArchPath>(config, arch, timing);
 }
 
 }  // namespace enamel::twin

@@ -22,10 +22,10 @@ struct TimingConfig {
   int bursts = 0;        ///< 0: as many as the path takes
 };
 
-/// Start of exposure of frame k of burst n, device clock.
-[[nodiscard]] std::int64_t exposure_start_ns(const TimingConfig& timing, std::uint64_t burst, int frame);
+/// Start of exposure of frame k of the burst in a slot of the rhythm (Trajectory::slot), device clock.
+[[nodiscard]] std::int64_t exposure_start_ns(const TimingConfig& timing, std::uint64_t slot, int frame);
 /// Middle between the start of the first and the end of the last exposure.
-[[nodiscard]] std::int64_t mid_burst_ns(const TimingConfig& timing, std::uint64_t burst);
+[[nodiscard]] std::int64_t mid_burst_ns(const TimingConfig& timing, std::uint64_t slot);
 
 /// Shake of a hand, smooth in time. Frequencies of tremor 8–12 Hz, of wander 0.2–1 Hz; amplitudes are peaks per axis.
 struct TremorConfig {
@@ -55,7 +55,11 @@ class Trajectory {
   virtual ~Trajectory() = default;
   /// T_model_cam without tremor at t seconds after the first exposure of burst 0.
   [[nodiscard]] virtual Pose pose_at(double t_s) const = 0;
+  /// As many as the probe takes on the whole way.
   [[nodiscard]] virtual int bursts() const = 0;
+  /// Place of burst n in the probe's rhythm, counted from the first burst. A paused probe numbers on without a hole
+  /// while its clock goes on: behind a pause the slot is larger than n.
+  [[nodiscard]] virtual std::uint64_t slot(std::uint64_t burst) const { return burst; }
 };
 
 /// One stand (or straight flight) of the probe before an artefact. The model's z axis points to the probe at tilt 0;
@@ -71,17 +75,34 @@ struct ViewConfig {
 
 [[nodiscard]] std::unique_ptr<Trajectory> make_views(std::vector<ViewConfig> views, const TimingConfig& timing);
 
+/// How the hand comes from the pass before.
+enum class Joint : std::uint8_t {
+  kTurn,   ///< in one smooth turn, bursts going on
+  kPause,  ///< the probe is paused meanwhile; the pass begins at its own place and angle
+};
+
 struct PassConfig {
   double from_mm = 4, to_mm = 48;  ///< arc length along the arch
   double roll_deg = 0;             ///< about the arch's tangent; > 0: the probe stands on the cheek side
   double height_mm = 4;            ///< z of the point looked at, above the gum margin
+  Joint after = Joint::kTurn;
+  double pause_s = 1.0;  ///< from the end of the pass before, when after a pause
+};
+
+/// The probe is paused while the hand goes on.
+struct GapConfig {
+  int pass = 0;      ///< counted from 0
+  double at_mm = 0;  ///< arc length at which it begins
+  int bursts = 14;   ///< left out
 };
 
 struct ArchPathConfig {
   std::vector<PassConfig> passes;
+  std::vector<GapConfig> gaps;
   double speed_mm_s = 15;
   double turn_s = 0.9;  ///< from the end of a pass to the beginning of the next
   double distance_mm = 48;
+  double from_s = 0;  ///< no burst before that time; the hand is under way
 };
 
 [[nodiscard]] std::unique_ptr<Trajectory> make_arch_path(const ArchPathConfig& config, const Arch& arch,

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "tools/twin/scene/path_keys.hpp"
 #include "tools/twin/scene/scene.hpp"
 
 namespace enamel::twin {
@@ -14,8 +15,6 @@ constexpr std::array<std::pair<Names, ObjectKind>, 6> kObjects{{{"jaw", ObjectKi
                                                                 {"steps", ObjectKind::kSteps},
                                                                 {"file", ObjectKind::kFile},
                                                                 {"board", ObjectKind::kBoard}}};
-constexpr std::array<std::pair<Names, PathKind>, 3> kPaths{
-    {{"views", PathKind::kViews}, {"arch", PathKind::kArch}, {"calibration", PathKind::kCalibration}}};
 constexpr std::array<std::pair<Names, JawSide>, 2> kSides{{{"lower", JawSide::kLower}, {"upper", JawSide::kUpper}}};
 
 void bind_effects(ConfigReader r, Effects& e) {
@@ -109,50 +108,11 @@ void bind_calibration(ConfigReader r, CalibrationConfig& c) {
   r.bind("sweeps", c.sweeps, {1, 100}, "live: how often all patterns are shown at a stand");
 }
 
-void bind_view(ConfigReader r, ViewConfig& v) {
-  r.bind("distance_mm", v.distance_mm, {1, 1000}, "camera to target");
-  r.bind("tilt_x_deg", v.tilt_x_deg, {-89, 89}, "about the camera's x axis, through the target");
-  r.bind("tilt_y_deg", v.tilt_y_deg, {-89, 89}, "about the camera's y axis");
-  r.bind("roll_deg", v.roll_deg, {-360, 360}, "about the optical axis");
-  r.bind("target_mm", v.target_mm, {-1000, 1000}, "model point on the optical axis");
-  r.bind("velocity_mm_s", v.velocity_mm_s, {-1000, 1000}, "camera frame");
-  r.bind("turn_deg_s", v.turn_deg_s, {-1000, 1000}, "rotation about the target, camera frame");
-  r.bind("bursts", v.bursts, {1, 100000}, "bursts from this stand");
-}
-
-void bind_pass(ConfigReader r, PassConfig& p) {
-  r.bind("from_mm", p.from_mm, {-70, 70}, "arc length at the beginning");
-  r.bind("to_mm", p.to_mm, {-70, 70}, "arc length at the end");
-  r.bind("roll_deg", p.roll_deg, {-80, 80}, "about the arch; positive: from the cheek side");
-  r.bind("height_mm", p.height_mm, {-20, 20}, "height of the point looked at, above the gum margin");
-}
-
-void bind_path(ConfigReader r, SceneConfig& c) {
-  r.bind("type", c.path, kPaths,
-         "views (stands and straight flights), arch (along a jaw) or calibration (a board, by seed)");
-  r.bind("speed_mm_s", c.arch_path.speed_mm_s, {0.1, 200}, "arch: speed of the point looked at");
-  r.bind("turn_s", c.arch_path.turn_s, {0.05, 10}, "arch: from one pass to the next");
-  r.bind("distance_mm", c.arch_path.distance_mm, {1, 1000}, "arch: camera to the point looked at");
-  r.bind("tremor_um", c.tremor.tremor_um, {0, 2000}, "8 to 12 Hz, peak an axis");
-  r.bind("tremor_deg", c.tremor.tremor_deg, {0, 10}, "8 to 12 Hz, peak an axis");
-  r.bind("wander_mm", c.tremor.wander_mm, {0, 20}, "0.2 to 1 Hz, peak an axis");
-  r.bind("wander_deg", c.tremor.wander_deg, {0, 45}, "0.2 to 1 Hz, peak an axis");
-  r.bind("pivot_mm", c.tremor.pivot_mm, {0, 200}, "the hand turns about this point before the camera");
-  const std::size_t views = r.table_count("view"), passes = r.table_count("pass");
-  c.views.resize(views);
-  for (std::size_t i = 0; i < views; ++i) bind_view(r.table("view", i), c.views[i]);
-  c.arch_path.passes.resize(passes);
-  for (std::size_t i = 0; i < passes; ++i) bind_pass(r.table("pass", i), c.arch_path.passes[i]);
-}
-
 void check(ConfigReader& r, const SceneConfig& c) {
-  if (c.path == PathKind::kArch && c.object != ObjectKind::kJaw) r.reject("path.type", "an arch path needs a jaw");
-  if (c.path == PathKind::kArch && c.arch_path.passes.empty()) r.reject("path.type", "no [[path.pass]] given");
   if ((c.path == PathKind::kCalibration) != (c.object == ObjectKind::kBoard)) {
     r.reject("path.type", "a calibration path goes with object.type = board, and only with it");
   }
   if (2 * c.board.radius_mm >= c.board.pitch_mm) r.reject("board.radius_mm", "the dots touch");
-  if (c.path == PathKind::kViews && c.views.empty()) r.reject("path.type", "no [[path.view]] given");
   if (c.object == ObjectKind::kFile && c.file.path.empty()) r.reject("object.type", "object.file.path is not given");
   if (c.timing.exposure_ms > c.timing.frame_period_ms) r.reject("timing.exposure_ms", "longer than the frame period");
   if (3 * c.timing.frame_period_ms + c.timing.exposure_ms > 1000.0 / c.timing.burst_rate_hz) {
@@ -172,7 +132,7 @@ void bind_scene(ConfigReader& reader, SceneConfig& config) {
   bind_object(reader.table("object"), config);
   bind_board(reader.table("board"), config.board);
   bind_calibration(reader.table("calibration"), config.calibration);
-  bind_path(reader.table("path"), config);
+  bind_path(reader, config);
   check(reader, config);
 }
 
