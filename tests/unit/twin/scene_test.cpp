@@ -17,7 +17,7 @@ Result<SceneConfig> parse(const std::string& text) {
 }
 
 TEST(TwinScene, shipped_scenes_and_their_rig_load) {
-  for (const char* name : {"quadrant", "quadrant_small", "plane", "spheres", "steps", "calibration"}) {
+  for (const char* name : {"quadrant", "quadrant_small", "gaps", "plane", "spheres", "steps", "calibration"}) {
     const auto scene = load_scene(std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + name + ".toml");
     ASSERT_TRUE(scene) << scene.error().message();
     EXPECT_TRUE(calib::load_rig(scene->rig_path)) << scene->rig_path;
