@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
@@ -40,23 +41,38 @@ DepthError compare(const cv::Mat& measured, const cv::Mat& truth, const cv::Mat&
 
 struct Shipped {
   const char* scene;
-  const char* rig;   ///< of config/rigs
-  const char* mode;  ///< its pattern mode
-  int burst;         ///< one in which left and right differ
-  double wrong;      ///< allowed: mode T takes a slot one fringe deeper for its surroundings
+  const char* rig;                  ///< of config/rigs
+  const char* mode;                 ///< its pattern mode
+  int burst;                        ///< one in which left and right differ
+  double wrong;                     ///< allowed: mode T takes a slot one fringe deeper for its surroundings
+  std::vector<std::string> form{};  ///< overrides: a short form of the scene
 
   [[nodiscard]] std::string name() const { return std::string(scene) + "_" + mode; }
 };
+
+std::vector<std::string> render_command(const std::string& scene, const std::vector<std::string>& overrides,
+                                        const std::string& out) {
+  std::vector<std::string> argv{program("enamel-twin"), "render",
+                                std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + scene + ".toml", "--out", out};
+  for (const std::string& o : overrides) argv.insert(argv.end(), {"--set", o});
+  return argv;
+}
+
+/// One burst at that time of the way, on a coarse mesh of that part of the arch.
+std::vector<std::string> one_burst(const std::string& from_s, const std::string& from_mm, const std::string& to_mm) {
+  return {"path.from_s=" + from_s, "timing.bursts=1", "object.jaw.from_mm=" + from_mm, "object.jaw.to_mm=" + to_mm,
+          "object.jaw.max_edge_mm=0.2"};
+}
 
 class Scenes : public ::testing::TestWithParam<Shipped> {};
 
 TEST_P(Scenes, renders_and_decodes_to_its_truth) {
   const TempFolder tmp;
-  const std::string scene = std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + GetParam().scene + ".toml";
-  const std::string rig = std::string("rig=../rigs/") + GetParam().rig + ".json";
-  const Ran rendered =
-      run({program("enamel-twin"), "render", scene, "--set", rig, "--out", tmp / "folder", "--truth-maps"},
-          std::chrono::seconds(300));
+  std::vector<std::string> overrides = GetParam().form;
+  overrides.push_back(std::string("rig=../rigs/") + GetParam().rig + ".json");
+  std::vector<std::string> command = render_command(GetParam().scene, overrides, tmp / "folder");
+  command.emplace_back("--truth-maps");
+  const Ran rendered = run(command, std::chrono::seconds(300));
   ASSERT_EQ(rendered.code, 0) << rendered.err;
   const Ran decoded = run({program("enamel"), "decode", tmp / "folder", "--burst", std::to_string(GetParam().burst),
                            "--out", tmp / "maps"});
@@ -83,8 +99,25 @@ INSTANTIATE_TEST_SUITE_P(
     Shipped, Scenes,
     ::testing::Values(Shipped{"plane", "probe_t", "T", 4, 0.015}, Shipped{"spheres", "probe_t", "T", 0, 0.015},
                       Shipped{"steps", "probe_t", "T", 0, 0.015}, Shipped{"plane", "probe", "M", 4, 0.0005},
-                      Shipped{"spheres", "probe", "M", 0, 0.0005}, Shipped{"steps", "probe", "M", 0, 0.0005}),
+                      Shipped{"spheres", "probe", "M", 0, 0.0005}, Shipped{"steps", "probe", "M", 0, 0.0005},
+                      Shipped{"arch", "probe", "M", 0, 0.0005, one_burst("13.5", "-40", "-4")},
+                      Shipped{"arch_upper", "probe", "M", 0, 0.0005, one_burst("15.8", "-26", "26")},
+                      Shipped{"gaps", "probe", "M", 0, 0.0005, one_burst("17.0", "-30", "6")}),
     [](const auto& shipped) { return shipped.param.name(); });
+
+TEST(ScenesWithPauses, what_a_pause_leaves_out_is_not_lost) {
+  const TempFolder tmp;
+  std::vector<std::string> form = one_burst("8.0", "10", "42");
+  form[1] = "timing.bursts=8";  // five before the pause at 34 mm, three behind it
+  ASSERT_EQ(run(render_command("gaps", form, tmp / "gaps.mcap"), std::chrono::seconds(300)).code, 0);
+  const Ran replayed = run({program("enamel"), "replay", tmp / "gaps.mcap", "--out", tmp / "out", "--headless"});
+  EXPECT_EQ(replayed.code, 0) << replayed.err;
+  const auto report = nlohmann::json::parse(read_file(tmp / "out/report.json").value_or(""), nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_EQ(report["bursts"]["captured"], 8);
+  EXPECT_EQ(report["bursts"]["lost_on_wire"], 0);
+  EXPECT_EQ(report["bursts"]["incomplete"], 0);
+}
 
 }  // namespace
 }  // namespace enamel::test

@@ -87,6 +87,21 @@ TEST(TwinJaw, probe_sees_no_pinholes) {
   EXPECT_LE(holes, 3);
 }
 
+TEST(TwinJaw, palate_is_meshed_to_its_middle_when_asked_for) {
+  JawConfig config;
+  config.side = JawSide::kUpper;
+  config.both_sides = true;
+  config.max_edge_mm = 1.0;
+  const auto in_the_middle = [&] {
+    const TriSurface mesh = make_jaw(config, 5).mesh;
+    return std::count_if(mesh.vertices.begin(), mesh.vertices.end(),
+                         [](const Vec3f& v) { return std::abs(v.x()) < 3 && v.y() < -20 && v.y() > -30; });
+  };
+  EXPECT_EQ(in_the_middle(), 0);
+  config.palate = true;
+  EXPECT_GT(in_the_middle(), 50);
+}
+
 TEST(TwinJaw, seed_makes_the_patient) {
   const Jaw a = make_jaw(coarse_jaw(), 5), again = make_jaw(coarse_jaw(), 5), b = make_jaw(coarse_jaw(), 6);
   ASSERT_EQ(a.mesh.vertices.size(), again.mesh.vertices.size());

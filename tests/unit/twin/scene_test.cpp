@@ -17,7 +17,8 @@ Result<SceneConfig> parse(const std::string& text) {
 }
 
 TEST(TwinScene, shipped_scenes_and_their_rig_load) {
-  for (const char* name : {"quadrant", "quadrant_small", "gaps", "plane", "spheres", "steps", "calibration"}) {
+  for (const char* name :
+       {"quadrant", "quadrant_small", "arch", "arch_upper", "gaps", "plane", "spheres", "steps", "calibration"}) {
     const auto scene = load_scene(std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + name + ".toml");
     ASSERT_TRUE(scene) << scene.error().message();
     EXPECT_TRUE(calib::load_rig(scene->rig_path)) << scene->rig_path;
@@ -54,6 +55,10 @@ TEST(TwinScene, mistakes_are_named) {
   EXPECT_EQ(misfit.error().code, ErrorCode::kConfigValue);
   EXPECT_FALSE(parse("[object]\ntype='file'\n" + view));
   EXPECT_FALSE(parse("[object]\ntype='plane'\n[path]\ntype='views'\n"));
+  const auto palate = parse("[object]\ntype='jaw'\njaw.palate=true\n" + view);
+  ASSERT_FALSE(palate);
+  EXPECT_NE(palate.error().message().find("object.jaw.palate"), std::string::npos);
+  EXPECT_TRUE(parse("[object]\ntype='jaw'\njaw.side='upper'\njaw.palate=true\n" + view));
   EXPECT_FALSE(parse("[object]\ntype='plane'\n[timing]\nburst_rate_hz=100.0\n" + view));
 }
 
@@ -81,6 +86,20 @@ TEST(TwinPath, probe_keeps_its_distance_and_moves_smoothly) {
     const Eigen::Vector3d looked_at = pose * tip;
     EXPECT_LE((looked_at - before).norm(), 0.01 * 1.6 * scene.arch_path.speed_mm_s) << t;
     before = looked_at;
+  }
+}
+
+TEST(TwinPath, probe_looks_beside_the_arch_by_the_offset_of_a_pass) {
+  const Arch arch(ArchShape{});
+  PassConfig inside{-10, 10, -30, -6};
+  inside.offset_mm = -9;
+  ArchPathConfig config;
+  config.passes = {inside};
+  const auto path = make_arch_path(config, arch, {});
+  for (double t = 0; t < 1.3; t += 0.1) {
+    const double s = inside.from_mm + 15 * t;
+    const Eigen::Vector2d at = arch.point(s) - 9 * arch.buccal(s);
+    EXPECT_NEAR((path->pose_at(t) * Eigen::Vector3d(0, 0, 48) - Eigen::Vector3d(at.x(), at.y(), -6)).norm(), 0, 1e-9);
   }
 }
 

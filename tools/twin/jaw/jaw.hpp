@@ -13,6 +13,7 @@ struct JawConfig {
   JawSide side = JawSide::kLower;
   int last_tooth = 7;       ///< 1 central incisor … 7 second molar
   bool both_sides = false;  ///< else the right quadrant only
+  bool palate = false;      ///< upper only: meshed to its middle instead of the rim beside the teeth
   double max_edge_mm = 0.1;
   /// Part of the arch that is meshed, arc length; the surface is open at both ends. Equal values: all teeth.
   double from_mm = 0, to_mm = 0;

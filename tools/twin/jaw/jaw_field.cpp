@@ -54,8 +54,13 @@ ArchCoordinates::At ArchCoordinates::at(double x, double y) const {
   return {blend(s_), blend(n_)};
 }
 
-JawField::JawField(Dentition dentition, JawSide side, std::uint64_t seed)
-    : dentition_(std::move(dentition)), side_(side), seed_(seed), arch_(dentition_.shape), coordinates_(arch_) {}
+JawField::JawField(Dentition dentition, JawSide side, std::uint64_t seed, Inside inside)
+    : dentition_(std::move(dentition)),
+      side_(side),
+      seed_(seed),
+      inside_(inside),
+      arch_(dentition_.shape),
+      coordinates_(arch_) {}
 
 /// The alveolar ridge as a height over the arch plane: a crest below the gum margin, flanks down to the vestibule
 /// outside and to floor or palate inside.
@@ -70,7 +75,8 @@ double JawField::ridge(const ArchCoordinates::At& a, const Eigen::Vector3d& p) c
   } else {
     height -= 9.5 * smooth_step(out, -2.0, 13.0);
     // Rugae: transverse folds of the front palate.
-    const double front = 1.0 - smooth_step(std::abs(a.s), 14.0, 26.0);
+    double front = 1.0 - smooth_step(std::abs(a.s), 14.0, 26.0);
+    if (inside_ == Inside::kVault) front *= smooth_step(std::abs(p.x()), 0.6, 2.2);  // none on the seam
     height += 0.35 * front * smooth_step(out, 0.5, 2.5) * std::sin(2.2 * out + 0.8 * std::sin(0.5 * a.s));
   }
   height -= 1.2 * smooth_step(std::abs(a.s), 52.0, 66.0);  // behind the last molar

@@ -26,7 +26,11 @@ class ArchCoordinates {
 
 class JawField {
  public:
-  JawField(Dentition dentition, JawSide side, std::uint64_t seed);
+  enum class Inside : std::uint8_t {
+    kRim,    ///< the flank beside the teeth; further in the surface is not to be looked at
+    kVault,  ///< the palate up to its seam in the middle, where the rugae end
+  };
+  JawField(Dentition dentition, JawSide side, std::uint64_t seed, Inside inside = Inside::kRim);
 
   struct Sample {
     double value = 0;   ///< < 0 inside; slope about 1 near the surface, never above kLipschitz
@@ -47,6 +51,7 @@ class JawField {
   Dentition dentition_;
   JawSide side_;
   std::uint64_t seed_;
+  Inside inside_;
   Arch arch_;
   ArchCoordinates coordinates_;
 };

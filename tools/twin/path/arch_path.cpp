@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 struct ArchState {
-  double s, roll_deg, height;
+  double s, roll_deg, height, offset;
 };
 
 class ArchPath final : public Trajectory {
@@ -35,8 +35,8 @@ class ArchPath final : public Trajectory {
   [[nodiscard]] Pose pose_at(double t_s) const override {
     const ArchState a = state_at(t_s);
     const Eigen::Vector2d p = arch_.point(a.s), t = arch_.tangent(a.s), b = arch_.buccal(a.s);
-    const Vector3d target(p.x(), p.y(), a.height);
     const Vector3d x(t.x(), t.y(), 0), up(0, 0, 1), out(b.x(), b.y(), 0);
+    const Vector3d target = Vector3d(p.x(), p.y(), a.height) + a.offset * out;
     const double roll = a.roll_deg * kRadPerDeg;
     const Vector3d z = -(std::cos(roll) * up + std::sin(roll) * out);
     Pose pose = Pose::Identity();
@@ -85,15 +85,17 @@ class ArchPath final : public Trajectory {
     const PassConfig& pass = config_.passes[i];
     const double dt = t_s - begin_s_[i];
     if (dt <= duration(pass) || i + 1 == config_.passes.size()) {
-      return {pass.from_mm + velocity(pass) * dt, pass.roll_deg, pass.height_mm};
+      return {pass.from_mm + velocity(pass) * dt, pass.roll_deg, pass.height_mm, pass.offset_mm};
     }
     const PassConfig& next = config_.passes[i + 1];
-    if (next.after == Joint::kPause) return {pass.to_mm, pass.roll_deg, pass.height_mm};  // seen by no burst
+    if (next.after == Joint::kPause) {  // seen by no burst
+      return {pass.to_mm, pass.roll_deg, pass.height_mm, pass.offset_mm};
+    }
     return turned(pass, next, (dt - duration(pass)) / config_.turn_s);
   }
 
-  /// Turn, u from 0 to 1: the position follows a cubic that keeps the velocity at both ends, roll and height a smooth
-  /// step.
+  /// Turn, u from 0 to 1: the position follows a cubic that keeps the velocity at both ends, roll, height and offset a
+  /// smooth step.
   [[nodiscard]] ArchState turned(const PassConfig& pass, const PassConfig& next, double u) const {
     const double u2 = u * u, u3 = u2 * u;
     const double m0 = velocity(pass) * config_.turn_s, m1 = velocity(next) * config_.turn_s;
@@ -101,7 +103,8 @@ class ArchPath final : public Trajectory {
     return {
         (2 * u3 - 3 * u2 + 1) * pass.to_mm + (u3 - 2 * u2 + u) * m0 + (3 * u2 - 2 * u3) * next.from_mm + (u3 - u2) * m1,
         pass.roll_deg + step * (next.roll_deg - pass.roll_deg),
-        pass.height_mm + step * (next.height_mm - pass.height_mm)};
+        pass.height_mm + step * (next.height_mm - pass.height_mm),
+        pass.offset_mm + step * (next.offset_mm - pass.offset_mm)};
   }
 
   ArchPathConfig config_;

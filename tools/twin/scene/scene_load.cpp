@@ -79,6 +79,7 @@ void bind_object(ConfigReader r, SceneConfig& c) {
   r.bind("jaw.side", c.jaw.side, kSides, "lower or upper");
   r.bind("jaw.last_tooth", c.jaw.last_tooth, {1, 7}, "1 central incisor ... 7 second molar");
   r.bind("jaw.both_sides", c.jaw.both_sides, "the whole arch instead of the right quadrant");
+  r.bind("jaw.palate", c.jaw.palate, "upper jaw: the palate to its middle, not only the rim beside the teeth");
   r.bind("jaw.max_edge_mm", c.jaw.max_edge_mm, {0.02, 2}, "longest edge of the mesh");
   r.bind("jaw.from_mm", c.jaw.from_mm, {-70, 70}, "part of the arch to mesh, arc length from the midline");
   r.bind("jaw.to_mm", c.jaw.to_mm, {-70, 70}, "its end; from = to: all teeth");
@@ -112,6 +113,7 @@ void check(ConfigReader& r, const SceneConfig& c) {
   if ((c.path == PathKind::kCalibration) != (c.object == ObjectKind::kBoard)) {
     r.reject("path.type", "a calibration path goes with object.type = board, and only with it");
   }
+  if (c.jaw.palate && c.jaw.side != JawSide::kUpper) r.reject("object.jaw.palate", "only the upper jaw has one");
   if (2 * c.board.radius_mm >= c.board.pitch_mm) r.reject("board.radius_mm", "the dots touch");
   if (c.object == ObjectKind::kFile && c.file.path.empty()) r.reject("object.type", "object.file.path is not given");
   if (c.timing.exposure_ms > c.timing.frame_period_ms) r.reject("timing.exposure_ms", "longer than the frame period");
