@@ -42,7 +42,7 @@ class JawField {
   [[nodiscard]] double value(const Eigen::Vector3d& p) const { return sample(p).value; }
 
   [[nodiscard]] const Dentition& dentition() const { return dentition_; }
-  [[nodiscard]] ArchCoordinates::At arch_at(const Eigen::Vector3d& p) const { return coordinates_.at(p.x(), p.y()); }
+  [[nodiscard]] const ArchCoordinates& coordinates() const { return coordinates_; }
 
  private:
   [[nodiscard]] double ridge(const ArchCoordinates::At& a, const Eigen::Vector3d& p) const;
