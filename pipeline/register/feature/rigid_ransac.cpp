@@ -53,7 +53,7 @@ std::vector<PointPair> most_compatible(const std::vector<PointPair>& pairs, cons
 }
 
 /// Umeyama without scale. Sums in index order, so the result does not depend on a library's blocking.
-Pose umeyama(const std::vector<PointPair>& pairs, const std::vector<std::uint32_t>& chosen) {
+Pose umeyama(const std::vector<PointPair>& pairs, std::span<const std::uint32_t> chosen) {
   Vec3d mean_from = Vec3d::Zero();
   Vec3d mean_to = Vec3d::Zero();
   for (const std::uint32_t i : chosen) {
@@ -96,6 +96,12 @@ std::optional<std::vector<std::uint32_t>> draw_triple(const std::vector<PointPai
 }
 
 }  // namespace
+
+Pose best_rigid(const std::vector<PointPair>& pairs) {
+  std::vector<std::uint32_t> all(pairs.size());
+  std::iota(all.begin(), all.end(), 0U);
+  return umeyama(pairs, all);
+}
 
 std::optional<RigidFit> fit_rigid(const std::vector<PointPair>& all, std::uint64_t seed, const RansacConfig& config) {
   const std::vector<PointPair> pairs = most_compatible(all, config);

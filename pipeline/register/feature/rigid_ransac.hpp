@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pipeline/types/geometry.hpp"
@@ -28,6 +29,9 @@ struct RigidFit {
   int inliers = 0;
   double rms_mm = 0;  ///< of the inliers
 };
+
+/// The motion that brings all pairs together best, from -> to. At least three, not on one line.
+[[nodiscard]] Pose best_rigid(const std::vector<PointPair>& pairs);
 
 /// Draws come from a counter (seed, draw number): no state, same answer everywhere. nullopt: fewer than min_inliers
 /// agree.

@@ -27,23 +27,26 @@ bool KeyframeStore::wants(const Pose& T_model_cam) const {
 }
 
 void KeyframeStore::add(const SurfacePatch& patch, const Pose& T_model_cam, std::vector<Feature> features) {
-  frames_.push_back(
-      {T_model_cam, std::move(features), view_from_patch(patch, T_model_cam, lens_, config_.view_stride)});
+  frames_.push_back({T_model_cam, std::move(features), view_from_patch(patch, T_model_cam, lens_, config_.view_stride),
+                     extract_surface_features(patch, lens_.fx / config_.work_distance_mm, config_.surface)});
 }
 
 void KeyframeStore::absorb(KeyframeStore&& other, const Pose& T_model_other) {
   for (Keyframe& frame : other.frames_) {
     const Pose T_model_cam = T_model_other * frame.T_model_cam;
     if (!wants(T_model_cam)) continue;
-    frames_.push_back({T_model_cam, std::move(frame.features), carried_into(T_model_other, std::move(frame.view))});
+    frame.T_model_cam = T_model_cam;
+    frame.view = carried_into(T_model_other, std::move(frame.view));
+    frames_.push_back(std::move(frame));
   }
   other.frames_.clear();
 }
 
-std::vector<std::size_t> KeyframeStore::candidates(const Pose& T_model_cam, std::uint64_t turn) const {
+std::vector<std::size_t> KeyframeStore::candidates(const Pose& T_model_cam, std::uint64_t turn,
+                                                   std::size_t most) const {
   std::vector<std::size_t> order(frames_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  if (order.size() <= config_.max_tried) return order;
+  if (order.size() <= most) return order;
   std::vector<double> distance;
   distance.reserve(frames_.size());
   for (const Keyframe& frame : frames_) {
@@ -52,8 +55,8 @@ std::vector<std::size_t> KeyframeStore::candidates(const Pose& T_model_cam, std:
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return distance[a] != distance[b] ? distance[a] < distance[b] : a < b;
   });
-  const std::size_t near = config_.max_tried / 2;
-  const std::size_t far = config_.max_tried - near;
+  const std::size_t near = most / 2;
+  const std::size_t far = most - near;
   const std::size_t others = order.size() - near;
   std::vector<std::size_t> out(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(near));
   for (std::size_t k = 0; k < far; ++k) out.push_back(order[near + (turn * far + k) % others]);

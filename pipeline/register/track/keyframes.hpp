@@ -6,6 +6,7 @@
 
 #include "calib/model/rig.hpp"
 #include "pipeline/register/feature/features.hpp"
+#include "pipeline/register/feature/surface_features.hpp"
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/model_view.hpp"
 #include "pipeline/types/patch.hpp"
@@ -18,12 +19,16 @@ struct KeyframeConfig {
   double work_distance_mm = 48;  ///< spacing is measured at the point this far before the camera
   int view_stride = 2;           ///< camera pixels a pixel of the kept surface
   std::size_t max_tried = 32;    ///< most keyframes compared with one burst: the nearest, then the others by turns
+  std::size_t max_voting =
+      256;  ///< likewise by surface features, 0.15 ms a keyframe; derived: a whole arch has 100 a pass
+  SurfaceFeatureConfig surface;
 };
 
 struct Keyframe {
   Pose T_model_cam = Pose::Identity();
   std::vector<Feature> features;
   ModelView view;  ///< the patch itself, thinned
+  std::vector<SurfaceFeature> surface;
 };
 
 class KeyframeStore {
@@ -35,9 +40,11 @@ class KeyframeStore {
   /// Takes over another store's keyframes: those that are wanted here, in their order.
   void absorb(KeyframeStore&& other, const Pose& T_model_other);
   [[nodiscard]] const std::vector<Keyframe>& all() const noexcept { return frames_; }
-  /// Indices to try for a burst last known near T: at most max_tried, half of them the nearest, half by turns so that
+  /// Indices to try for a burst last known near T: at most `most`, half of them the nearest, half by turns so that
   /// every keyframe is reached within a few bursts. `turn` counts the attempts.
-  [[nodiscard]] std::vector<std::size_t> candidates(const Pose& T_model_cam, std::uint64_t turn) const;
+  [[nodiscard]] std::vector<std::size_t> candidates(const Pose& T_model_cam, std::uint64_t turn,
+                                                    std::size_t most) const;
+  [[nodiscard]] const KeyframeConfig& config() const noexcept { return config_; }
 
  private:
   calib::LensValues lens_;

@@ -1,7 +1,9 @@
 #include "pipeline/register/track/relocalise.hpp"
 
 #include <algorithm>
-#include <numbers>
+#include <utility>
+
+#include "pipeline/register/track/find_turned.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -11,18 +13,19 @@ struct Hypothesis {
   RigidFit fit;
 };
 
-std::vector<Hypothesis> hypotheses(const LostPatch& patch, const KnownPlaces& places, double ratio,
-                                   const RansacConfig& config) {
-  const std::vector<Feature>& features = patch.features;
+std::vector<Hypothesis> hypotheses(const LostPatch& lost, const KnownPlaces& places, double px_per_mm,
+                                   const RelocaliseConfig& config) {
+  const auto features = extract_features(lost.patch, px_per_mm, config.features);
+  const KeyframeStore& store = places.keyframes;
   std::vector<Hypothesis> out;
-  for (const std::size_t k : places.candidates) {
-    const Keyframe& frame = places.keyframes[k];
+  for (const std::size_t k : store.candidates(places.T_model_cam, places.turn, store.config().max_tried)) {
+    const Keyframe& frame = store.all()[k];
     std::vector<PointPair> pairs;
-    for (const FeatureMatch& match : match_features(features, frame.features, ratio)) {
+    for (const FeatureMatch& match : match_features(features, frame.features, config.features.ratio)) {
       pairs.push_back(
           {features[match.a].point.cast<double>(), frame.T_model_cam * frame.features[match.b].point.cast<double>()});
     }
-    if (const auto fit = fit_rigid(pairs, patch.seed + k, config)) out.push_back({k, *fit});
+    if (const auto fit = fit_rigid(pairs, lost.seed + k, config.ransac)) out.push_back({k, *fit});
   }
   std::sort(out.begin(), out.end(), [](const Hypothesis& a, const Hypothesis& b) {
     return a.fit.inliers != b.fit.inliers ? a.fit.inliers > b.fit.inliers : a.keyframe < b.keyframe;
@@ -30,31 +33,33 @@ std::vector<Hypothesis> hypotheses(const LostPatch& patch, const KnownPlaces& pl
   return out;
 }
 
-bool other_place(const Pose& a, const Pose& b, const RelocaliseConfig& config) {
-  const Vec3d work(0, 0, config.work_distance_mm);
-  const Eigen::AngleAxisd turn(a.linear().transpose() * b.linear());
-  return (a * work - b * work).norm() > config.rival_mm || turn.angle() > config.rival_deg * std::numbers::pi / 180;
-}
-
-}  // namespace
-
-std::optional<Relocalised> relocalise(const LostPatch& patch, const KnownPlaces& places, const ViewCamera& camera,
-                                      double ratio, const IcpConfig& icp, const RelocaliseConfig& config) {
-  const auto found = hypotheses(patch, places, ratio, config.ransac);
+std::optional<Relocalised> find_by_pictures(const LostPatch& lost, const KnownPlaces& places,
+                                            const calib::LensValues& lens, const IcpConfig& icp,
+                                            const RelocaliseConfig& config) {
+  const auto found = hypotheses(lost, places, lens.fx / config.work_distance_mm, config);
   const std::size_t limit = std::min(found.size(), static_cast<std::size_t>(config.max_verified));
   for (std::size_t i = 0; i < limit; ++i) {
     const Hypothesis& h = found[i];
-    const Reference reference(places.keyframes[h.keyframe].view, icp.reference);
-    const IcpResult result = align(patch.pyramid, reference, camera, h.fit.T_to_from, h.fit.T_to_from, icp);
-    if (!acceptable(result, patch.pyramid.levels.back().median_sigma_mm, config.accept)) continue;
+    const Reference reference(places.keyframes.all()[h.keyframe].view, icp.reference);
+    const IcpResult result = align(lost.pyramid, reference, ViewCamera(lens), h.fit.T_to_from, h.fit.T_to_from, icp);
+    if (!acceptable(result, lost.pyramid.levels.back().median_sigma_mm, config.accept)) continue;
     const bool rival = std::any_of(found.begin(), found.end(), [&](const Hypothesis& other) {
       return other.fit.inliers >= config.rival_ratio * h.fit.inliers &&
-             other_place(other.fit.T_to_from, result.T_model_cam, config);
+             another_place(other.fit.T_to_from, result.T_model_cam, config);
     });
     if (rival) return std::nullopt;
     return Relocalised{result, h.keyframe, h.fit.inliers};
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Relocalised> relocalise(const LostPatch& lost, const KnownPlaces& places, const calib::LensValues& lens,
+                                      const IcpConfig& icp, const RelocaliseConfig& config) {
+  const auto tried = try_places(lost, places, lens, icp, config);
+  if (const auto found = choose_place(tried, lost.pyramid.levels.back().median_sigma_mm, config)) return found;
+  return find_by_pictures(lost, places, lens, icp, config);
 }
 
 }  // namespace enamel::pipeline

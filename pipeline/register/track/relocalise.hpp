@@ -1,4 +1,5 @@
-// Finds a patch again among the keyframes: features, then RANSAC, then ICP, then doubt.
+// Finds a patch again among the keyframes. From any side by surface features, each of which is a whole motion; from the
+// same side also by pictures, where a surface too smooth for those has texture. Then ICP, then doubt.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +7,22 @@
 #include <vector>
 
 #include "pipeline/register/feature/rigid_ransac.hpp"
+#include "pipeline/register/feature/surface_votes.hpp"
 #include "pipeline/register/track/acceptance.hpp"
 #include "pipeline/register/track/keyframes.hpp"
+#include "pipeline/register/track/place_evidence.hpp"
 
 namespace enamel::pipeline {
 
 struct RelocaliseConfig {
+  FeatureConfig features;
   RansacConfig ransac;
+  VoteConfig votes;
+  EvidenceConfig evidence;
   AcceptConfig accept;
+  /// From another side: the same, but nearly nothing may be seen through. At a true place only silhouettes disagree, a
+  /// hundredth; another tooth of the same kind has a third.
+  AcceptConfig accept_turned{0.30, 0.90, 0.040, 1.5};
   int max_verified = 4;      ///< hypotheses that are carried to ICP, most inliers first
   double rival_ratio = 0.7;  ///< another place with this share of the winner's inliers: teeth repeat, refuse both
   double rival_mm = 1.0;     ///< another place: farther than this at the working distance …
@@ -29,21 +38,21 @@ struct Relocalised {
 
 /// The patch whose place is not known. Refers to its parts.
 struct LostPatch {
-  const std::vector<Feature>& features;
+  const SurfacePatch& patch;
   const PatchPyramid& pyramid;
   std::uint64_t seed;  ///< makes the draws of one burst its own
 };
 
 /// Where it may be. Refers to its parts.
 struct KnownPlaces {
-  const std::vector<Keyframe>& keyframes;
-  const std::vector<std::size_t>& candidates;  ///< indices into keyframes
+  const KeyframeStore& keyframes;
+  const Pose& T_model_cam;  ///< last known
+  std::uint64_t turn;       ///< counts the searches: what is not tried in one is tried in the next
 };
 
-/// Deterministic. `ratio` of the best descriptor distance to the second best, below which a match counts. nullopt: not
-/// found, or not without doubt.
-[[nodiscard]] std::optional<Relocalised> relocalise(const LostPatch& patch, const KnownPlaces& places,
-                                                    const ViewCamera& camera, double ratio, const IcpConfig& icp,
+/// Deterministic. lens: of the camera that took the patch and the keyframes. nullopt: not found, or not without doubt.
+[[nodiscard]] std::optional<Relocalised> relocalise(const LostPatch& lost, const KnownPlaces& places,
+                                                    const calib::LensValues& lens, const IcpConfig& icp,
                                                     const RelocaliseConfig& config);
 
 }  // namespace enamel::pipeline

@@ -17,6 +17,7 @@ TrackerConfig with_work_distance(TrackerConfig config, double distance_mm) {
   config.motion.work_distance_mm = distance_mm;
   config.keyframes.work_distance_mm = distance_mm;
   config.relocalise.work_distance_mm = distance_mm;
+  config.relocalise.features = config.features;
   return config;
 }
 
@@ -110,13 +111,11 @@ std::optional<TrackResult> Tracker::back_in_an_older(const Burst& burst, const s
 
 std::optional<SegmentJoin> Tracker::vote(const PlacedBurst& placed, const SurfacePatch& patch,
                                          const PatchPyramid& pyramid) {
-  const auto features = extract_features(patch, px_per_mm_, config_.features);
   const std::uint64_t turn = searches_++;
   for (const SegmentMemory& older : segments_) {
     if (older.id >= placed.segment) break;
-    const auto candidates = older.keyframes.candidates(older.motion.last_pose(), turn);
-    const auto found = relocalise({features, pyramid, placed.id.value}, {older.keyframes.all(), candidates}, camera_,
-                                  config_.features.ratio, config_.icp, config_.relocalise);
+    const auto found = relocalise({patch, pyramid, placed.id.value}, {older.keyframes, older.motion.last_pose(), turn},
+                                  lens_, config_.icp, config_.relocalise);
     if (!found) continue;
     const Pose T_into_segment = found->icp.T_model_cam * placed.T_segment_cam.inverse();
     const Vec3d looked_at = placed.T_segment_cam * Vec3d(0, 0, config_.motion.work_distance_mm);

@@ -74,7 +74,7 @@ TEST(Keyframes, every_one_is_tried_within_a_few_bursts) {
   for (int i = 0; i < 70; ++i) store.add(nothing, ts::looking_down(3.0 * i, 0), {});
   std::vector<int> tried(70, 0);
   for (std::uint64_t turn = 0; turn < 4; ++turn) {
-    const auto chosen = store.candidates(ts::looking_down(0, 0), turn);
+    const auto chosen = store.candidates(ts::looking_down(0, 0), turn, 32);
     EXPECT_LE(chosen.size(), 32U);
     for (const std::size_t i : chosen) ++tried[i];
   }

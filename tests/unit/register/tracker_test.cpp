@@ -86,7 +86,8 @@ int followed_over_a_wrist_turn(const TrackerConfig& config) {
 TEST(Tracker, follows_a_wrist_turn_that_sparse_bursts_do_not_foretell) {
   TrackerConfig blind;
   blind.wrist_deg = {0, 0};
-  blind.features.ratio = 0;  // no match: features cannot help out
+  blind.features.ratio = 0;                   // no match: features cannot help out …
+  blind.relocalise.votes.max_hypotheses = 0;  // … of neither kind
   TrackerConfig turning = blind;
   turning.wrist_deg = TrackerConfig{}.wrist_deg;
   EXPECT_GE(followed_over_a_wrist_turn(turning), 7);
@@ -149,11 +150,8 @@ std::optional<Relocalised> search_where_teeth_repeat(std::int64_t repeat) {
   }
   const SurfacePatch patch =
       ts::make_patch(surface, rig.camera, ts::looking_down(24.5, 0.3, {0, 0, 0.2}), {0.01, 0.03, 2});
-  const auto features = extract_features(patch, px_per_mm, config.features);
   const PatchPyramid pyramid = make_pyramid(patch, config.icp);
-  const std::vector<std::size_t> both{0, 1};
-  return relocalise({features, pyramid, 7}, {store.all(), both}, ViewCamera(rig.camera), config.features.ratio,
-                    config.icp, config.relocalise);
+  return relocalise({patch, pyramid, 7}, {store, Pose::Identity(), 0}, rig.camera, config.icp, config.relocalise);
 }
 
 TEST(Relocalise, refuses_to_choose_between_two_places_that_look_alike) {

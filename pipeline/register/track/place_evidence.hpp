@@ -1,0 +1,50 @@
+// What speaks for a place that a patch is said to lie at: all keyframes near it are asked together, for none of them
+// need show much of what another side shows. Two judges: an alignment to what the keyframes show from there, and free
+// space: no camera saw through a surface, neither the patch's through theirs nor theirs through the patch's.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "calib/model/rig.hpp"
+#include "pipeline/register/icp/icp.hpp"
+#include "pipeline/register/track/keyframes.hpp"
+
+namespace enamel::pipeline {
+
+struct EvidenceConfig {
+  std::size_t max_keyframes = 8;  ///< chosen: 2 mm or 3 degrees apart, eight span more than a picture
+  double draw_pitch_mm = 0.113;   ///< derived: of drawn pictures; keyframes keep half of it and may be stretched by
+                                  ///< 1/cos 60 degrees
+  double layer_mm = 0.3;          ///< chosen: surface nearer than this to another is the same, seen twice
+  double match_mm = 0.15;         ///< as the finest gate of the alignment
+  double match_deg = 30;
+  double through_mm = 0.3;  ///< chosen: twice match_mm; a surface so far before another was seen through
+};
+
+struct PlaceEvidence {
+  double overlap = 0;      ///< share of the patch that meets any keyframe's surface
+  double consistency = 0;  ///< what meets / (what meets + what was seen through, either way)
+  std::size_t matches = 0;
+};
+
+/// Indices of the keyframes that look at `point` (model frame) most nearly, nearest first.
+[[nodiscard]] std::vector<std::size_t> keyframes_near(const std::vector<Keyframe>& keyframes, const Vec3d& point,
+                                                      double work_distance_mm, std::size_t most);
+
+struct DrawnFrom {
+  Pose T_model_cam;
+  int stride;  ///< camera pixels a drawn pixel; at least that of the keyframes
+};
+
+/// The keyframes' surface as it would look from there: nearest surface of each pixel, the first keyframe's where
+/// several agree.
+[[nodiscard]] ModelView draw_keyframes(const std::vector<Keyframe>& keyframes, const std::vector<std::size_t>& chosen,
+                                       const DrawnFrom& from, const ViewCamera& camera, const EvidenceConfig& config);
+
+/// `patch`: the patch as a view in its own camera's frame (T = identity), thinned. T_model_cam: where it may lie.
+[[nodiscard]] PlaceEvidence weigh_place(const ModelView& patch, const Pose& T_model_cam,
+                                        const std::vector<Keyframe>& keyframes, const std::vector<std::size_t>& chosen,
+                                        const ViewCamera& camera, const EvidenceConfig& config);
+
+}  // namespace enamel::pipeline
