@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
@@ -72,6 +73,15 @@ std::vector<host::SegmentFacts> segment_facts(const std::vector<host::SegmentRow
   return out;
 }
 
+std::string map_json(const host::MapFacts& facts) {
+  const pipeline::RefinedMap& m = facts.map;
+  return nlohmann::json{{"keyframes", m.keyframes},   {"edges", m.edges},
+                        {"loops", m.loops},           {"switched_off", m.switched_off},
+                        {"sigma0", m.sigma0},         {"largest_move_um", 1e3 * m.largest_move_mm},
+                        {"refine_s", facts.refine_s}, {"seconds", facts.seconds}}
+      .dump();
+}
+
 }  // namespace
 
 Result<host::Report> write_outputs(const std::string& folder, const host::ScanResult& scan, host::Report report,
@@ -81,6 +91,7 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   ENAMEL_TRY_ASSIGN(const std::string apart, write_apart(folder, scan.apart));
   report.hash = scan.trace.hash(RollingHash().update(ply).update(apart).hex());
   report.segments = segment_facts(scan.segments);
+  if (scan.map) report.map_json = map_json(*scan.map);
   report.stage_ms = scan.stage_ms;
   report.latency_ms = scan.latency_ms;
   report.pipeline_json = scan.graph_json;

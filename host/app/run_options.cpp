@@ -34,6 +34,12 @@ void print_calibration(const nlohmann::json& c) {
   for (const auto& mark : c.value("marks", nlohmann::json::array())) row("", "! " + mark.get<std::string>());
 }
 
+void print_map(const nlohmann::json& m) {
+  row("map", std::to_string(m.value("keyframes", 0)) + " keyframes, " + std::to_string(m.value("edges", 0)) +
+                 " edges, moved by " + number(m.value("largest_move_um", 0.0), "%.0f", " um at most in ") +
+                 number(m.value("seconds", 0.0), "%.1f", " s"));
+}
+
 void print_accuracy(const nlohmann::json& a) {
   const auto get = [&](const char* key) { return a.contains(key) && a[key].is_number() ? a[key].get<double>() : 0.0; };
   row("mean absolute deviation", number(get("mean_abs_um"), "%.1f", " um"));
@@ -62,6 +68,7 @@ void add_run_options(CLI::App& app, RunOptions& o) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   app.add_flag("--headless", o.headless, "no window");
+  app.add_flag("--fast", o.fast, "the model as it grew: poses are not refined and nothing is fused anew at the end");
   app.add_flag("--json", o.json, "the report on stdout instead of the table");
 }
 
@@ -71,6 +78,7 @@ Result<LoadedConfig> load_config(const RunOptions& o) {
     ENAMEL_TRY_ASSIGN(reader, ConfigReader::from_file(o.config_file));
   }
   for (const std::string& setting : o.settings) ENAMEL_TRY(reader.set(setting));
+  if (o.fast) ENAMEL_TRY(reader.set("map.refine=false"));
   LoadedConfig config;
   host::bind(reader, config.pipeline);
   bind(reader, config.calibration);
@@ -90,6 +98,7 @@ void print_summary(const host::Report& report, bool json) {
                     std::to_string(b.rejected_total()) + " rejected");
   row("losses", std::to_string(b.lost_on_wire) + " on the wire, " + std::to_string(b.incomplete) + " incomplete, " +
                     std::to_string(b.shed) + " shed");
+  if (!report.map_json.empty()) print_map(nlohmann::json::parse(report.map_json, nullptr, /*allow_exceptions=*/false));
   if (!report.segments.empty()) row("segments", host::segments_line(report.segments));
   const host::OrderTotals& o = report.orders;
   row("fringe orders", std::to_string(o.guided_px) + " px by the model, " + std::to_string(o.withdrawn_px) +

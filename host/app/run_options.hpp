@@ -19,6 +19,7 @@ struct RunOptions {
   std::vector<std::string> settings;  ///< a.b=value
   int workers = 2;
   bool headless = false;
+  bool fast = false;  ///< no refinement after the scan
   bool json = false;
 };
 

@@ -81,6 +81,9 @@ std::string to_json(const Report& r) {
   if (!r.calibration_json.empty()) {
     out["calibration"] = nlohmann::json::parse(r.calibration_json, nullptr, /*allow_exceptions=*/false);
   }
+  if (!r.map_json.empty()) {
+    out["map"] = nlohmann::json::parse(r.map_json, nullptr, /*allow_exceptions=*/false);
+  }
   if (!r.pipeline_json.empty()) {
     out["pipeline"] = nlohmann::json::parse(r.pipeline_json, nullptr, /*allow_exceptions=*/false);
   }

@@ -39,18 +39,23 @@ void join_at_end(stage::TrackStage& track, stage::FuseStage& fuse, SegmentLedger
   }
 }
 
-std::vector<PlacedPose> poses_in(SegmentId root, const SinkStage& sink) {
-  std::vector<PlacedPose> out;
-  std::vector<pipeline::MeasuredPose> measured;
+std::vector<MeasuredBurst> bursts_in(SegmentId root, const SinkStage& sink) {
+  std::vector<MeasuredBurst> out;
   for (std::size_t i = 0; i < sink.placed.size(); ++i) {
     const SegmentLedger::Root at = sink.segments.root_of(sink.placed[i].segment);
     if (at.id != root) continue;
-    measured.push_back(sink.poses[i]);
-    measured.back().T_model_cam = at.T_root_segment * measured.back().T_model_cam;
-    out.push_back({sink.placed[i].id, measured.back().t_mid, Pose::Identity()});
+    out.push_back({sink.placed[i].id, sink.poses[i]});
+    out.back().pose.T_model_cam = at.T_root_segment * out.back().pose.T_model_cam;
   }
-  const std::vector<Pose> at_mid_burst = pipeline::poses_at_mid_burst(measured, {});
-  for (std::size_t i = 0; i < out.size(); ++i) out[i].T_model_cam = at_mid_burst[i];
+  return out;
+}
+
+std::vector<PlacedPose> at_mid_burst(const std::vector<MeasuredBurst>& bursts) {
+  std::vector<pipeline::MeasuredPose> measured;
+  for (const MeasuredBurst& burst : bursts) measured.push_back(burst.pose);
+  const std::vector<Pose> poses = pipeline::poses_at_mid_burst(measured, {});
+  std::vector<PlacedPose> out;
+  for (std::size_t i = 0; i < bursts.size(); ++i) out.push_back({bursts[i].id, bursts[i].pose.t_mid, poses[i]});
   return out;
 }
 

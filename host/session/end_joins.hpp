@@ -16,7 +16,13 @@ namespace enamel::host {
 void join_at_end(stage::TrackStage& track, stage::FuseStage& fuse, SegmentLedger& ledger,
                  const pipeline::JoinConfig& config);
 
-/// Poses at mid-burst of all bursts that ended up in a segment, in its frame and in order of burst.
-[[nodiscard]] std::vector<PlacedPose> poses_in(SegmentId root, const SinkStage& sink);
+struct MeasuredBurst {
+  BurstId id;
+  pipeline::MeasuredPose pose;
+};
+/// All bursts that ended up in a segment, in its frame and in order of burst.
+[[nodiscard]] std::vector<MeasuredBurst> bursts_in(SegmentId root, const SinkStage& sink);
+/// Their poses at mid-burst.
+[[nodiscard]] std::vector<PlacedPose> at_mid_burst(const std::vector<MeasuredBurst>& bursts);
 
 }  // namespace enamel::host

@@ -52,6 +52,12 @@ void bind_mesh(ConfigReader r, pipeline::MeshConfig& c) {
   r.bind("min_component_triangles", c.min_component_triangles, {0, 1000000}, "smaller floating pieces are left out");
 }
 
+void bind_map(ConfigReader r, pipeline::MapConfig& c) {
+  r.bind("refine", c.refine, "after the scan: poses over all keyframes, every burst fused anew; --fast leaves it out");
+  r.bind("spacing_mm", c.spacing_mm, {0.2, 20.0}, "a keyframe of the map every so far along the way");
+  r.bind("spacing_deg", c.spacing_deg, {0.5, 45.0}, "or turned by more than this");
+}
+
 }  // namespace
 
 void bind(ConfigReader& reader, PipelineConfig& config) {
@@ -64,6 +70,7 @@ void bind(ConfigReader& reader, PipelineConfig& config) {
   bind_guide(reader.table("guide"), config.guide);
   bind_fuse(reader.table("fuse"), config.fuse);
   bind_mesh(reader.table("mesh"), config.mesh);
+  bind_map(reader.table("map"), config.map);
 }
 
 }  // namespace enamel::host

@@ -5,6 +5,7 @@
 #include "pipeline/model/fuse/fuse_config.hpp"
 #include "pipeline/model/guide/model_guide.hpp"
 #include "pipeline/model/mesh/mesh_config.hpp"
+#include "pipeline/register/map/refine_map.hpp"
 #include "pipeline/register/track/tracker.hpp"
 #include "protocol/base/config.hpp"
 
@@ -16,6 +17,7 @@ struct PipelineConfig {
   pipeline::GuideConfig guide;
   pipeline::FuseConfig fuse;
   pipeline::MeshConfig mesh;
+  pipeline::MapConfig map;
   int feedback_delay = 2;  ///< bursts; registration of burst n uses the model after burst n - delay
   int preview_period = 2;
 };

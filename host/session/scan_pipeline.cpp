@@ -9,6 +9,7 @@
 
 #include "host/session/end_joins.hpp"
 #include "host/session/end_stages.hpp"
+#include "host/session/final_map.hpp"
 #include "host/session/pipeline_figures.hpp"
 #include "host/session/wave_before.hpp"
 #include "pipeline/flow/executor.hpp"
@@ -33,11 +34,11 @@ struct ScanPipeline::Impl {
   Impl(const calib::Rig& r, const PipelineConfig& p, const ScanPipelineOptions& o, Clock& c)
       : rig(r), config(p), options(o), clock(c), gate(kEntrance, GatePolicy::kLossless), graph(c) {}
 
-  void build(const calib::Rig& rig, const std::shared_ptr<const pipeline::BurstDecoder>& decoder);
+  void build(const std::shared_ptr<const pipeline::BurstDecoder>& decoder);
   void start(std::optional<double> temp_c);
   void run(const std::stop_token& stop);
 
-  calib::Rig rig;
+  calib::Rig rig, optics;  ///< as told, and at the first burst's temperature
   PipelineConfig config;
   std::shared_ptr<const pipeline::BurstDecoder> decoder;  ///< of `rig` as it stands
   ScanPipelineOptions options;
@@ -58,7 +59,7 @@ struct ScanPipeline::Impl {
   std::jthread thread;  // last: ends before what it uses
 };
 
-void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<const pipeline::BurstDecoder>& baked) {
+void ScanPipeline::Impl::build(const std::shared_ptr<const pipeline::BurstDecoder>& baked) {
   auto& source = graph.add<SourceStage>(gate);
   std::array<stage::DecodeStage*, kDecoders> decoders{};
   for (std::size_t i = 0; i < kDecoders; ++i) {
@@ -69,7 +70,8 @@ void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<c
   const stage::FuseStageConfig fuse_config{.fuse = config.fuse,
                                            .mesh = config.mesh,
                                            .preview_model = options.preview_model,
-                                           .preview_period = config.preview_period};
+                                           .preview_period = config.preview_period,
+                                           .keep_history = config.map.refine};
   fuse = &graph.add<stage::FuseStage>(optics, fuse_config,
                                       pipeline::Unpacker(baked->shared_rays(), baked->config().normals));
   SinkStage& last = graph.add<SinkStage>(clock);
@@ -97,7 +99,7 @@ void ScanPipeline::Impl::build(const calib::Rig& optics, const std::shared_ptr<c
 /// What the bursts' temperatures were stands in the result.
 void ScanPipeline::Impl::start(std::optional<double> temp_c_first) {
   std::call_once(started, [&] {
-    calib::Rig optics = rig;
+    optics = rig;
     if (rig.temperature && temp_c_first) {
       optics = calib::rig_at(rig, *temp_c_first);
       if (auto warm = pipeline::BurstDecoder::make(optics, config.decode)) {
@@ -106,7 +108,7 @@ void ScanPipeline::Impl::start(std::optional<double> temp_c_first) {
         ran = tl::unexpected<Error>(warm.error());
       }
     }
-    build(optics, decoder);
+    build(decoder);
     if (ran) ran = graph.validate();
     thread = std::jthread([this](const std::stop_token& stop) { run(stop); });
   });
@@ -185,9 +187,14 @@ ScanResult ScanPipeline::take_result() {
   result.trace = std::move(sink.trace);
   join_at_end(*impl_->track, *impl_->fuse, sink.segments, impl_->config.track.join);
   result.segments = sink.segments.rows();
-  result.poses = poses_in(kModelSegment, sink);
+  std::vector<MeasuredBurst> placed = bursts_in(kModelSegment, sink);
+  if (impl_->config.map.refine) {
+    const auto threads = static_cast<std::size_t>(std::max(impl_->options.workers, 1));
+    result.map = refine_model({impl_->optics, impl_->config, threads}, placed, *impl_->fuse, impl_->clock);
+  }
+  result.poses = at_mid_burst(placed);
   for (const auto& [id, bursts] : impl_->fuse->segments().kept())
-    result.apart.push_back({id, poses_in(id, sink), impl_->fuse->extract_apart(id)});
+    result.apart.push_back({id, at_mid_burst(bursts_in(id, sink)), impl_->fuse->extract_apart(id)});
   result.rejected = std::move(sink.rejected);
   result.orders = sink.orders;
   result.accepted = impl_->pushed.load();

@@ -18,6 +18,7 @@
 #include "host/report/stage_trace.hpp"
 #include "host/session/pipeline_config.hpp"
 #include "host/session/segment_ledger.hpp"
+#include "pipeline/register/map/refine_map.hpp"
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/mesh.hpp"
 #include "pipeline/types/preview.hpp"
@@ -48,6 +49,12 @@ struct ApartSegment {
   Mesh mesh;
 };
 
+/// What the refinement after the scan did.
+struct MapFacts {
+  pipeline::RefinedMap map;          ///< without its poses
+  double refine_s = 0, seconds = 0;  ///< for the poses alone; with the model fused anew
+};
+
 /// What a run leaves behind. Everything but times is a function of the bursts, the rig and the configuration.
 struct ScanResult {
   StageTrace trace;
@@ -55,6 +62,7 @@ struct ScanResult {
   Mesh mesh;
   std::vector<ApartSegment> apart;   ///< ascending id
   std::vector<SegmentRow> segments;  ///< as they were scanned, ascending id
+  std::optional<MapFacts> map;       ///< where the poses were refined
   std::uint64_t accepted = 0, fused = 0;
   std::map<std::string, std::uint64_t> rejected;
   OrderTotals orders;

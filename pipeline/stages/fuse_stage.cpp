@@ -46,7 +46,7 @@ std::shared_ptr<const Map<std::uint8_t>> grey(const Map<float>& texture) {
 FuseStage::FuseStage(const calib::Rig& rig, const FuseStageConfig& config, pipeline::Unpacker unpack)
     : Stage("fuse"),
       config_(config),
-      model_(rig, config.fuse, std::move(unpack)),
+      model_(rig, config.fuse, std::move(unpack), config.keep_history),
       mesher_(config.mesh),
       apart_mesher_(config.mesh),
       last_view_(std::make_shared<const ModelView>()) {}
@@ -121,6 +121,12 @@ std::shared_ptr<const ModelSnapshot> FuseStage::growing_surface() {
   apart_meshed_ = model_.openings();
   apart_mesher_.update(*apart, apart->take_changed(kVisibleMoveMm), kBlocksAtOnce);
   return std::make_shared<const ModelSnapshot>(apart_mesher_.snapshot());
+}
+
+void FuseStage::rebuild(const std::vector<pipeline::KeptBurst>& history,
+                        const std::function<SurfacePatch(std::size_t)>& load) {
+  model_.rebuild(history, load);
+  mesher_ = pipeline::IncrementalMesher(config_.mesh);
 }
 
 Mesh FuseStage::extract_mesh() {

@@ -2,7 +2,9 @@
 // registration and shows the growing surface.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <vector>
 
 #include "pipeline/flow/stage.hpp"
 #include "pipeline/model/mesh/incremental_mesher.hpp"
@@ -19,6 +21,7 @@ struct FuseStageConfig {
   pipeline::MeshConfig mesh;
   bool preview_model = false;  ///< somebody watches the surface grow: mesh it as it changes
   int preview_period = 2;      ///< … every so many bursts
+  bool keep_history = false;   ///< every burst is kept, packed, so that the model can be fused anew with other poses
 };
 
 /// Sees rejected bursts too: registration wants a view for every burst, and the person at the screen that one was lost.
@@ -36,6 +39,8 @@ class FuseStage final : public flow::Stage {
 
   /// After the run: what is apart, and joins that are found then.
   [[nodiscard]] pipeline::SegmentedModel& segments() noexcept { return model_; }
+  /// After the run: the model fused anew from its bursts, with the poses that they have in `history`.
+  void rebuild(const std::vector<pipeline::KeptBurst>& history, const std::function<SurfacePatch(std::size_t)>& load);
   /// After the run: the model's surface with all its blocks welded …
   [[nodiscard]] Mesh extract_mesh();
   /// … and that of a segment that is still apart.

@@ -14,7 +14,7 @@ namespace enamel {
 /// in camera coordinates falls on view pixel i = round((fx * p.x / p.z + cx) / stride), j likewise; no lens code is
 /// needed. The maps have ceil(width / stride) x ceil(height / stride) pixels.
 struct ModelView {
-  bool empty = true;              ///< nothing fused yet
+  bool empty = true;                  ///< nothing fused yet
   SegmentId segment = kModelSegment;  ///< whose surface this is, and whose frame "model frame" means
   std::uint64_t after_burst = 0;      ///< last burst fused into the model when this was drawn
   Pose T_model_cam = Pose::Identity();

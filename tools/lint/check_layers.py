@@ -11,7 +11,7 @@ PROTOCOL = BASE + ["protocol/types", "protocol/idl", "protocol/dds", "protocol/m
 FIRMWARE = ["firmware/hal", "firmware/sim", "firmware/acquire", "firmware/publish", "firmware/control"]
 HOST = ["host/ingest", "host/record", "host/report", "host/update", "host/session"]
 DECODE = ["pipeline/decode/" + room for room in ("phase", "unwrap", "triangulate", "motion", "steps", "mode_t", "mode_m")]
-REGISTER = ["pipeline/register/" + room for room in ("icp", "feature", "track")]
+REGISTER = ["pipeline/register/" + room for room in ("icp", "feature", "track", "map")]
 MODEL = ["pipeline/model/" + room for room in ("fuse", "mesh", "guide", "segments")]
 SHARED = BASE + ["calib/model", "pipeline/types"]
 ALGORITHMS = ["pipeline/types", "pipeline/decode"] + DECODE + REGISTER + MODEL
@@ -39,7 +39,8 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "pipeline/decode": (2, SHARED + DECODE),
     "pipeline/register/icp": (2, SHARED),
     "pipeline/register/feature": (2, SHARED),
-    "pipeline/register/track": (2, SHARED + REGISTER),
+    "pipeline/register/track": (2, SHARED + REGISTER[:2]),
+    "pipeline/register/map": (2, SHARED + REGISTER[:1]),
     "pipeline/model/fuse": (2, SHARED),
     "pipeline/model/mesh": (2, SHARED + ["pipeline/model/fuse"]),
     "pipeline/model/guide": (2, SHARED + ["pipeline/decode/phase", "pipeline/decode/triangulate", "pipeline/register/icp"]),

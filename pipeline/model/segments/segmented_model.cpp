@@ -6,15 +6,18 @@
 
 namespace enamel::pipeline {
 
-SegmentedModel::SegmentedModel(const calib::Rig& rig, const FuseConfig& config, Unpacker unpack)
-    : rig_(rig), config_(config), unpack_(std::move(unpack)), model_(rig, config) {}
+SegmentedModel::SegmentedModel(const calib::Rig& rig, const FuseConfig& config, Unpacker unpack, bool keep_history)
+    : rig_(rig), config_(config), unpack_(std::move(unpack)), keep_history_(keep_history), model_(rig, config) {}
 
 FuseStats SegmentedModel::integrate(BurstId burst, const SurfacePatch& patch, const TrackResult& placed) {
   for (const SegmentJoin& one : placed.joins) join(one);
   active_ = placed.segment;
-  if (active_ == kModelSegment) return model_.integrate(burst, patch, placed.T_model_cam);
+  if (active_ == kModelSegment) {
+    if (keep_history_) history_.push_back({burst, placed.T_model_cam, pack(patch, Texture::kDropped)});
+    return model_.integrate(burst, patch, placed.T_model_cam);
+  }
   open(active_);
-  kept_[active_].push_back({burst, placed.T_model_cam, pack(patch)});
+  kept_[active_].push_back({burst, placed.T_model_cam, pack(patch, Texture::kKept)});
   return apart_->model.integrate(burst, patch, placed.T_model_cam);
 }
 
@@ -41,10 +44,25 @@ void SegmentedModel::join(const SegmentJoin& join) {
 
 void SegmentedModel::catch_up(std::size_t bursts) {
   for (; bursts > 0 && !waiting_.empty(); --bursts) {
-    const KeptBurst& next = waiting_.front();
+    KeptBurst& next = waiting_.front();
     model_.integrate(next.id, unpack_(next.patch), next.T_segment_cam);
+    next.patch.texture = {};
+    if (keep_history_) history_.push_back(std::move(next));
     waiting_.pop_front();
   }
+}
+
+std::vector<KeptBurst> SegmentedModel::take_history() {
+  if (keep_history_) std::ranges::move(waiting_, std::back_inserter(history_));
+  if (keep_history_) waiting_.clear();
+  std::ranges::sort(history_, {}, [](const KeptBurst& b) { return b.id.value; });
+  return std::exchange(history_, {});
+}
+
+void SegmentedModel::rebuild(const std::vector<KeptBurst>& history,
+                             const std::function<SurfacePatch(std::size_t)>& load) {
+  model_ = TsdfModel(rig_, config_);
+  for (std::size_t n = 0; n < history.size(); ++n) model_.integrate(history[n].id, load(n), history[n].T_segment_cam);
 }
 
 TsdfModel SegmentedModel::fuse_apart(SegmentId segment) const {

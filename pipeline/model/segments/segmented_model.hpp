@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -24,7 +25,8 @@ struct KeptBurst {
 /// Results depend on the sequence of calls alone. Not thread-safe; one owner.
 class SegmentedModel {
  public:
-  SegmentedModel(const calib::Rig& rig, const FuseConfig& config, Unpacker unpack);
+  /// keep_history: the model's bursts are kept too, for take_history().
+  SegmentedModel(const calib::Rig& rig, const FuseConfig& config, Unpacker unpack, bool keep_history);
 
   /// Carries out the joins of the burst, then fuses it where it was placed. Precondition: it was placed.
   FuseStats integrate(BurstId burst, const SurfacePatch& patch, const TrackResult& placed);
@@ -35,6 +37,11 @@ class SegmentedModel {
   void join(const SegmentJoin& join);
   /// Fuses at most so many bursts of joined segments into the model.
   void catch_up(std::size_t bursts);
+
+  /// Bursts in the model, those that wait included, in order of burst; empty where the history is not kept.
+  [[nodiscard]] std::vector<KeptBurst> take_history();
+  /// Fuses the model anew, from its history with other poses. `load`: the patch of a burst, by its index.
+  void rebuild(const std::vector<KeptBurst>& history, const std::function<SurfacePatch(std::size_t)>& load);
 
   [[nodiscard]] TsdfModel& model() noexcept { return model_; }
   /// What the last burst was fused into, where that is not the model.
@@ -58,12 +65,14 @@ class SegmentedModel {
   calib::Rig rig_;
   FuseConfig config_;
   Unpacker unpack_;
+  bool keep_history_;
   TsdfModel model_;
   std::optional<Apart> apart_;  ///< the last segment that a burst was placed in apart from the model
   SegmentId active_ = kModelSegment;
   std::uint64_t openings_ = 0;
   std::map<SegmentId, std::vector<KeptBurst>> kept_;
-  std::deque<KeptBurst> waiting_;  ///< placed in the model, to be fused into it
+  std::vector<KeptBurst> history_;  ///< of the model
+  std::deque<KeptBurst> waiting_;   ///< placed in the model, to be fused into it
 };
 
 }  // namespace enamel::pipeline

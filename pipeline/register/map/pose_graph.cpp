@@ -1,0 +1,165 @@
+#include "pipeline/register/map/pose_graph.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+
+namespace enamel::pipeline {
+namespace {
+
+using Matrix66 = Matrix6;
+
+Eigen::Matrix3d cross(const Vec3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+/// Information of an edge in units of mm^-2: no direction surer than the bias allows, none where the surface says
+/// nothing.
+Matrix6 information(const Matrix6& H, const GraphConfig& config) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(H);
+  const double total =
+      H.trace() / 2;  // about the sum of weights: the trace of JJ^T is one for the normal, one or so more
+  const double turn = config.bias_rad * config.rho_mm, shift = config.bias_mm;
+  Matrix6 out = Matrix6::Zero();
+  for (int k = 0; k < 6; ++k) {
+    const double value = eigen.eigenvalues()[k];
+    if (value < config.weak_eigenvalue * total) continue;
+    const Vector6 v = eigen.eigenvectors().col(k);
+    const double bias2 = v.head<3>().squaredNorm() * turn * turn + v.tail<3>().squaredNorm() * shift * shift;
+    out += v * v.transpose() / (1 / value + bias2);
+  }
+  return out;
+}
+
+/// A motion (rho*omega, tau) about a node's own centre, as the motion of node j's axes about the edge's centre.
+Matrix66 carry(const Eigen::Matrix3d& R_j_model, const Vec3d& from_own_centre, double rho_mm) {
+  Matrix66 out = Matrix66::Zero();
+  out.topLeftCorner<3, 3>() = R_j_model;
+  out.bottomRightCorner<3, 3>() = R_j_model;
+  out.bottomLeftCorner<3, 3>() = -R_j_model * cross(from_own_centre) / rho_mm;
+  return out;
+}
+
+/// Where node poses are turned about: in the middle of the surface that its edges saw. Any point would do; one amid the
+/// surface keeps turns and shifts apart.
+std::vector<Vec3d> centres_of(const std::vector<Pose>& poses, const std::vector<MapEdge>& edges) {
+  std::vector<Vec3d> sums(poses.size(), Vec3d::Zero());
+  std::vector<int> counts(poses.size(), 0);
+  for (const MapEdge& edge : edges) {
+    const Vec3d at = poses[edge.j] * edge.centre;
+    for (const std::size_t node : {edge.i, edge.j}) {
+      sums[node] += at;
+      ++counts[node];
+    }
+  }
+  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] /= std::max(counts[k], 1);
+  return sums;
+}
+
+class Solver {
+ public:
+  Solver(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config)
+      : poses_(std::move(poses)), edges_(edges), config_(config), switches_(edges.size(), 1.0) {
+    for (const MapEdge& edge : edges) information_.push_back(information(edge.H, config));
+  }
+
+  SolvedGraph run() {
+    for (int round = 0; round < config_.rounds; ++round) {
+      judge();
+      step();
+    }
+    judge();
+    SolvedGraph out{poses_, switches_, sigma0_, 0};
+    for (std::size_t e = 0; e < edges_.size(); ++e) out.switched_off += switches_[e] < 0.5 ? 1 : 0;
+    return out;
+  }
+
+ private:
+  [[nodiscard]] Vector6 residual(const MapEdge& edge) const {
+    const Pose T_j_i = poses_[edge.j].inverse() * poses_[edge.i];
+    return motion_between(edge.T_j_i, T_j_i, edge.centre, config_.rho_mm);
+  }
+
+  /// Scale of the residuals by their median over all edges, which false ones hardly move; then the switches.
+  void judge() {
+    std::vector<double> chi2;
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+      const Vector6 x = residual(edges_[e]);
+      chi2.push_back(x.dot(information_[e] * x) / 6);
+    }
+    std::vector<double> sorted = chi2;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    constexpr double kMedianOfChi2 = 0.891;  // of chi^2 with six degrees of freedom over six
+    const double variance = std::max(*middle / kMedianOfChi2, 1e-12);
+    sigma0_ = std::sqrt(variance);
+    const double phi = config_.switch_sigmas * config_.switch_sigmas;
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+      if (!edges_[e].loop) continue;
+      const double s = std::min(1.0, 2 * phi / (phi + chi2[e] / variance));
+      switches_[e] = s * s;
+    }
+  }
+
+  void step() {
+    const std::vector<Vec3d> centres = centres_of(poses_, edges_);
+    const auto unknowns = static_cast<Eigen::Index>(6 * (poses_.size() - 1));
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(unknowns);
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+      const MapEdge& edge = edges_[e];
+      const Eigen::Matrix3d R_j_model = poses_[edge.j].linear().transpose();
+      const Vec3d centre = poses_[edge.j] * edge.centre;
+      const Matrix66 A = carry(R_j_model, centre - centres[edge.i], config_.rho_mm);
+      const Matrix66 B = -carry(R_j_model, centre - centres[edge.j], config_.rho_mm);
+      const Matrix6 W = switches_[e] * information_[e];
+      const Vector6 x = residual(edge);
+      add(entries, edge.i, edge.i, A.transpose() * W * A);
+      add(entries, edge.j, edge.j, B.transpose() * W * B);
+      add(entries, edge.i, edge.j, A.transpose() * W * B);
+      add(entries, edge.j, edge.i, B.transpose() * W * A);
+      if (edge.i > 0) g.segment<6>(at(edge.i)) += A.transpose() * W * x;
+      if (edge.j > 0) g.segment<6>(at(edge.j)) += B.transpose() * W * x;
+    }
+    Eigen::SparseMatrix<double> H(unknowns, unknowns);
+    H.setFromTriplets(entries.begin(), entries.end());
+    for (Eigen::Index k = 0; k < unknowns; ++k) H.coeffRef(k, k) += kHold;
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(H);
+    if (factor.info() != Eigen::Success) return;
+    const Eigen::VectorXd move = factor.solve(-g);
+    for (std::size_t k = 1; k < poses_.size(); ++k) {
+      poses_[k] = apply_motion(move.segment<6>(at(k)), centres[k], config_.rho_mm, poses_[k]);
+    }
+  }
+
+  static Eigen::Index at(std::size_t node) { return static_cast<Eigen::Index>(6 * (node - 1)); }
+  static void add(std::vector<Eigen::Triplet<double>>& entries, std::size_t a, std::size_t b, const Matrix66& block) {
+    if (a == 0 || b == 0) return;
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c < 6; ++c) entries.emplace_back(at(a) + r, at(b) + c, block(r, c));
+    }
+  }
+
+  static constexpr double kHold =
+      1e-3;  // mm^-2: a node that no edge holds in some direction stays; edges have 1e5 and more
+
+  std::vector<Pose> poses_;
+  const std::vector<MapEdge>& edges_;
+  GraphConfig config_;
+  std::vector<Matrix6> information_;
+  std::vector<double> switches_;
+  double sigma0_ = 1;
+};
+
+}  // namespace
+
+SolvedGraph solve_graph(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config) {
+  if (poses.size() < 2 || edges.empty()) return {std::move(poses), std::vector<double>(edges.size(), 1.0), 1, 0};
+  return Solver(std::move(poses), edges, config).run();
+}
+
+}  // namespace enamel::pipeline

@@ -1,0 +1,121 @@
+#include "pipeline/register/map/refine_map.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "pipeline/register/map/keyframe_choice.hpp"
+
+namespace enamel::pipeline {
+namespace {
+
+/// work(n) for all n on several threads; each result has its own place, so their order does not matter.
+template <class Work>
+void for_each_index(std::size_t count, std::size_t threads, Work&& work) {
+  std::atomic<std::size_t> next{0};
+  const auto run = [&] {
+    for (std::size_t n = next++; n < count; n = next++) work(n);
+  };
+  std::vector<std::jthread> others;
+  for (std::size_t k = 1; k < threads; ++k) others.emplace_back(run);
+  run();
+}
+
+double middle_depth(const calib::Rig& rig) {
+  constexpr double kUsualMm = 48;
+  return rig.depth_range ? 0.5 * (rig.depth_range->near_mm + rig.depth_range->far_mm) : kUsualMm;
+}
+
+std::vector<MapNode> make_nodes(const MapInput& input, const std::vector<std::size_t>& keyframes, const calib::Rig& rig,
+                                const IcpConfig& icp, const MapConfig& config) {
+  std::vector<MapNode> nodes(keyframes.size());
+  for_each_index(keyframes.size(), input.threads, [&](std::size_t k) {
+    const SurfacePatch patch = input.load(keyframes[k]);
+    nodes[k].samples = sample_patch(patch, config.sample_stride_px, icp.samples);
+    constexpr int kViewStride = 2;  // as KeyframeConfig::view_stride; Reference thins to its own pitch
+    nodes[k].reference = Reference(view_from_patch(patch, Pose::Identity(), rig.camera, kViewStride), icp.reference);
+  });
+  return nodes;
+}
+
+/// Both ways round: what one-sided association leaves of a bias has the other sign in the other.
+std::vector<MapEdge> measure_edges(const MapInput& input, const std::vector<std::size_t>& keyframes,
+                                   const std::vector<KeyframePair>& pairs, const std::vector<MapNode>& nodes,
+                                   const ViewCamera& camera, const IcpConfig& icp, const MapConfig& config) {
+  std::vector<std::optional<MapEdge>> found(2 * pairs.size());
+  for_each_index(found.size(), input.threads, [&](std::size_t n) {
+    KeyframePair pair = pairs[n / 2];
+    if (n % 2 == 1) std::swap(pair.i, pair.j);
+    const Pose start =
+        input.bursts[keyframes[pair.j]].T_model_cam.inverse() * input.bursts[keyframes[pair.i]].T_model_cam;
+    found[n] = measure_edge(nodes[pair.i], nodes[pair.j], camera, start, icp, config.edge);
+    if (!found[n]) return;
+    found[n]->i = pair.i;
+    found[n]->j = pair.j;
+    found[n]->loop = pair.loop;
+  });
+  std::vector<MapEdge> edges;
+  for (auto& edge : found) {
+    if (edge) edges.push_back(*edge);
+  }
+  return edges;
+}
+
+/// Bursts between two keyframes follow both, by how near they are in time.
+std::vector<Pose> carry_bursts(const std::vector<MapBurst>& bursts, const std::vector<std::size_t>& keyframes,
+                               const std::vector<Pose>& solved, double work_distance_mm) {
+  std::vector<Pose> out;
+  std::size_t k = 0;
+  for (std::size_t n = 0; n < bursts.size(); ++n) {
+    while (k + 1 < keyframes.size() && keyframes[k + 1] <= n) ++k;
+    const Pose& T = bursts[n].T_model_cam;
+    const Vec3d centre = T * Vec3d(0, 0, work_distance_mm);
+    const auto correction = [&](std::size_t at) {
+      const Pose& before = bursts[keyframes[at]].T_model_cam;
+      return motion_between(Pose::Identity(), solved[at] * before.inverse(), centre, 1.0);
+    };
+    Vector6 x = correction(k);
+    if (k + 1 < keyframes.size()) {
+      const auto from = bursts[keyframes[k]].t_mid, to = bursts[keyframes[k + 1]].t_mid;
+      const double share =
+          static_cast<double>((bursts[n].t_mid - from).count()) / static_cast<double>((to - from).count());
+      if (share > 0 && share < 1) x = (1 - share) * x + share * correction(k + 1);
+    }
+    out.push_back(apply_motion(x, centre, 1.0, T));
+  }
+  return out;
+}
+
+}  // namespace
+
+RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpConfig& icp, const MapConfig& config) {
+  const double work_distance_mm = middle_depth(rig);
+  RefinedMap out;
+  for (const MapBurst& burst : input.bursts) out.poses.push_back(burst.T_model_cam);
+  const auto keyframes = choose_keyframes(input.bursts, work_distance_mm, config);
+  if (!config.refine || keyframes.size() < 2) return out;
+  const auto pairs = choose_pairs(input.bursts, keyframes, work_distance_mm, config);
+  const auto nodes = make_nodes(input, keyframes, rig, icp, config);
+  input.progress(0.4);
+  const auto edges = measure_edges(input, keyframes, pairs, nodes, ViewCamera(rig.camera), icp, config);
+  input.progress(0.9);
+  std::vector<Pose> start;
+  for (const std::size_t k : keyframes) start.push_back(input.bursts[k].T_model_cam);
+  const SolvedGraph solved = solve_graph(std::move(start), edges, config.graph);
+  out.poses = carry_bursts(input.bursts, keyframes, solved.poses, work_distance_mm);
+  out.keyframes = keyframes.size();
+  out.edges = edges.size();
+  out.loops = static_cast<std::size_t>(std::ranges::count_if(edges, &MapEdge::loop));
+  out.switched_off = solved.switched_off;
+  out.sigma0 = solved.sigma0;
+  const Vec3d work(0, 0, work_distance_mm);
+  for (std::size_t n = 0; n < out.poses.size(); ++n) {
+    const double moved = (out.poses[n] * work - input.bursts[n].T_model_cam * work).norm();
+    out.largest_move_mm = std::max(out.largest_move_mm, moved);
+  }
+  input.progress(1);
+  return out;
+}
+
+}  // namespace enamel::pipeline

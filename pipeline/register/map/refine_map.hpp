@@ -1,0 +1,59 @@
+// After a scan: all keyframes laid on all their neighbours, of every pass, and the poses that agree best with that.
+// Tracking lays each burst on what the bursts before it left; its errors add up along the arch. Pairs that share half a
+// picture span eight times as far as two bursts that follow each other, and passes over the same teeth tie each other.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "calib/model/rig.hpp"
+#include "pipeline/register/icp/icp.hpp"
+#include "pipeline/register/map/map_edge.hpp"
+#include "pipeline/register/map/pose_graph.hpp"
+#include "pipeline/types/patch.hpp"
+#include "protocol/base/time.hpp"
+
+namespace enamel::pipeline {
+
+struct MapConfig {
+  bool refine = true;        ///< false: the poses stay as they were tracked
+  double spacing_mm = 2;     ///< of keyframes along the way, at the point looked at …
+  double spacing_deg = 3;    ///< … or by turns
+  int crowd = 4;             ///< no more keyframes where so many look at the same place from the same side already
+  double reach_mm = 9;       ///< derived: half a picture's width; farther apart two keyframes share too little
+  double reach_deg = 65;     ///< derived: sides that see the same cusps; less than the right angle that sees none
+  std::size_t after = 5;     ///< edges of a keyframe to those that followed it …
+  std::size_t others = 10;   ///< … and to others near it, nearest first
+  int sample_stride_px = 4;  ///< derived: 5 000 to 19 000 samples; an edge's error is not that of their number
+  double max_gap_s = 0.5;    ///< as TrackerConfig: across it two keyframes do not follow each other
+  EdgeConfig edge;
+  GraphConfig graph;
+};
+
+/// A placed burst. Its pose is in the model's frame.
+struct MapBurst {
+  DeviceTime t_mid{};
+  Pose T_model_cam = Pose::Identity();
+};
+
+struct MapInput {
+  std::vector<MapBurst> bursts;                          ///< in order of burst
+  std::function<SurfacePatch(std::size_t)> load;         ///< patch of a burst; from several threads at once
+  std::size_t threads = 2;                               ///< never change the result
+  std::function<void(double)> progress = [](double) {};  ///< share done, from the calling thread
+};
+
+struct RefinedMap {
+  std::vector<Pose> poses;  ///< of all bursts
+  std::size_t keyframes = 0, edges = 0, loops = 0;
+  int switched_off = 0;
+  double sigma0 = 0;
+  double largest_move_mm = 0;  ///< at the point looked at
+};
+
+/// Deterministic: a function of bursts and patches alone.
+[[nodiscard]] RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpConfig& icp,
+                                    const MapConfig& config);
+
+}  // namespace enamel::pipeline
