@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "pipeline/decode/burst_decoder.hpp"
-#include "pipeline/register/track/relocalise.hpp"
+#include "pipeline/register/track/find_turned.hpp"
 #include "pipeline/register/track/tracker.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 #include "tests/unit/register/turned_patches.hpp"
@@ -111,7 +111,10 @@ int run(const Folder& known, const Folder& asked, int first, const std::string& 
     ++bin.asked;
     bin.ms += ms;
     if (!found) {
-      std::printf("%3d not found, %.1f mm and %.0f deg from the nearest, %.0f ms\n", id, distance, angle, ms);
+      const auto there =
+          ea::weigh_found({patch, pyramid, count}, {store, last, count}, T, asked.rig.camera, config.relocalise);
+      std::printf("%3d not found, %.1f mm and %.0f deg from the nearest, at the true place overlap %.2f, %.0f ms\n", id,
+                  distance, angle, there.overlap, ms);
       continue;
     }
     const double error = ts::point_error_mm(found->icp.T_model_cam, T);

@@ -23,13 +23,14 @@ struct SurfaceFeature {
 
 struct SurfaceFeatureConfig {
   GridConfig grid;
-  double bend_radius_mm = 0.7;    ///< chosen: bending is measured over this; cusps and fissures are 0.5 to 2 mm wide
-  double apart_mm = 0.5;          ///< derived: extrema nearer than about the radius of bending are one
+  double bend_radius_mm = 0.45;   ///< chosen: bending is measured over this; half of what edges and fissures are wide
+  double apart_mm = 0.35;         ///< derived: extrema nearer than about the radius of bending are one
   double min_bend_per_mm = 0.05;  ///< chosen: flatter than a ball of 20 mm is flat
-  double half_width_mm = 2.0;     ///< chosen: of the square described: a cusp and its neighbours, less than a tooth
-  double min_known = 0.6;         ///< chosen: share of the square's inscribed disc that must be seen
-  double peak_ratio = 0.8;        ///< Lowe 2004: directions nearly as strong as the main one are described too
-  int max_features = 300;         ///< the most bent
+  double half_width_mm = 1.2;  ///< chosen: of the square described. Larger ones reach round edges, over what one side
+                               ///< does not see; smaller ones are alike everywhere
+  double min_known = 0.6;      ///< chosen: share of the square's inscribed disc that must be seen
+  double peak_ratio = 0.8;     ///< Lowe 2004: directions nearly as strong as the main one are described too
+  int max_features = 300;      ///< the most bent
 };
 
 /// Deterministic, thread-safe.

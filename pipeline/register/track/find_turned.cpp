@@ -8,11 +8,12 @@ namespace enamel::pipeline {
 namespace {
 
 /// Overlap and consistency are those of all keyframes near, not of the one view that was aligned to.
-bool believable(const TriedPlace& place, double median_sigma_mm, const AcceptConfig& config) {
+bool believable(const TriedPlace& place, double median_sigma_mm, const RelocaliseConfig& config) {
   IcpResult judged = place.icp;
   judged.overlap = place.evidence.overlap;
   judged.consistency = place.evidence.consistency;
-  return place.icp.weak_directions == 0 && acceptable(judged, median_sigma_mm, config);
+  return place.icp.weak_directions == 0 && acceptable(judged, median_sigma_mm, config.accept_turned) &&
+         unrefuted(place.evidence, median_sigma_mm, config.evidence);
 }
 
 /// Camera pixels a drawn pixel.
@@ -47,7 +48,7 @@ TriedPlace try_place(const PlaceHypothesis& hypothesis, const Trial& of, const I
   out.icp = align(coarse, reference, camera, start, start, icp);
   if (!out.icp.converged) return out;
   out.evidence = weigh_place(own, out.icp.T_model_cam, frames, near, camera, config.evidence);
-  if (!believable(out, pyramid.levels.back().median_sigma_mm, config.accept_turned)) return out;
+  if (!believable(out, pyramid.levels.back().median_sigma_mm, config)) return out;
   const Pose found = out.icp.T_model_cam;
   out.icp = align(pyramid, reference, camera, found, found, icp);
   return out;
@@ -75,6 +76,15 @@ std::vector<TriedPlace> try_places(const LostPatch& lost, const KnownPlaces& pla
   return out;
 }
 
+PlaceEvidence weigh_found(const LostPatch& lost, const KnownPlaces& places, const Pose& T_model_cam,
+                          const calib::LensValues& lens, const RelocaliseConfig& config) {
+  const std::vector<Keyframe>& frames = places.keyframes.all();
+  const Vec3d centre = T_model_cam * lost.pyramid.levels.back().centroid;
+  const auto near = keyframes_near(frames, centre, config.work_distance_mm, config.evidence.max_keyframes);
+  const ModelView own = view_from_patch(lost.patch, Pose::Identity(), lens, draw_stride(lens, config));
+  return weigh_place(own, T_model_cam, frames, near, ViewCamera(lens), config.evidence);
+}
+
 bool another_place(const Pose& a, const Pose& b, const RelocaliseConfig& config) {
   const Vec3d work(0, 0, config.work_distance_mm);
   const Eigen::AngleAxisd turn(a.linear().transpose() * b.linear());
@@ -83,14 +93,13 @@ bool another_place(const Pose& a, const Pose& b, const RelocaliseConfig& config)
 
 std::optional<Relocalised> choose_place(const std::vector<TriedPlace>& tried, double median_sigma_mm,
                                         const RelocaliseConfig& config) {
-  const auto best = std::find_if(tried.begin(), tried.end(), [&](const TriedPlace& place) {
-    return believable(place, median_sigma_mm, config.accept_turned);
-  });
+  const auto best = std::find_if(tried.begin(), tried.end(),
+                                 [&](const TriedPlace& place) { return believable(place, median_sigma_mm, config); });
   if (best == tried.end()) return std::nullopt;
   const bool rival = std::any_of(tried.begin(), tried.end(), [&](const TriedPlace& other) {
     if (!another_place(other.icp.T_model_cam, best->icp.T_model_cam, config)) return false;
     // What could not be aligned is not refuted.
-    return other.icp.converged ? believable(other, median_sigma_mm, config.accept_turned)
+    return other.icp.converged ? believable(other, median_sigma_mm, config)
                                : other.support >= config.rival_ratio * best->support;
   });
   if (rival) return std::nullopt;

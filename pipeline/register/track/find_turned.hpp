@@ -22,6 +22,10 @@ struct TriedPlace {
                                                  const calib::LensValues& lens, const IcpConfig& icp,
                                                  const RelocaliseConfig& config);
 
+/// What all keyframes near say of one place.
+[[nodiscard]] PlaceEvidence weigh_found(const LostPatch& lost, const KnownPlaces& places, const Pose& T_model_cam,
+                                        const calib::LensValues& lens, const RelocaliseConfig& config);
+
 [[nodiscard]] bool another_place(const Pose& a, const Pose& b, const RelocaliseConfig& config);
 
 /// The one among them that may be believed. nullopt: none, or more than one.

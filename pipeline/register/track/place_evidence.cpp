@@ -41,7 +41,12 @@ bool inner(const ModelView& view, std::size_t i, float layer) {
   return beside(i - 1) && beside(i + 1) && beside(i - width) && beside(i + width);
 }
 
-enum class Verdict : std::uint8_t { kNothing, kMeets, kSeenThrough };
+enum class Meeting : std::uint8_t { kNothing, kMeets, kSeenThrough };
+
+struct Verdict {
+  Meeting meeting = Meeting::kNothing;
+  float before_mm = 0;  ///< where it meets: in front of the other surface
+};
 
 /// One view's points before another view.
 class Judge {
@@ -56,17 +61,17 @@ class Judge {
   /// p, n: in the frame that the view's points are in; at: p in the view's camera's frame.
   [[nodiscard]] Verdict operator()(const Vec3f& p, const Vec3f& n, const Vec3f& at) const {
     const std::ptrdiff_t pixel = pixel_of(view_, camera_, at);
-    if (pixel < 0) return Verdict::kNothing;
+    if (pixel < 0) return {};
     const auto i = static_cast<std::size_t>(pixel);
     const Vec3f& q = view_.points[i];
-    if (!(q.x() == q.x())) return Verdict::kNothing;
+    if (!(q.x() == q.x())) return {};
     const Vec3f d = p - q;
     const float e = view_.normals[i].dot(d);
     if (std::abs(e) < match_ && d.squaredNorm() < 4 * match_ * match_ && view_.normals[i].dot(n) > cosine_) {
-      return Verdict::kMeets;
+      return {Meeting::kMeets, e};
     }
     // Before the surface by its normal, not only along the ray: beside a steep wall the ray is a poor measure.
-    return e > through_ && inner(view_, i, through_) ? Verdict::kSeenThrough : Verdict::kNothing;
+    return {e > through_ && inner(view_, i, through_) ? Meeting::kSeenThrough : Meeting::kNothing, 0};
   }
 
  private:
@@ -123,44 +128,95 @@ ModelView draw_keyframes(const std::vector<Keyframe>& keyframes, const std::vect
   return out;
 }
 
-PlaceEvidence weigh_place(const ModelView& patch, const Pose& T_model_cam, const std::vector<Keyframe>& keyframes,
-                          const std::vector<std::size_t>& chosen, const ViewCamera& camera,
-                          const EvidenceConfig& config) {
+namespace {
+
+/// Of each pixel of the patch's view: whether it meets any keyframe's surface there.
+Map<Verdict> ask_keyframes(const ModelView& patch, const Pose& T_model_cam, const std::vector<Keyframe>& keyframes,
+                           const std::vector<std::size_t>& chosen, const ViewCamera& camera,
+                           const EvidenceConfig& config) {
   const Moved to_model(T_model_cam);
-  const Moved to_patch(T_model_cam.inverse());
-  std::vector<Verdict> verdicts(patch.points.size(), Verdict::kNothing);
-  const Judge patch_judge(patch, camera, config);
-  std::size_t seen_through = 0;
+  Map<Verdict> out(patch.points.width(), patch.points.height());
   for (const std::size_t k : chosen) {
     const Keyframe& frame = keyframes[k];
     const Judge judge(frame.view, camera, config);
     const Moved to_frame(frame.T_model_cam.inverse());
-    for (std::size_t i = 0; i < verdicts.size(); ++i) {
-      if (!(patch.points[i].x() == patch.points[i].x()) || verdicts[i] == Verdict::kMeets) continue;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      if (!(patch.points[i].x() == patch.points[i].x()) || out[i].meeting == Meeting::kMeets) continue;
       const Vec3f p = to_model(patch.points[i]);
       const Verdict verdict = judge(p, to_model.R * patch.normals[i], to_frame(p));
-      if (verdict != Verdict::kNothing) verdicts[i] = verdict;
+      if (verdict.meeting != Meeting::kNothing) out[i] = verdict;
     }
   }
+  return out;
+}
+
+/// RMS of the blocks' mean distances. Blocks of which less than a quarter meets do not count.
+double form_rms(const Map<Verdict>& verdicts, int block) {
+  double sum2 = 0;
+  int blocks = 0;
+  for (int v0 = 0; v0 + block <= verdicts.height(); v0 += block) {
+    for (int u0 = 0; u0 + block <= verdicts.width(); u0 += block) {
+      double sum = 0;
+      int count = 0;
+      for (int k = 0; k < block * block; ++k) {
+        const Verdict& verdict = verdicts(u0 + k % block, v0 + k / block);
+        if (verdict.meeting != Meeting::kMeets) continue;
+        sum += static_cast<double>(verdict.before_mm);
+        ++count;
+      }
+      if (4 * count < block * block) continue;
+      sum2 += sum * sum / (count * count);
+      ++blocks;
+    }
+  }
+  return blocks > 0 ? std::sqrt(sum2 / blocks) : 0;
+}
+
+/// What the keyframes show, drawn from the patch's place so that it counts once, that lies before the patch's surface.
+std::size_t seen_through_by_patch(const ModelView& patch, const ModelView& drawn, const ViewCamera& camera,
+                                  const EvidenceConfig& config) {
+  const Judge judge(patch, camera, config);
+  const Moved to_patch(drawn.T_model_cam.inverse());
+  const auto layer = static_cast<float>(config.layer_mm);
+  std::size_t out = 0;
+  for (std::size_t i = 0; i < drawn.points.size(); ++i) {
+    if (!(drawn.points[i].x() == drawn.points[i].x()) || !inner(drawn, i, layer)) continue;
+    const Vec3f at = to_patch(drawn.points[i]);
+    out += judge(at, to_patch.R * drawn.normals[i], at).meeting == Meeting::kSeenThrough ? 1U : 0U;
+  }
+  return out;
+}
+
+}  // namespace
+
+PlaceEvidence weigh_place(const ModelView& patch, const Pose& T_model_cam, const std::vector<Keyframe>& keyframes,
+                          const std::vector<std::size_t>& chosen, const ViewCamera& camera,
+                          const EvidenceConfig& config) {
+  const Map<Verdict> verdicts = ask_keyframes(patch, T_model_cam, keyframes, chosen, camera, config);
+  const ModelView drawn = draw_keyframes(keyframes, chosen, {T_model_cam, patch.stride}, camera, config);
+  const auto layer = static_cast<float>(config.layer_mm);
   std::size_t points = 0;
+  std::size_t seen_through = seen_through_by_patch(patch, drawn, camera, config);
   PlaceEvidence out;
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     points += patch.points[i].x() == patch.points[i].x() ? 1U : 0U;
-    out.matches += verdicts[i] == Verdict::kMeets ? 1U : 0U;
-    seen_through += verdicts[i] == Verdict::kSeenThrough && inner(patch, i, 0.3F) ? 1U : 0U;
+    out.matches += verdicts[i].meeting == Meeting::kMeets ? 1U : 0U;
+    seen_through += verdicts[i].meeting == Meeting::kSeenThrough && inner(patch, i, layer) ? 1U : 0U;
   }
-  // The other way: what the keyframes show, before the patch. Drawn from there each place counts once.
-  const ModelView drawn = draw_keyframes(keyframes, chosen, {T_model_cam, patch.stride}, camera, config);
-  for (std::size_t i = 0; i < drawn.points.size(); ++i) {
-    if (!(drawn.points[i].x() == drawn.points[i].x()) || !inner(drawn, i, 0.3F)) continue;
-    const Vec3f at = to_patch(drawn.points[i]);
-    seen_through += patch_judge(at, to_patch.R * drawn.normals[i], at) == Verdict::kSeenThrough ? 1U : 0U;
-  }
+  out.form_rms_mm =
+      form_rms(verdicts, std::max(2, static_cast<int>(std::lround(config.block_mm / config.draw_pitch_mm))));
   if (points > 0) out.overlap = static_cast<double>(out.matches) / static_cast<double>(points);
   if (out.matches > 0) {
     out.consistency = static_cast<double>(out.matches) / static_cast<double>(out.matches + seen_through);
   }
   return out;
+}
+
+bool unrefuted(const PlaceEvidence& evidence, double median_sigma_mm, const EvidenceConfig& config) {
+  const double per_block = config.block_mm / config.draw_pitch_mm;
+  const double block_noise = median_sigma_mm * std::sqrt(2.0) / (0.5 * per_block);
+  return evidence.consistency >= config.min_consistency &&
+         evidence.form_rms_mm <= std::hypot(config.max_form_mm, block_noise);
 }
 
 }  // namespace enamel::pipeline

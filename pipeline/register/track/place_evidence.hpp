@@ -19,12 +19,19 @@ struct EvidenceConfig {
   double layer_mm = 0.3;          ///< chosen: surface nearer than this to another is the same, seen twice
   double match_mm = 0.15;         ///< as the finest gate of the alignment
   double match_deg = 30;
-  double through_mm = 0.3;  ///< chosen: twice match_mm; a surface so far before another was seen through
+  double block_mm = 0.9;  ///< chosen: blocks of so much surface are averaged: 64 drawn pixels, an eighth of their noise
+  double through_mm = 0.3;        ///< chosen: twice match_mm; a surface so far before another was seen through
+  double min_consistency = 0.90;  ///< chosen: at a true place only silhouettes disagree, a hundredth; another tooth of
+                                  ///< the same kind has a tenth to a third
+  double max_form_mm =
+      0.020;  ///< chosen: calibration and motion leave 8 µm (plaster) to 15 µm (translucent teeth), another
+              ///< tooth of the same kind 40 µm; noise of blocks a quarter full is added in squares
 };
 
 struct PlaceEvidence {
   double overlap = 0;      ///< share of the patch that meets any keyframe's surface
   double consistency = 0;  ///< what meets / (what meets + what was seen through, either way)
+  double form_rms_mm = 0;  ///< of the mean distances of whole blocks: noise falls out, another tooth's form does not
   std::size_t matches = 0;
 };
 
@@ -46,5 +53,8 @@ struct DrawnFrom {
 [[nodiscard]] PlaceEvidence weigh_place(const ModelView& patch, const Pose& T_model_cam,
                                         const std::vector<Keyframe>& keyframes, const std::vector<std::size_t>& chosen,
                                         const ViewCamera& camera, const EvidenceConfig& config);
+
+/// Neither free space nor form speaks against it. Says nothing of how much speaks for it.
+[[nodiscard]] bool unrefuted(const PlaceEvidence& evidence, double median_sigma_mm, const EvidenceConfig& config);
 
 }  // namespace enamel::pipeline

@@ -20,13 +20,11 @@ struct RelocaliseConfig {
   VoteConfig votes;
   EvidenceConfig evidence;
   AcceptConfig accept;
-  /// From another side: the same, but nearly nothing may be seen through. At a true place only silhouettes disagree, a
-  /// hundredth; another tooth of the same kind has a third.
-  AcceptConfig accept_turned{0.30, 0.90, 0.040, 1.5};
-  int max_verified = 4;      ///< hypotheses that are carried to ICP, most inliers first
-  double rival_ratio = 0.7;  ///< another place with this share of the winner's inliers: teeth repeat, refuse both
-  double rival_mm = 1.0;     ///< another place: farther than this at the working distance …
-  double rival_deg = 4;      ///< … or turned by more than this
+  AcceptConfig accept_turned;  ///< overlap and consistency are those of all keyframes near
+  int max_verified = 4;        ///< hypotheses that are carried to ICP, most inliers first
+  double rival_ratio = 0.7;    ///< another place with this share of the winner's inliers: teeth repeat, refuse both
+  double rival_mm = 1.0;       ///< another place: farther than this at the working distance …
+  double rival_deg = 4;        ///< … or turned by more than this
   double work_distance_mm = 48;
 };
 
