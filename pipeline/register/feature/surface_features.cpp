@@ -8,10 +8,9 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kTurns = 36;  // Lowe 2004: bins of the main direction
+constexpr std::size_t kTurns = 36;  // Lowe 2004: bins of the main direction
 constexpr int kCells = 4;
 constexpr int kDirections = 8;
-constexpr float kTau = 2 * std::numbers::pi_v<float>;
 
 struct KeyPoint {
   int u = 0, v = 0;
@@ -52,11 +51,26 @@ std::vector<KeyPoint> find_key_points(const SurfaceGrid& grid, const SurfaceFeat
   return out;
 }
 
+/// Of a vector, in turns, 0 to 1, to 1e-5 rad. Arithmetic alone: the same bits on every processor.
+float direction_of(float x, float y) {
+  const float low = std::min(std::abs(x), std::abs(y));
+  const float high = std::max(std::abs(x), std::abs(y));
+  const float q = high > 0 ? low / high : 0;
+  const float q2 = q * q;
+  // Abramowitz & Stegun 4.4.49: the arc tangent on 0 … 1.
+  const float arc = q * (0.9998660F + q2 * (-0.3302995F + q2 * (0.1801410F + q2 * (-0.0851330F + q2 * 0.0208351F))));
+  float turns = arc * (0.5F / std::numbers::pi_v<float>);
+  if (std::abs(y) > std::abs(x)) turns = 0.25F - turns;
+  if (x < 0) turns = 0.5F - turns;
+  if (y < 0) turns = 1 - turns;
+  return turns < 1 ? turns : 0;
+}
+
 /// A surface element in the tangent frame of a key point.
 struct Local {
-  float x, y;    ///< mm
-  float gx, gy;  ///< its normal's tilt: sine, towards x and y
-  float weight;  ///< area on the tangent plane, falling off from the centre
+  float x, y;       ///< mm
+  float direction;  ///< towards which its normal is tilted, turns
+  float weight;     ///< sine of the tilt, times area on the tangent plane, falling off from the centre
 };
 
 /// Any frame whose z is n.
@@ -89,8 +103,9 @@ class Surroundings {
       if (facing < 0.2F || r2 > reach2 || std::abs(local.z()) > half_) return;
       if (r2 < half_ * half_) known += area * facing;
       const Vec3f tilt = axes.transpose() * n;
-      const float weight = area * facing * std::exp(-r2 / (2 * half_ * half_));
-      elements.push_back({local.x(), local.y(), tilt.x(), tilt.y(), weight});
+      const float near = 1 - 0.5F * r2 / reach2;
+      const float weight = area * facing * near * near * tilt.head<2>().norm();
+      elements.push_back({local.x(), local.y(), direction_of(tilt.x(), tilt.y()), weight});
     });
     return known > static_cast<float>(min_known) * std::numbers::pi_v<float> * half_ * half_;
   }
@@ -125,34 +140,33 @@ class Surroundings {
   float half_;
 };
 
-float angle_of(float x, float y) {
-  const float a = std::atan2(y, x);
-  return a < 0 ? a + kTau : a;
-}
-
-/// Main directions of slope, in the surroundings' frame, rad.
-std::vector<float> main_directions(const std::vector<Local>& elements, double ratio) {
-  std::array<float, kTurns> raw{};
+/// Unit vectors in the main directions of slope, in the surroundings' frame.
+std::vector<Vec2f> main_directions(const std::vector<Local>& elements, double ratio) {
+  std::array<float, kTurns> smooth{};
   for (const Local& e : elements) {
-    const float at = angle_of(e.gx, e.gy) * (kTurns / kTau);
-    const auto bin = static_cast<std::size_t>(at) % kTurns;
-    raw[bin] += e.weight * std::hypot(e.gx, e.gy);
+    smooth[static_cast<std::size_t>(e.direction * static_cast<float>(kTurns)) % kTurns] += e.weight;
   }
-  std::array<float, kTurns> smooth = raw;
   for (int round = 0; round < 3; ++round) {
     const auto before = smooth;
     for (std::size_t k = 0; k < kTurns; ++k) {
       smooth[k] = 0.25F * before[(k + kTurns - 1) % kTurns] + 0.5F * before[k] + 0.25F * before[(k + 1) % kTurns];
     }
   }
+  std::array<Vec2f, kTurns> bins;  // their middles, by turning on and on
+  bins[0] = {0.99619470F, 0.08715574F};
+  for (std::size_t k = 1; k < kTurns; ++k) {
+    bins[k] = {0.98480775F * bins[k - 1].x() - 0.17364818F * bins[k - 1].y(),
+               0.17364818F * bins[k - 1].x() + 0.98480775F * bins[k - 1].y()};
+  }
   const float limit = static_cast<float>(ratio) * *std::max_element(smooth.begin(), smooth.end());
-  std::vector<float> out;
+  std::vector<Vec2f> out;
   for (std::size_t k = 0; k < kTurns && out.size() < 3; ++k) {
-    const float left = smooth[(k + kTurns - 1) % kTurns];
-    const float right = smooth[(k + 1) % kTurns];
-    if (!(smooth[k] >= limit && smooth[k] > left && smooth[k] >= right)) continue;
-    const float shift = 0.5F * (left - right) / (left - 2 * smooth[k] + right);
-    out.push_back((static_cast<float>(k) + 0.5F + shift) * (kTau / kTurns));
+    const std::size_t left = (k + kTurns - 1) % kTurns;
+    const std::size_t right = (k + 1) % kTurns;
+    if (!(smooth[k] >= limit && smooth[k] > smooth[left] && smooth[k] >= smooth[right])) continue;
+    const float shift = 0.5F * (smooth[left] - smooth[right]) / (smooth[left] - 2 * smooth[k] + smooth[right]);
+    const Vec2f& towards = shift < 0 ? bins[left] : bins[right];
+    out.push_back((bins[k] + std::abs(shift) * (towards - bins[k])).normalized());
   }
   return out;
 }
@@ -188,19 +202,17 @@ std::array<std::uint8_t, 128> to_bytes(Histogram h) {
   return out;
 }
 
-std::array<std::uint8_t, 128> describe(const std::vector<Local>& elements, float turn, float half) {
-  const float c = std::cos(turn);
-  const float s = std::sin(turn);
+std::array<std::uint8_t, 128> describe(const std::vector<Local>& elements, const Vec2f& main, float half) {
+  const float turn = direction_of(main.x(), main.y());
   const float per_mm = kCells / (2 * half);
   Histogram sums{};
   for (const Local& e : elements) {
-    const float cx = (c * e.x + s * e.y) * per_mm + 0.5F * (kCells - 1);
-    const float cy = (c * e.y - s * e.x) * per_mm + 0.5F * (kCells - 1);
+    const float cx = (main.x() * e.x + main.y() * e.y) * per_mm + 0.5F * (kCells - 1);
+    const float cy = (main.x() * e.y - main.y() * e.x) * per_mm + 0.5F * (kCells - 1);
     if (!(cx > -1 && cy > -1 && cx < kCells && cy < kCells)) continue;
-    const float gx = c * e.gx + s * e.gy;
-    const float gy = c * e.gy - s * e.gx;
-    const float direction = std::min(angle_of(gx, gy) * (kDirections / kTau), kDirections - 1e-3F);
-    spread(sums, cx, cy, direction, e.weight * std::hypot(gx, gy));
+    const float turned = e.direction - turn;
+    const float direction = (turned < 0 ? turned + 1 : turned) * kDirections;
+    spread(sums, cx, cy, std::min(direction, kDirections - 1e-3F), e.weight);
   }
   return to_bytes(sums);
 }
@@ -214,14 +226,14 @@ std::vector<SurfaceFeature> extract_surface_features(const SurfacePatch& patch, 
   for (const KeyPoint& key : find_key_points(grid, config)) {
     Surroundings around(grid, key, config);
     if (!around.gather(config.min_known)) continue;
-    for (const float turn : main_directions(around.elements, config.peak_ratio)) {
+    for (const Vec2f& main : main_directions(around.elements, config.peak_ratio)) {
       SurfaceFeature f;
       f.point = grid.points(key.u, key.v);
-      f.axes.col(0) = std::cos(turn) * around.axes.col(0) + std::sin(turn) * around.axes.col(1);
+      f.axes.col(0) = main.x() * around.axes.col(0) + main.y() * around.axes.col(1);
       f.axes.col(2) = around.axes.col(2);
       f.axes.col(1) = f.axes.col(2).cross(f.axes.col(0));
       f.convex = key.bend > 0;
-      f.descriptor = describe(around.elements, turn, static_cast<float>(config.half_width_mm));
+      f.descriptor = describe(around.elements, main, static_cast<float>(config.half_width_mm));
       out.push_back(f);
     }
   }
