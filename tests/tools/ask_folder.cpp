@@ -5,16 +5,15 @@
 // false). A tool of the tests: needs truth/poses.csv.
 #include <cstdio>
 #include <ctime>
-#include <fstream>
 #include <map>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "pipeline/decode/burst_decoder.hpp"
 #include "pipeline/register/track/find_turned.hpp"
 #include "pipeline/register/track/tracker.hpp"
+#include "tests/tools/folder_truth.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 #include "tests/unit/register/turned_patches.hpp"
 
@@ -27,24 +26,6 @@ using Poses = std::map<int, enamel::Pose>;
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kFalseMm = 0.2;  // a placement that is off by more is a false one
 
-Poses read_truth(const std::string& folder) {
-  Poses out;
-  std::ifstream in(folder + "/truth/poses.csv");
-  std::string line;
-  std::getline(in, line);
-  while (std::getline(in, line)) {
-    std::istringstream fields(line);
-    std::array<double, 9> v{};
-    char comma = 0;
-    for (double& x : v) fields >> x >> comma;
-    enamel::Pose T = enamel::Pose::Identity();
-    T.linear() = Eigen::Quaterniond(v[8], v[5], v[6], v[7]).normalized().toRotationMatrix();
-    T.translation() = enamel::Vec3d(v[2], v[3], v[4]);
-    out[static_cast<int>(v[0])] = T;
-  }
-  return out;
-}
-
 /// Processor time, so that a busy machine does not blur the figure.
 double cpu_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -54,7 +35,7 @@ struct Folder {
       : path(folder),
         rig(*enamel::calib::load_rig(folder + "/rig.json")),
         decoder(*ea::BurstDecoder::make(rig)),
-        truth(read_truth(folder)) {}
+        truth(enamel::test::read_true_poses(folder)) {}
   [[nodiscard]] enamel::SurfacePatch patch(int burst) const {
     const auto frames = enamel::test::load_folder_burst(path, burst);
     if (!frames) return {};
@@ -117,11 +98,11 @@ int run(const Folder& known, const Folder& asked, int first, const std::string& 
                   distance, angle, there.overlap, ms);
       continue;
     }
-    const double error = ts::point_error_mm(found->icp.T_model_cam, T);
-    ++(own && error < kFalseMm ? bin.right : bin.wrong);
+    const auto error = enamel::test::pose_error(found->icp.T_model_cam, T);
+    const bool right = own && error.mm < kFalseMm;
+    ++(right ? bin.right : bin.wrong);
     std::printf("%3d %s off %.3f mm %.3f deg, %d votes, overlap %.2f rms %.1f um, %.0f deg, %.0f ms\n", id,
-                own && error < kFalseMm ? "found" : "FALSE", error,
-                kDegrees * ts::angle_error_rad(found->icp.T_model_cam, T), found->inliers, found->icp.overlap,
+                right ? "found" : "FALSE", error.mm, error.deg, found->inliers, found->icp.overlap,
                 1e3 * found->icp.rms_mm, angle, ms);
   }
   for (const auto& [angle, bin] : bins) {

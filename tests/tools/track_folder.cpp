@@ -1,6 +1,7 @@
 // track_folder FOLDER OUT [D]: decodes an exchange folder, registers each burst to the model of
 // D bursts before (default 2), fuses, writes OUT/poses.csv and OUT/mesh.ply for the yardstick.
-// A tool of the tests: the algorithms alone, on one thread, without graph or recording.
+// Where the folder has truth/poses.csv, says how far each pose is off, both laid on each other at the first placed
+// burst. A tool of the tests: the algorithms alone, on one thread, without graph or recording.
 #include <cstdio>
 #include <ctime>
 #include <deque>
@@ -15,6 +16,7 @@
 #include "pipeline/model/fuse/tsdf_model.hpp"
 #include "pipeline/model/mesh/incremental_mesher.hpp"
 #include "pipeline/register/track/tracker.hpp"
+#include "tests/tools/folder_truth.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
 
 namespace {
@@ -63,6 +65,25 @@ void write_ply(const enamel::Mesh& mesh, const std::string& path) {
 /// Processor time, so that a busy machine does not blur the figure.
 double cpu_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+/// Errors of poses whose model frame is laid on the true one where the first of them is.
+class Judge {
+ public:
+  explicit Judge(const std::string& folder) : truth_(enamel::test::read_true_poses(folder)) {}
+  void print(int burst, const enamel::Pose& T_model_cam) {
+    const auto truth = truth_.find(burst);
+    if (truth == truth_.end()) return;
+    if (!placed_) T_truth_model_ = truth->second * T_model_cam.inverse();
+    placed_ = true;
+    const auto error = enamel::test::pose_error(T_truth_model_ * T_model_cam, truth->second);
+    std::printf(" off %.3f mm %.3f deg", error.mm, error.deg);
+  }
+
+ private:
+  std::map<int, enamel::Pose> truth_;
+  enamel::Pose T_truth_model_ = enamel::Pose::Identity();
+  bool placed_ = false;
+};
+
 int run(const std::string& folder, const std::string& out, std::size_t delay) {
   const auto rig = enamel::calib::load_rig(folder + "/rig.json");
   if (!rig) return std::fprintf(stderr, "%s\n", rig.error().message().c_str()), 2;
@@ -73,6 +94,7 @@ int run(const std::string& folder, const std::string& out, std::size_t delay) {
   poses << "burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw\n";
   ea::Tracker tracker(*rig, {});
   ea::TsdfModel model(*rig);
+  Judge judge(folder);
   std::deque<enamel::ModelView> views(delay);  // front: the model as it was `delay` bursts ago
   const std::array<const char*, 4> names{"started", "tracking", "relocalised", "lost"};
   for (const Row& row : read_rows(folder)) {
@@ -90,9 +112,11 @@ int run(const std::string& folder, const std::string& out, std::size_t delay) {
       write_pose(poses, row, result.T_model_cam);
     }
     views.push_back(placed || views.empty() ? model.view(result.T_model_cam, decoded.patch) : views.back());
-    std::printf("%3d %-11s rms %5.1f um overlap %.3f iterations %2d track %5.1f ms valid %zu\n", row.id,
+    std::printf("%3d %-11s rms %5.1f um overlap %.3f iterations %2d track %5.1f ms valid %zu", row.id,
                 names[static_cast<std::size_t>(result.state)], 1e3 * result.rms_mm, result.overlap, result.iterations,
                 track_ms, decoded.patch.valid_px);
+    if (placed) judge.print(row.id, result.T_model_cam);
+    std::printf("\n");
   }
   ea::IncrementalMesher mesher;
   (void)mesher.update(model, model.take_changed(0.0));

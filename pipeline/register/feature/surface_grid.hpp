@@ -9,7 +9,7 @@
 namespace enamel::pipeline {
 
 struct GridConfig {
-  double pitch_mm = 0.14;         ///< chosen: on facing surface; a fifth of the radius that bending is measured over
+  double pitch_mm = 0.14;         ///< chosen: on facing surface; a third of the radius that bending is measured over
   double max_incidence_deg = 75;  ///< chosen: beyond, an element's area is known to half of itself only
 };
 

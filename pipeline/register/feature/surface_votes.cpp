@@ -19,13 +19,21 @@ struct Match {
   Eigen::Matrix3f R;        ///< of the motion that it stands for
 };
 
-int distance2(const std::array<std::uint8_t, 128>& a, const std::array<std::uint8_t, 128>& b) {
+using Descriptor = std::array<std::uint8_t, 128>;
+
+int half_distance2(const Descriptor& a, const Descriptor& b, std::size_t first) {
   int sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
+  for (std::size_t i = first; i < first + 64; ++i) {
     const int d = static_cast<int>(a[i]) - static_cast<int>(b[i]);
     sum += d * d;
   }
   return sum;
+}
+
+/// Squared, or any number not below `limit` where it is not below that.
+int distance2(const Descriptor& a, const Descriptor& b, int limit) {
+  const int first = half_distance2(a, b, 0);
+  return first >= limit ? first : first + half_distance2(a, b, 64);
 }
 
 /// The likes of one feature at distinct places, nearest first.
@@ -64,7 +72,7 @@ std::vector<Match> match_all(const std::vector<SurfaceFeature>& patch, std::span
       const Vec3f t = frame.T_model_cam.translation().cast<float>();
       for (const SurfaceFeature& f : frame.features) {
         if (f.convex != patch[i].convex) continue;
-        const int distance = distance2(f.descriptor, patch[i].descriptor);
+        const int distance = distance2(f.descriptor, patch[i].descriptor, likes.worst());
         if (distance >= likes.worst()) continue;
         likes.offer({i, distance, patch[i].point, patch[i].axes.col(2), R * f.point + t, R * f.axes.col(2),
                      R * f.axes * patch[i].axes.transpose()});

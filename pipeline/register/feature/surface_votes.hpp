@@ -1,5 +1,6 @@
 // Where a patch may lie, by its surface features: each match of two is a whole rigid motion, and each motion is judged
-// by how many other matches it explains. The index of overlapping pictures ("overlap index") is the support of each.
+// by how many other matches it explains. That support, over all pictures taken before at once, is the dissertation's
+// overlap index: which of them the patch overlaps, and how surely.
 #pragma once
 
 #include <span>

@@ -19,8 +19,7 @@ struct KeyframeConfig {
   double work_distance_mm = 48;  ///< spacing is measured at the point this far before the camera
   int view_stride = 2;           ///< camera pixels a pixel of the kept surface
   std::size_t max_tried = 32;    ///< most keyframes compared with one burst: the nearest, then the others by turns
-  std::size_t max_voting =
-      256;  ///< likewise by surface features, 0.15 ms a keyframe; derived: a whole arch has 100 a pass
+  std::size_t max_voting = 128;  ///< likewise by surface features; derived: 0.3 ms a keyframe, 40 ms
   SurfaceFeatureConfig surface;
 };
 

@@ -99,6 +99,32 @@ TEST(PlaceEvidence, knows_the_true_place_from_one_beside_it) {
   }
 }
 
+/// Moves each point along its ray.
+template <class F>
+SurfacePatch reshaped(SurfacePatch patch, const F& shift_mm) {
+  for (std::size_t i = 0; i < patch.points.size(); ++i) {
+    Vec3f& p = patch.points[i];
+    if (p.x() == p.x()) p *= 1 + static_cast<float>(shift_mm(p, i)) / p.z();
+  }
+  return patch;
+}
+
+TEST(PlaceEvidence, another_form_speaks_against_a_place_and_noise_does_not) {
+  Scene scene(92);
+  for (const double x : {-2.0, 0.0, 2.0}) scene.show(x);
+  const Pose truth = ts::looking_from(0.5, 0.2, 20, 10, 0);
+  const SurfacePatch patch = scene.patch_from(truth);
+  // A wave of 0.06 mm, 4 mm long, as one incisor differs from the next; and as much of noise.
+  const SurfacePatch waved =
+      reshaped(patch, [](const Vec3f& p, std::size_t) { return 0.06F * std::sin(1.6F * p.x()); });
+  const SurfacePatch noisy = reshaped(patch, [](const Vec3f&, std::size_t i) { return 0.03 * ts::normal(i); });
+  const EvidenceConfig config;
+  EXPECT_TRUE(unrefuted(scene.evidence(patch, truth), 0.01, config));
+  EXPECT_TRUE(unrefuted(scene.evidence(noisy, truth), 0.03, config));
+  EXPECT_FALSE(unrefuted(scene.evidence(waved, truth), 0.01, config));
+  EXPECT_GT(scene.evidence(waved, truth).form_rms_mm, 2 * scene.evidence(noisy, truth).form_rms_mm);
+}
+
 TEST(PlaceEvidence, what_was_hidden_does_not_speak_against_a_place) {
   // From the side the patch shows walls that no keyframe saw: less overlap, no less consistency.
   Scene scene(91);
