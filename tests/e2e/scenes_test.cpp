@@ -64,6 +64,10 @@ std::vector<std::string> one_burst(const std::string& from_s, const std::string&
           "object.jaw.max_edge_mm=0.2"};
 }
 
+std::vector<std::string> one_burst_of_the_ridge() {
+  return {"path.from_s=11.0", "timing.bursts=1", "object.ridge.from_mm=-22", "object.ridge.to_mm=26"};
+}
+
 class Scenes : public ::testing::TestWithParam<Shipped> {};
 
 TEST_P(Scenes, renders_and_decodes_to_its_truth) {
@@ -102,7 +106,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Shipped{"spheres", "probe", "M", 0, 0.0005}, Shipped{"steps", "probe", "M", 0, 0.0005},
                       Shipped{"arch", "probe", "M", 0, 0.0005, one_burst("13.5", "-40", "-4")},
                       Shipped{"arch_upper", "probe", "M", 0, 0.0005, one_burst("15.8", "-26", "26")},
-                      Shipped{"gaps", "probe", "M", 0, 0.0005, one_burst("17.0", "-30", "6")}),
+                      Shipped{"gaps", "probe", "M", 0, 0.0005, one_burst("17.0", "-30", "6")},
+                      Shipped{"edentulous", "probe", "M", 0, 0.0005, one_burst_of_the_ridge()}),
     [](const auto& shipped) { return shipped.param.name(); });
 
 TEST(ScenesWithPauses, what_a_pause_leaves_out_is_not_lost) {

@@ -71,7 +71,9 @@ void check_gap(ConfigReader r, const GapConfig& g, const std::vector<PassConfig>
 
 void check_arch(ConfigReader r, const SceneConfig& c) {
   const std::vector<PassConfig>& passes = c.arch_path.passes;
-  if (c.object != ObjectKind::kJaw) r.reject("type", "an arch path needs a jaw");
+  if (c.object != ObjectKind::kJaw && c.object != ObjectKind::kRidge) {
+    r.reject("type", "an arch path needs a jaw or a ridge");
+  }
   if (passes.empty()) {
     r.reject("type", "no [[path.pass]] given");
     return;
@@ -85,7 +87,7 @@ void check_arch(ConfigReader r, const SceneConfig& c) {
 void bind_path(ConfigReader& reader, SceneConfig& c) {
   ConfigReader r = reader.table("path");
   r.bind("type", c.path, kPaths,
-         "views (stands and straight flights), arch (along a jaw) or calibration (a board, by seed)");
+         "views (stands and straight flights), arch (along a jaw or ridge) or calibration (a board, by seed)");
   bind_hand(r, c);
   bind_all(r, "view", c.views, bind_view);
   bind_all(r, "pass", c.arch_path.passes, bind_pass);

@@ -9,15 +9,17 @@
 #include "calib/model/rig.hpp"
 #include "protocol/base/config.hpp"
 #include "tools/twin/jaw/jaw.hpp"
+#include "tools/twin/jaw/ridge.hpp"
 #include "tools/twin/optics/projector.hpp"
 #include "tools/twin/path/trajectory.hpp"
 #include "tools/twin/render/optics_model.hpp"
 #include "tools/twin/surface/artefacts.hpp"
 #include "tools/twin/surface/dot_board.hpp"
+#include "tools/twin/surface/texture.hpp"
 
 namespace enamel::twin {
 
-enum class ObjectKind : std::uint8_t { kJaw, kPlane, kSpheres, kSteps, kFile, kBoard };
+enum class ObjectKind : std::uint8_t { kJaw, kRidge, kPlane, kSpheres, kSteps, kFile, kBoard };
 enum class PathKind : std::uint8_t { kViews, kArch, kCalibration };
 
 struct FileObjectConfig {
@@ -52,7 +54,7 @@ struct SceneConfig {
   TimingConfig timing;
   ProjectorConfig projector;
   double psf_sigma_px = 0.6;
-  double texture_amplitude = 0.05, texture_scale_mm = 1.6;
+  TextureConfig texture;
   double temp_c = 32.0;
   RenderConfig render;
   ObjectKind object = ObjectKind::kPlane;
@@ -60,6 +62,7 @@ struct SceneConfig {
   SpheresConfig spheres;
   StepsConfig steps;
   JawConfig jaw;
+  RidgeConfig ridge;
   FileObjectConfig file;
   DotBoardConfig board;
   CalibrationConfig calibration;
@@ -88,7 +91,7 @@ void bind_scene(ConfigReader& reader, SceneConfig& config);
 /// Body in model coordinates, texture applied. Errors of mesh files.
 struct Body {
   Surroundings surroundings;
-  ArchShape arch;  ///< of a jaw
+  ArchShape arch;  ///< of a jaw or ridge
   std::string description_json;
 };
 [[nodiscard]] Result<Body> make_body(const SceneConfig& config);

@@ -34,6 +34,18 @@ Body make_jaw_body(const SceneConfig& config, SortedJson& objects) {
   return body;
 }
 
+Body make_ridge_body(const SceneConfig& config, SortedJson& objects) {
+  Body body;
+  Ridge ridge = make_ridge(config.ridge, config.seed);
+  body.arch = ridge.shape;
+  objects.push_back({{"type", "mesh"},
+                     {"file", "surface.ply"},
+                     {"arch", {body.arch.half_width_mm, body.arch.depth_mm, body.arch.exponent}},
+                     {"relief_um", config.ridge.relief_um}});
+  body.surroundings.mesh = std::move(ridge.mesh);
+  return body;
+}
+
 }  // namespace
 
 ProjectorConfig effective_projector(const SceneConfig& c) {
@@ -72,6 +84,9 @@ Result<Body> make_body(const SceneConfig& config) {
     case ObjectKind::kJaw:
       body = make_jaw_body(config, objects);
       break;
+    case ObjectKind::kRidge:
+      body = make_ridge_body(config, objects);
+      break;
     case ObjectKind::kPlane:
       body.surroundings = make_plane(config.plane);
       objects.push_back({{"type", "plane"}, {"half", {config.plane.half_mm, config.plane.half_mm}}});
@@ -97,7 +112,7 @@ Result<Body> make_body(const SceneConfig& config) {
     }
   }
   if (config.effects.texture && config.object != ObjectKind::kBoard) {
-    apply_texture(body.surroundings.mesh, config.texture_amplitude, config.texture_scale_mm, config.seed);
+    apply_texture(body.surroundings.mesh, config.texture, config.seed);
   }
   const SortedJson scene{{"frame", "model"}, {"units", "mm"}, {"seed", config.seed}, {"objects", objects}};
   body.description_json = scene.dump(1) + "\n";

@@ -9,12 +9,15 @@ namespace enamel::twin {
 namespace {
 
 using Names = std::string_view;
-constexpr std::array<std::pair<Names, ObjectKind>, 6> kObjects{{{"jaw", ObjectKind::kJaw},
+constexpr std::array<std::pair<Names, ObjectKind>, 7> kObjects{{{"jaw", ObjectKind::kJaw},
+                                                                {"ridge", ObjectKind::kRidge},
                                                                 {"plane", ObjectKind::kPlane},
                                                                 {"spheres", ObjectKind::kSpheres},
                                                                 {"steps", ObjectKind::kSteps},
                                                                 {"file", ObjectKind::kFile},
                                                                 {"board", ObjectKind::kBoard}}};
+constexpr std::array<std::pair<Names, TexturePattern>, 2> kPatterns{
+    {{"mottle", TexturePattern::kMottle}, {"vessels", TexturePattern::kVessels}}};
 constexpr std::array<std::pair<Names, JawSide>, 2> kSides{{{"lower", JawSide::kLower}, {"upper", JawSide::kUpper}}};
 
 void bind_effects(ConfigReader r, Effects& e) {
@@ -61,12 +64,13 @@ void bind_render(ConfigReader& r, SceneConfig& c) {
          "full-well fraction of level 255 on albedo 0.8 facing at that distance");
   r.bind("camera.psf_sigma_px", c.psf_sigma_px, {0, 10}, "Gaussian point spread, camera px");
   r.bind("camera.temp_c", c.temp_c, {-20, 90}, "temperature stamped on the bursts");
-  r.bind("texture.amplitude", c.texture_amplitude, {0, 0.5}, "relative change of the albedo");
-  r.bind("texture.scale_mm", c.texture_scale_mm, {0.05, 100}, "size of a patch");
+  r.bind("texture.pattern", c.texture.pattern, kPatterns, "mottle or vessels");
+  r.bind("texture.amplitude", c.texture.amplitude, {0, 0.5}, "relative change of the albedo");
+  r.bind("texture.scale_mm", c.texture.scale_mm, {0.05, 100}, "size of a patch");
 }
 
 void bind_object(ConfigReader r, SceneConfig& c) {
-  r.bind("type", c.object, kObjects, "jaw, plane, spheres, steps, file or board");
+  r.bind("type", c.object, kObjects, "jaw, ridge, plane, spheres, steps, file or board");
   r.bind("plane.half_mm", c.plane.half_mm, {1, 500}, "half edge of the plane");
   r.bind("spheres.diameters_mm", c.spheres.diameters_mm, {0.1, 100}, "one a ball, along x");
   r.bind("spheres.pitch_mm", c.spheres.pitch_mm, {0.1, 200}, "centre to centre");
@@ -85,6 +89,11 @@ void bind_object(ConfigReader r, SceneConfig& c) {
   r.bind("jaw.to_mm", c.jaw.to_mm, {-70, 70}, "its end; from = to: all teeth");
   r.bind("jaw.enamel_albedo", c.jaw.enamel_albedo, {0, 1}, "reflectance of the teeth");
   r.bind("jaw.gum_albedo", c.jaw.gum_albedo, {0, 1}, "reflectance of the gum");
+  r.bind("ridge.relief_um", c.ridge.relief_um, {0, 300}, "amplitude of the mucosa's fine relief; folds: 8 times that");
+  r.bind("ridge.albedo", c.ridge.albedo, {0, 1}, "reflectance of the mucosa");
+  r.bind("ridge.max_edge_mm", c.ridge.max_edge_mm, {0.02, 2}, "longest edge of the mesh");
+  r.bind("ridge.from_mm", c.ridge.from_mm, {-70, 70}, "part to mesh, arc length from the midline");
+  r.bind("ridge.to_mm", c.ridge.to_mm, {-70, 70}, "its end; from = to: the whole ridge");
   r.bind("file.path", c.file.path, "PLY, STL or OBJ in mm, relative to the scene file");
   r.bind("file.max_edge_mm", c.file.max_edge_mm, {0, 100}, "longer edges are split; 0: none");
   r.bind("file.albedo", c.file.albedo, {0, 1}, "reflectance");

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "tools/twin/surface/noise.hpp"
-
 namespace enamel::twin {
 namespace {
 
@@ -125,14 +123,6 @@ Surroundings make_steps(const StepsConfig& config) {
   sh.push_back(0.0);
   add_profile(out.mesh, sx, sh, -config.width_mm / 2, config.width_mm);
   return out;
-}
-
-void apply_texture(TriSurface& surface, double amplitude, double scale_mm, std::uint64_t seed) {
-  if (amplitude <= 0) return;
-  for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
-    const Vec3d p = surface.vertices[i].cast<double>() / scale_mm;
-    surface.albedo[i] *= static_cast<float>(1.0 + amplitude * value_noise(p, seed));
-  }
 }
 
 }  // namespace enamel::twin

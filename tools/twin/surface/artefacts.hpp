@@ -35,7 +35,4 @@ inline constexpr float kPlasterAlbedo = 0.8F;
 [[nodiscard]] Surroundings make_spheres(const SpheresConfig& config);
 [[nodiscard]] Surroundings make_steps(const StepsConfig& config);
 
-/// Smooth mottling: albedo *= 1 + amplitude * noise(p / scale), noise in [-1, 1], per vertex.
-void apply_texture(TriSurface& surface, double amplitude, double scale_mm, std::uint64_t seed);
-
 }  // namespace enamel::twin
