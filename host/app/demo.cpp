@@ -16,6 +16,7 @@
 #include "host/app/demo_calibration.hpp"
 #include "host/app/input.hpp"
 #include "host/app/scan_run.hpp"
+#include "host/app/scene_names.hpp"
 #include "host/record/burst_stream.hpp"
 #include "protocol/base/file.hpp"
 #include "protocol/base/log.hpp"
@@ -29,22 +30,11 @@ namespace fs = std::filesystem;
 
 struct Demo {
   ScanRun scan;
-  std::string scene;
+  std::string scene = "quadrant";  // a name until run_demo() makes it a path
   std::string cache;
   std::uint64_t seed = 1;
   bool show_uncalibrated = false;
 };
-
-// Beside the sources of the build that this program lies in: build/<preset>/bin/enamel -> config/scenes.
-std::string default_scene() {
-  std::error_code ec;
-  fs::path folder = fs::read_symlink("/proc/self/exe", ec).parent_path();
-  for (int up = 0; up < 5; ++up, folder = folder.parent_path()) {
-    const fs::path scene = folder / "config/scenes/quadrant.toml";
-    if (fs::exists(scene, ec)) return scene.string();
-  }
-  return "config/scenes/quadrant.toml";
-}
 
 std::string default_cache() {
   if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != 0) return std::string(xdg) + "/enamel";
@@ -154,6 +144,7 @@ Result<int> run_live(Demo& demo, const std::string& path) {
 
 Result<int> run_demo(Demo& demo) {
   SteadyClock clock;
+  ENAMEL_TRY_ASSIGN(demo.scene, scene_file(demo.scene));
   install_stop_signals();
   ENAMEL_TRY(make_folder(demo.scan.run.out));
   if (!demo.scan.run.headless && !has_display()) {
@@ -184,12 +175,13 @@ Result<int> run_demo(Demo& demo) {
 Run add_demo(CLI::App& app) {
   auto demo = std::make_shared<Demo>();
   demo->scan.run.out = "out/demo";
-  demo->scene = default_scene();
   demo->cache = default_cache();
   add_run_options(app, demo->scan.run);
   app.add_option("--out", demo->scan.run.out, "folder for the results")->capture_default_str();
   app.add_option("--seed", demo->seed, "another patient, path, tremor and noise")->capture_default_str();
-  app.add_option("--scene", demo->scene, "what the twin renders")->capture_default_str();
+  app.add_option("--scene", demo->scene, "what the twin renders: a name of config/scenes, or the path of a scene file")
+      ->type_name("NAME|PATH")
+      ->capture_default_str();
   app.add_option("--cache", demo->cache, "where rendered recordings and calibrations are kept")->capture_default_str();
   app.add_flag("--calibrate", demo->show_uncalibrated,
                "scan, calibrate, scan: also measures with the factory's design values and sets both side by side");

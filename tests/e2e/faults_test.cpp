@@ -247,6 +247,23 @@ TEST(Faults, no_probe) {
               3, "no probe found");
 }
 
+TEST(Faults, a_scene_is_taken_by_its_name_and_an_unknown_one_lists_those_that_are_known) {
+  const TempFolder tmp;
+  const auto demo = [&](const std::string& scene) {
+    return run({program("enamel"), "demo", "--headless", "--scene", scene, "--out", tmp / "out", "--cache", tmp / "c"});
+  };
+  const Ran unknown = demo("archh");
+  expect_told(unknown, 2, "no scene 'archh'");
+  for (const char* name : {"arch,", "arch_upper", "edentulous", "gaps", "quadrant"}) {
+    EXPECT_NE(unknown.err.find(name), std::string::npos) << name;
+  }
+  EXPECT_FALSE(fs::exists(tmp / "out"));
+  // The name leads to the file: the twin reads it and says why this one cannot be scanned.
+  EXPECT_NE(demo("calibration").err.find("path.type = calibration shows a board"), std::string::npos);
+  EXPECT_NE(demo("./arch").err.find("./arch"), std::string::npos);  // a path, not a name
+  EXPECT_NE(run({program("enamel"), "demo", "--help"}).out.find("a name of config/scenes"), std::string::npos);
+}
+
 TEST(Faults, wrong_usage) {
   EXPECT_EQ(run({program("enamel"), "replay"}).code, 1);
   EXPECT_EQ(run({program("enamel"), "nonsense"}).code, 1);
