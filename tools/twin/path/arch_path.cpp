@@ -1,6 +1,7 @@
 // A hand that goes along the teeth: pass after pass, joined by turns or by pauses of the probe.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "tools/twin/degrees.hpp"
@@ -50,8 +51,28 @@ class ArchPath final : public Trajectory {
  private:
   static double length(const PassConfig& p) { return std::abs(p.to_mm - p.from_mm); }
   [[nodiscard]] double duration(const PassConfig& p) const { return length(p) / config_.speed_mm_s; }
-  [[nodiscard]] double velocity(const PassConfig& p) const {
-    return p.to_mm >= p.from_mm ? config_.speed_mm_s : -config_.speed_mm_s;
+  static double direction(const PassConfig& p) { return p.to_mm >= p.from_mm ? 1.0 : -1.0; }
+  /// Where passes begin and end: a surge is at its zero there.
+  [[nodiscard]] double velocity(const PassConfig& p) const { return direction(p) * config_.speed_mm_s; }
+
+  /// Way along a pass dt after its beginning.
+  [[nodiscard]] double way(const PassConfig& p, double dt) const {
+    const double even = config_.speed_mm_s * dt, whole = duration(p);
+    if (config_.surge_mm_s == 0 || whole == 0) return even;
+    const double omega = 2 * std::numbers::pi * std::max(1.0, std::round(whole / config_.surge_s)) / whole;
+    return even + config_.surge_mm_s / omega * (1.0 - std::cos(omega * dt));
+  }
+
+  /// Its inverse: the way only grows.
+  [[nodiscard]] double time_of(const PassConfig& p, double way_mm) const {
+    if (config_.surge_mm_s == 0) return way_mm / config_.speed_mm_s;
+    double low = 0, high = duration(p);
+    constexpr int kHalvings = 50;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (low + high);
+      (way(p, middle) < way_mm ? low : high) = middle;
+    }
+    return high;
   }
   /// From the end of the pass before.
   [[nodiscard]] double joint_s(const PassConfig& p) const {
@@ -72,7 +93,7 @@ class ArchPath final : public Trajectory {
     }
     for (const GapConfig& g : config_.gaps) {
       const auto i = static_cast<std::size_t>(g.pass);
-      const double at = begin_s_[i] + std::abs(g.at_mm - config_.passes[i].from_mm) / config_.speed_mm_s;
+      const double at = begin_s_[i] + time_of(config_.passes[i], std::abs(g.at_mm - config_.passes[i].from_mm));
       const auto first = static_cast<std::int64_t>(std::ceil(at * rate));
       out.push_back({first, first + g.bursts});
     }
@@ -85,7 +106,7 @@ class ArchPath final : public Trajectory {
     const PassConfig& pass = config_.passes[i];
     const double dt = t_s - begin_s_[i];
     if (dt <= duration(pass) || i + 1 == config_.passes.size()) {
-      return {pass.from_mm + velocity(pass) * dt, pass.roll_deg, pass.height_mm, pass.offset_mm};
+      return {pass.from_mm + direction(pass) * way(pass, dt), pass.roll_deg, pass.height_mm, pass.offset_mm};
     }
     const PassConfig& next = config_.passes[i + 1];
     if (next.after == Joint::kPause) {  // seen by no burst

@@ -100,8 +100,10 @@ struct GapConfig {
 struct ArchPathConfig {
   std::vector<PassConfig> passes;
   std::vector<GapConfig> gaps;
-  double speed_mm_s = 15;
-  double turn_s = 0.9;  ///< from the end of a pass to the beginning of the next
+  double speed_mm_s = 15;  ///< mean of a pass
+  double surge_mm_s = 0;   ///< the speed swings by so much about it, whole periods a pass
+  double surge_s = 1;      ///< length of a period, about
+  double turn_s = 0.9;     ///< from the end of a pass to the beginning of the next
   double distance_mm = 48;
   double from_s = 0;  ///< no burst before that time; the hand is under way
 };

@@ -42,6 +42,8 @@ void bind_gap(ConfigReader r, GapConfig& g) {
 
 void bind_hand(ConfigReader& r, SceneConfig& c) {
   r.bind("speed_mm_s", c.arch_path.speed_mm_s, {0.1, 200}, "arch: speed of the point looked at");
+  r.bind("surge_mm_s", c.arch_path.surge_mm_s, {0, 200}, "arch: the speed swings by so much about speed_mm_s");
+  r.bind("surge_s", c.arch_path.surge_s, {0.1, 10}, "arch: length of a swing, about: whole swings a pass");
   r.bind("turn_s", c.arch_path.turn_s, {0.05, 10}, "arch: from one pass to the next");
   r.bind("distance_mm", c.arch_path.distance_mm, {1, 1000}, "arch: camera to the point looked at");
   r.bind("from_s", c.arch_path.from_s, {0, 3600}, "arch: bursts from then on; the hand begins at 0");
@@ -71,6 +73,8 @@ void check_gap(ConfigReader r, const GapConfig& g, const std::vector<PassConfig>
 
 void check_arch(ConfigReader r, const SceneConfig& c) {
   const std::vector<PassConfig>& passes = c.arch_path.passes;
+  if (c.arch_path.surge_mm_s > c.arch_path.speed_mm_s)
+    r.reject("surge_mm_s", "exceeds speed_mm_s: the hand would go back");
   if (c.object != ObjectKind::kJaw && c.object != ObjectKind::kRidge) {
     r.reject("type", "an arch path needs a jaw or a ridge");
   }
