@@ -79,7 +79,9 @@ Result<std::unique_ptr<TwinSource>> TwinSource::create(const SceneConfig& config
     return fail(ErrorCode::kConfigValue, "path.type = calibration shows a board: use `enamel-twin calibrate`");
   }
   ENAMEL_TRY_ASSIGN(Body body, make_body(config));
-  return std::unique_ptr<TwinSource>(new TwinSource(std::make_unique<Impl>(config, effective, std::move(body))));
+  auto impl = std::make_unique<Impl>(config, effective, std::move(body));
+  if (impl->total == 0) return fail(ErrorCode::kConfigValue, "path.from_s, pauses and gaps leave no burst to take");
+  return std::unique_ptr<TwinSource>(new TwinSource(std::move(impl)));
 }
 
 const std::string& TwinSource::rig_text() const { return impl_->instrument.rig.text; }

@@ -26,7 +26,7 @@ struct BurstTruth {
 class TwinSource final : public fw::BurstSource {
  public:
   /// Builds body, rig and path. Errors: those of the rig and of mesh files; kRigInvalid when the rig carries no noise;
-  /// kPatternSet when its pattern set is not one of four frames.
+  /// kPatternSet when its pattern set is not one of four frames; kConfigValue when the path leaves no burst to take.
   [[nodiscard]] static Result<std::unique_ptr<TwinSource>> create(const SceneConfig& config);
   [[nodiscard]] static Result<std::unique_ptr<TwinSource>> create(const SceneConfig& config, const calib::Rig& rig);
   ~TwinSource() override;

@@ -123,6 +123,10 @@ TEST(TwinPause, a_stretch_of_the_way_is_that_of_the_whole) {
   ASSERT_EQ(*part->count(), 15U);
   EXPECT_EQ(part->t_mid_ns(0), whole->t_mid_ns(15));
   EXPECT_EQ(part->poses(3).mid.matrix(), whole->poses(18).mid.matrix());
+  scene.arch_path.from_s = 2.0;
+  const auto none = TwinSource::create(scene, testing::small_rig());
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kConfigValue);
 }
 
 TEST(TwinPause, mistakes_are_named) {

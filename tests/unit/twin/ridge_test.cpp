@@ -107,6 +107,7 @@ TEST(TwinRidge, a_hand_goes_along_it_and_its_keys_are_checked) {
   };
   EXPECT_EQ(error_of("ridge.relief_um=0.0\n"), "");
   EXPECT_NE(error_of("ridge.relief_um=-1.0\n").find("ridge.relief_um"), std::string::npos);
+  EXPECT_NE(error_of("ridge.to_mm=57.0\n").find("ridge.to_mm"), std::string::npos);
   EXPECT_NE(error_of("ridge.rugae=1.0\n").find("rugae"), std::string::npos);
   EXPECT_NE(error_of("[texture]\npattern='veins'\n").find("texture.pattern"), std::string::npos);
 }

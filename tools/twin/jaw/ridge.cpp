@@ -21,7 +21,6 @@ constexpr double kInnerDropMm = 12.7, kInnerFlankMm = 12.2;
 constexpr double kShoulderMm = 2.0;  // of the crest, taken by the flank's round beginning
 constexpr double kCrownMm = 1.0;     // fall of the crest to its shoulders: highest centres 3 to 5 mm beside the arch
 constexpr double kFrontMm = 8, kBackMm = 34;
-constexpr double kEndMm = 56;  // arc length of the last centres, less a ball
 
 constexpr double kStripInsideMm = 13, kStripOutsideMm = 11;  // width of the strip
 constexpr double kStripLowZ = -19, kStripHighZ = 3;
@@ -61,10 +60,10 @@ double RidgeField::value(const Eigen::Vector3d& p) const {
 
 Ridge make_ridge(const RidgeConfig& config, std::uint64_t seed) {
   const RidgeField field(config.relief_um, seed);
-  Strip strip{-kEndMm, kEndMm, kStripInsideMm, kStripOutsideMm, kStripLowZ, kStripHighZ};
+  Strip strip{-kRidgeEndMm, kRidgeEndMm, kStripInsideMm, kStripOutsideMm, kStripLowZ, kStripHighZ};
   if (config.to_mm > config.from_mm) {
-    strip.from = std::max(strip.from, config.from_mm);
-    strip.to = std::min(strip.to, config.to_mm);
+    strip.from = config.from_mm;
+    strip.to = config.to_mm;
   }
   Ridge ridge{kShape, mesh_strip(strip, field.arch(), field.coordinates(), {config.max_edge_mm, RidgeField::kLipschitz},
                                  [&](const Eigen::Vector3d& p) { return field.value(p); })};

@@ -16,6 +16,8 @@ struct RidgeConfig {
   double from_mm = 0, to_mm = 0;  ///< part that is meshed, arc length; equal: the whole ridge
 };
 
+/// derived: arc length of the last centres of the accuracy model (ridge.cpp), less a ball.
+inline constexpr double kRidgeEndMm = 56;
 /// chosen: on the pictures of rugae, a quarter of a millimetre at the relief's default.
 inline constexpr double kFoldsToRelief = 8;
 

@@ -92,8 +92,8 @@ void bind_object(ConfigReader r, SceneConfig& c) {
   r.bind("ridge.relief_um", c.ridge.relief_um, {0, 300}, "amplitude of the mucosa's fine relief; folds: 8 times that");
   r.bind("ridge.albedo", c.ridge.albedo, {0, 1}, "reflectance of the mucosa");
   r.bind("ridge.max_edge_mm", c.ridge.max_edge_mm, {0.02, 2}, "longest edge of the mesh");
-  r.bind("ridge.from_mm", c.ridge.from_mm, {-70, 70}, "part to mesh, arc length from the midline");
-  r.bind("ridge.to_mm", c.ridge.to_mm, {-70, 70}, "its end; from = to: the whole ridge");
+  r.bind("ridge.from_mm", c.ridge.from_mm, {-kRidgeEndMm, kRidgeEndMm}, "part to mesh, arc length from the midline");
+  r.bind("ridge.to_mm", c.ridge.to_mm, {-kRidgeEndMm, kRidgeEndMm}, "its end; from = to: the whole ridge");
   r.bind("file.path", c.file.path, "PLY, STL or OBJ in mm, relative to the scene file");
   r.bind("file.max_edge_mm", c.file.max_edge_mm, {0, 100}, "longer edges are split; 0: none");
   r.bind("file.albedo", c.file.albedo, {0, 1}, "reflectance");
