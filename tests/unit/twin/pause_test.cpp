@@ -129,6 +129,24 @@ TEST(TwinPause, a_stretch_of_the_way_is_that_of_the_whole) {
   EXPECT_EQ(none.error().code, ErrorCode::kConfigValue);
 }
 
+TEST(TwinPause, the_scenes_pause_as_often_as_they_say) {
+  const auto leaps_of = [](const std::string& name) {
+    const auto scene = *load_scene(std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + name + ".toml");
+    const auto path = make_arch_path(scene.arch_path, Arch(ArchShape{}), scene.timing);
+    std::vector<std::uint64_t> leaps;
+    for (std::uint64_t n = 1; n < static_cast<std::uint64_t>(path->bursts()); ++n) {
+      if (const std::uint64_t left_out = path->slot(n) - path->slot(n - 1) - 1; left_out > 0) leaps.push_back(left_out);
+    }
+    return leaps;
+  };
+  const auto gaps = leaps_of("gaps");
+  EXPECT_EQ(gaps.size(), 5U);
+  for (const std::uint64_t left_out : gaps) EXPECT_NEAR(static_cast<double>(left_out), 14, 1);
+  EXPECT_EQ(leaps_of("arch").size(), 1U);
+  EXPECT_EQ(leaps_of("arch_upper").size(), 1U);
+  EXPECT_EQ(leaps_of("quadrant").size(), 0U);
+}
+
 TEST(TwinPause, mistakes_are_named) {
   const std::string pass = "[[path.pass]]\nfrom_mm=30.0\nto_mm=10.0\n";
   EXPECT_EQ(error_of(pass + "[[path.gap]]\nat_mm=20.0\n"), "");
