@@ -65,7 +65,8 @@ std::vector<std::string> one_burst(const std::string& from_s, const std::string&
 }
 
 std::vector<std::string> one_burst_of_the_ridge() {
-  return {"path.from_s=11.0", "timing.bursts=1", "object.ridge.from_mm=-22", "object.ridge.to_mm=26"};
+  return {"path.from_s=11.0", "timing.bursts=1", "object.ridge.from_mm=-22", "object.ridge.to_mm=26",
+          "object.ridge.max_edge_mm=0.2"};
 }
 
 class Scenes : public ::testing::TestWithParam<Shipped> {};
