@@ -1,7 +1,7 @@
 // ask_folder KNOWN FIRST [ASKED [TURN]]: what finding again is worth, burst by burst and by angle. The bursts of the
 // exchange folder KNOWN before burst FIRST become keyframes at their true poses; each of the others is asked for alone,
 // as if nothing were known of it. ASKED: the bursts of another folder are asked for instead; where it is another
-// surface, every answer is false. TURN: 90 or 180 rolls each patch in the picture, "mirror" asks for mirror images (all
+// surface, every answer is false. TURN: degrees that the camera is rolled by, or "mirror": asks for mirror images (all
 // false). A tool of the tests: needs truth/poses.csv.
 #include <cstdio>
 #include <ctime>
@@ -14,13 +14,12 @@
 #include "pipeline/register/track/find_turned.hpp"
 #include "pipeline/register/track/tracker.hpp"
 #include "tests/tools/folder_truth.hpp"
+#include "tests/tools/reimaged_patch.hpp"
 #include "tests/unit/decode/folder_burst.hpp"
-#include "tests/unit/register/turned_patches.hpp"
 
 namespace {
 
 namespace ea = enamel::pipeline;
-namespace ts = enamel::testing;
 using Poses = std::map<int, enamel::Pose>;
 
 constexpr double kDegrees = 180 / std::numbers::pi;
@@ -72,14 +71,16 @@ int run(const Folder& known, const Folder& asked, int first, const std::string& 
     store.add(patch, T, ea::extract_features(patch, known.rig.camera.fx / 48, config.features));
   }
   const bool own = &known == &asked && turn != "mirror";
-  const double roll = turn == "90" || turn == "180" ? std::stod(turn) : 0;
+  const double roll = turn == "mirror" ? 0 : std::stod(turn);
+  const Eigen::AngleAxisd turned(roll / kDegrees, enamel::Vec3d::UnitZ());
+  const Eigen::Matrix3d M =
+      turn == "mirror" ? Eigen::Matrix3d(enamel::Vec3d(-1, 1, 1).asDiagonal()) : turned.toRotationMatrix();
   std::map<int, Bin> bins;
   std::uint64_t count = 0;
   for (const auto& [id, truth] : asked.truth) {
     if (own && id < first) continue;
-    const auto plain = asked.patch(id);
-    const auto patch = turn == "mirror" ? ts::mirrored(plain) : ts::rolled(plain, static_cast<int>(roll) / 90);
-    const enamel::Pose T = truth * Eigen::AngleAxisd(-roll / kDegrees, enamel::Vec3d::UnitZ());
+    const auto patch = enamel::test::reimaged(asked.patch(id), asked.rig.camera, M);
+    const enamel::Pose T = own ? enamel::Pose(truth * Eigen::Isometry3d(M)) : truth;
     const double before = cpu_ms();
     const auto pyramid = ea::make_pyramid(patch, config.icp);
     const enamel::Pose last = enamel::Pose::Identity();

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <type_traits>
 #include <utility>
 
 #include "tests/unit/register/synthetic_surface.hpp"
@@ -36,32 +35,6 @@ inline SurfacePatch mirrored(SurfacePatch patch) {
   for (Vec3f& p : patch.points.pixels()) p.x() = -p.x();
   for (Vec3f& n : patch.normals.pixels()) n.x() = -n.x();
   return patch;
-}
-
-/// The same patch from a camera rolled by `quarters` right angles: what lay along x lies along y after one. Exact:
-/// pixels move, points turn.
-inline SurfacePatch rolled(const SurfacePatch& patch, int quarters) {
-  if (quarters <= 0) return patch;
-  SurfacePatch out;
-  const auto turn = [](const auto& in, auto& map) {
-    map = in;
-    if (in.empty()) return;
-    using MapType = std::decay_t<decltype(in)>;
-    map = MapType(in.height(), in.width(), in[0]);
-    for (int v = 0; v < in.height(); ++v) {
-      for (int u = 0; u < in.width(); ++u) map(in.height() - 1 - v, u) = in(u, v);
-    }
-  };
-  turn(patch.depth_mm, out.depth_mm);
-  turn(patch.sigma_mm, out.sigma_mm);
-  turn(patch.points, out.points);
-  turn(patch.normals, out.normals);
-  turn(patch.texture_dn, out.texture_dn);
-  turn(patch.modulation_dn, out.modulation_dn);
-  for (Vec3f& p : out.points.pixels()) p = Vec3f(-p.y(), p.x(), p.z());
-  for (Vec3f& n : out.normals.pixels()) n = Vec3f(-n.y(), n.x(), n.z());
-  out.valid_px = patch.valid_px;
-  return rolled(out, quarters - 1);
 }
 
 }  // namespace enamel::testing
