@@ -7,13 +7,21 @@
 namespace enamel::pipeline {
 namespace {
 
+/// Fits as closely as acceptance asks, wherever it meets: cheaper to tell than evidence, and most wrong places fail it.
+bool close_fit(const IcpResult& icp, double median_sigma_mm, const AcceptConfig& config) {
+  IcpResult judged = icp;
+  judged.overlap = 1;
+  judged.consistency = 1;
+  return acceptable(judged, median_sigma_mm, config);
+}
+
 /// Overlap and consistency are those of all keyframes near, not of the one view that was aligned to.
 bool believable(const TriedPlace& place, double median_sigma_mm, const RelocaliseConfig& config) {
   IcpResult judged = place.icp;
   judged.overlap = place.evidence.overlap;
   judged.consistency = place.evidence.consistency;
   return place.icp.weak_directions == 0 && acceptable(judged, median_sigma_mm, config.accept_turned) &&
-         unrefuted(place.evidence, median_sigma_mm, config.evidence);
+         convincing(place.evidence, median_sigma_mm, config.evidence);
 }
 
 /// Camera pixels a drawn pixel.
@@ -46,9 +54,10 @@ TriedPlace try_place(const PlaceHypothesis& hypothesis, const Trial& of, const I
   out.keyframe = near.front();
   const Pose& start = hypothesis.T_model_cam;
   out.icp = align(coarse, reference, camera, start, start, icp);
-  if (!out.icp.converged) return out;
+  const double sigma = pyramid.levels.back().median_sigma_mm;
+  if (!close_fit(out.icp, sigma, config.accept_turned)) return out;
   out.evidence = weigh_place(own, out.icp.T_model_cam, frames, near, camera, config.evidence);
-  if (!believable(out, pyramid.levels.back().median_sigma_mm, config)) return out;
+  if (!believable(out, sigma, config)) return out;
   const Pose found = out.icp.T_model_cam;
   out.icp = align(pyramid, reference, camera, found, found, icp);
   return out;

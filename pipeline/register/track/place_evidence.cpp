@@ -196,26 +196,26 @@ PlaceEvidence weigh_place(const ModelView& patch, const Pose& T_model_cam, const
   const ModelView drawn = draw_keyframes(keyframes, chosen, {T_model_cam, patch.stride}, camera, config);
   const auto layer = static_cast<float>(config.layer_mm);
   std::size_t points = 0;
+  std::size_t matches = 0;
   std::size_t seen_through = seen_through_by_patch(patch, drawn, camera, config);
   PlaceEvidence out;
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     points += patch.points[i].x() == patch.points[i].x() ? 1U : 0U;
-    out.matches += verdicts[i].meeting == Meeting::kMeets ? 1U : 0U;
+    matches += verdicts[i].meeting == Meeting::kMeets ? 1U : 0U;
     seen_through += verdicts[i].meeting == Meeting::kSeenThrough && inner(patch, i, layer) ? 1U : 0U;
   }
   out.form_rms_mm =
       form_rms(verdicts, std::max(2, static_cast<int>(std::lround(config.block_mm / config.draw_pitch_mm))));
-  if (points > 0) out.overlap = static_cast<double>(out.matches) / static_cast<double>(points);
-  if (out.matches > 0) {
-    out.consistency = static_cast<double>(out.matches) / static_cast<double>(out.matches + seen_through);
-  }
+  if (points > 0) out.overlap = static_cast<double>(matches) / static_cast<double>(points);
+  if (matches > 0) out.consistency = static_cast<double>(matches) / static_cast<double>(matches + seen_through);
+  out.area_mm2 = static_cast<double>(matches) * config.draw_pitch_mm * config.draw_pitch_mm;
   return out;
 }
 
-bool unrefuted(const PlaceEvidence& evidence, double median_sigma_mm, const EvidenceConfig& config) {
+bool convincing(const PlaceEvidence& evidence, double median_sigma_mm, const EvidenceConfig& config) {
   const double per_block = config.block_mm / config.draw_pitch_mm;
   const double block_noise = median_sigma_mm * std::sqrt(2.0) / (0.5 * per_block);
-  return evidence.consistency >= config.min_consistency &&
+  return evidence.area_mm2 >= config.min_area_mm2 && evidence.consistency >= config.min_consistency &&
          evidence.form_rms_mm <= std::hypot(config.max_form_mm, block_noise);
 }
 

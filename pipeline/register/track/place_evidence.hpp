@@ -21,6 +21,7 @@ struct EvidenceConfig {
   double match_deg = 30;
   double block_mm = 0.9;  ///< chosen: blocks of so much surface are averaged: 64 drawn pixels, an eighth of their noise
   double through_mm = 0.3;        ///< chosen: twice match_mm; a surface so far before another was seen through
+  double min_area_mm2 = 30;       ///< chosen: half a molar's table; less of one tooth may be like any other's
   double min_consistency = 0.90;  ///< chosen: at a true place only silhouettes disagree, a hundredth; another tooth of
                                   ///< the same kind has a tenth to a third
   double max_form_mm =
@@ -32,7 +33,7 @@ struct PlaceEvidence {
   double overlap = 0;      ///< share of the patch that meets any keyframe's surface
   double consistency = 0;  ///< what meets / (what meets + what was seen through, either way)
   double form_rms_mm = 0;  ///< of the mean distances of whole blocks: noise falls out, another tooth's form does not
-  std::size_t matches = 0;
+  double area_mm2 = 0;     ///< of what meets, as the camera sees it
 };
 
 /// Indices of the keyframes that look at `point` (model frame) most nearly, nearest first.
@@ -54,7 +55,7 @@ struct DrawnFrom {
                                         const std::vector<Keyframe>& keyframes, const std::vector<std::size_t>& chosen,
                                         const ViewCamera& camera, const EvidenceConfig& config);
 
-/// Neither free space nor form speaks against it. Says nothing of how much speaks for it.
-[[nodiscard]] bool unrefuted(const PlaceEvidence& evidence, double median_sigma_mm, const EvidenceConfig& config);
+/// Enough meets, and neither free space nor form speaks against it.
+[[nodiscard]] bool convincing(const PlaceEvidence& evidence, double median_sigma_mm, const EvidenceConfig& config);
 
 }  // namespace enamel::pipeline

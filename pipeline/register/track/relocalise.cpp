@@ -44,7 +44,7 @@ std::optional<Relocalised> find_by_pictures(const LostPatch& lost, const KnownPl
     const IcpResult result = align(lost.pyramid, reference, ViewCamera(lens), h.fit.T_to_from, h.fit.T_to_from, icp);
     const double sigma = lost.pyramid.levels.back().median_sigma_mm;
     if (!acceptable(result, sigma, config.accept)) continue;
-    if (!unrefuted(weigh_found(lost, places, result.T_model_cam, lens, config), sigma, config.evidence)) continue;
+    if (!convincing(weigh_found(lost, places, result.T_model_cam, lens, config), sigma, config.evidence)) continue;
     const bool rival = std::any_of(found.begin(), found.end(), [&](const Hypothesis& other) {
       return other.fit.inliers >= config.rival_ratio * h.fit.inliers &&
              another_place(other.fit.T_to_from, result.T_model_cam, config);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -119,10 +120,24 @@ TEST(PlaceEvidence, another_form_speaks_against_a_place_and_noise_does_not) {
       reshaped(patch, [](const Vec3f& p, std::size_t) { return 0.06F * std::sin(1.6F * p.x()); });
   const SurfacePatch noisy = reshaped(patch, [](const Vec3f&, std::size_t i) { return 0.03 * ts::normal(i); });
   const EvidenceConfig config;
-  EXPECT_TRUE(unrefuted(scene.evidence(patch, truth), 0.01, config));
-  EXPECT_TRUE(unrefuted(scene.evidence(noisy, truth), 0.03, config));
-  EXPECT_FALSE(unrefuted(scene.evidence(waved, truth), 0.01, config));
+  EXPECT_TRUE(convincing(scene.evidence(patch, truth), 0.01, config));
+  EXPECT_TRUE(convincing(scene.evidence(noisy, truth), 0.03, config));
+  EXPECT_FALSE(convincing(scene.evidence(waved, truth), 0.01, config));
   EXPECT_GT(scene.evidence(waved, truth).form_rms_mm, 2 * scene.evidence(noisy, truth).form_rms_mm);
+}
+
+TEST(PlaceEvidence, a_scrap_of_surface_convinces_nobody) {
+  Scene scene(93);
+  for (const double x : {-2.0, 0.0, 2.0}) scene.show(x);
+  const Pose truth = ts::looking_from(0.5, 0.2, 20, 10, 0);
+  SurfacePatch scrap = scene.patch_from(truth);
+  EXPECT_TRUE(scene.ask(scrap)) << "positive control";
+  for (Vec3f& p : scrap.points.pixels()) {
+    if (p.head<2>().norm() > 2.5F) p.setConstant(std::numeric_limits<float>::quiet_NaN());
+  }
+  for (std::size_t i = 0; i < scrap.points.size(); ++i) scrap.depth_mm[i] = scrap.points[i].z();
+  EXPECT_FALSE(convincing(scene.evidence(scrap, truth), 0.01, {}));
+  EXPECT_FALSE(scene.ask(scrap));
 }
 
 TEST(PlaceEvidence, what_was_hidden_does_not_speak_against_a_place) {
