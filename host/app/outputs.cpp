@@ -75,10 +75,15 @@ std::vector<host::SegmentFacts> segment_facts(const std::vector<host::SegmentRow
 
 std::string map_json(const host::MapFacts& facts) {
   const pipeline::RefinedMap& m = facts.map;
-  return nlohmann::json{{"keyframes", m.keyframes},   {"edges", m.edges},
-                        {"loops", m.loops},           {"switched_off", m.switched_off},
-                        {"sigma0", m.sigma0},         {"largest_move_um", 1e3 * m.largest_move_mm},
-                        {"refine_s", facts.refine_s}, {"seconds", facts.seconds}}
+  return nlohmann::json{{"keyframes", m.keyframes},
+                        {"edges", m.edges},
+                        {"loops", m.loops},
+                        {"switched_off", m.switched_off},
+                        {"sigma0", m.sigma0},
+                        {"largest_move_um", 1e3 * m.largest_move_mm},
+                        {"seen_through_px", facts.seen_through_px},
+                        {"refine_s", facts.refine_s},
+                        {"seconds", facts.seconds}}
       .dump();
 }
 

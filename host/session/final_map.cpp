@@ -9,27 +9,41 @@
 namespace enamel::host {
 namespace {
 
-/// Unpacks the next patch on another thread while this one is fused.
+/// Unpacks the next patch, and takes out of it what other bursts looked through, on another thread while this one is
+/// fused.
 class ReadAhead {
  public:
-  ReadAhead(const std::vector<pipeline::KeptBurst>& bursts, const pipeline::Unpacker& unpack)
-      : bursts_(bursts), unpack_(unpack) {
+  ReadAhead(const std::vector<pipeline::KeptBurst>& bursts, const pipeline::Unpacker& unpack,
+            std::shared_ptr<const pipeline::FreeSpace> free_space)
+      : bursts_(bursts), unpack_(unpack), free_space_(std::move(free_space)) {
     ask(0);
   }
   SurfacePatch operator()(std::size_t n) {
-    SurfacePatch patch = next_.get();
+    Cleaned cleaned = next_.get();
+    withdrawn_px_ += cleaned.withdrawn_px;
     ask(n + 1);
-    return patch;
+    return std::move(cleaned.patch);
   }
+  [[nodiscard]] std::uint64_t withdrawn_px() const noexcept { return withdrawn_px_; }
 
  private:
+  struct Cleaned {
+    SurfacePatch patch;
+    std::size_t withdrawn_px;
+  };
   void ask(std::size_t n) {
     if (n >= bursts_.size()) return;
-    next_ = std::async(std::launch::async, [this, n] { return unpack_(bursts_[n].patch); });
+    next_ = std::async(std::launch::async, [this, n] {
+      Cleaned out{unpack_(bursts_[n].patch), 0};
+      if (free_space_) out.withdrawn_px = free_space_->withdraw(bursts_[n].T_segment_cam, out.patch);
+      return out;
+    });
   }
   const std::vector<pipeline::KeptBurst>& bursts_;
   const pipeline::Unpacker& unpack_;
-  std::future<SurfacePatch> next_;
+  std::shared_ptr<const pipeline::FreeSpace> free_space_;
+  std::uint64_t withdrawn_px_ = 0;
+  std::future<Cleaned> next_;
 };
 
 double seconds_since(HostTime start, const Clock& clock) {
@@ -54,13 +68,15 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
   facts.refine_s = seconds_since(start, clock);
   facts.map = refined;
   facts.map.poses = {};
+  facts.map.free_space = nullptr;
   for (std::size_t n = 0; n < placed.size(); ++n) {
     placed[n].pose.T_model_cam = refined.poses[n];
     history[n].T_segment_cam = refined.poses[n];
   }
   log::info("map", "fusing {} bursts anew", history.size());
-  ReadAhead ahead(history, unpack);
+  ReadAhead ahead(history, unpack, refined.free_space);
   fuse.rebuild(history, [&](std::size_t n) { return ahead(n); });
+  facts.seen_through_px = ahead.withdrawn_px();
   facts.seconds = seconds_since(start, clock);
   return facts;
 }

@@ -51,8 +51,9 @@ struct ApartSegment {
 
 /// What the refinement after the scan did.
 struct MapFacts {
-  pipeline::RefinedMap map;          ///< without its poses
-  double refine_s = 0, seconds = 0;  ///< for the poses alone; with the model fused anew
+  pipeline::RefinedMap map;           ///< without its poses
+  std::uint64_t seen_through_px = 0;  ///< left out of the final model: other bursts looked through there
+  double refine_s = 0, seconds = 0;   ///< for the poses alone; with the model fused anew
 };
 
 /// What a run leaves behind. Everything but times is a function of the bursts, the rig and the configuration.

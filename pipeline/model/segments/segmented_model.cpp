@@ -53,8 +53,10 @@ void SegmentedModel::catch_up(std::size_t bursts) {
 }
 
 std::vector<KeptBurst> SegmentedModel::take_history() {
-  if (keep_history_) std::ranges::move(waiting_, std::back_inserter(history_));
-  if (keep_history_) waiting_.clear();
+  for (; keep_history_ && !waiting_.empty(); waiting_.pop_front()) {
+    waiting_.front().patch.texture = {};
+    history_.push_back(std::move(waiting_.front()));
+  }
   std::ranges::sort(history_, {}, [](const KeptBurst& b) { return b.id.value; });
   return std::exchange(history_, {});
 }

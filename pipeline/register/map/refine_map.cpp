@@ -96,7 +96,7 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   const auto keyframes = choose_keyframes(input.bursts, work_distance_mm, config);
   if (!config.refine || keyframes.size() < 2) return out;
   const auto pairs = choose_pairs(input.bursts, keyframes, work_distance_mm, config);
-  const auto nodes = make_nodes(input, keyframes, rig, icp, config);
+  auto nodes = make_nodes(input, keyframes, rig, icp, config);
   input.progress(0.4);
   const auto edges = measure_edges(input, keyframes, pairs, nodes, ViewCamera(rig.camera), icp, config);
   input.progress(0.9);
@@ -114,6 +114,8 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
     const double moved = (out.poses[n] * work - input.bursts[n].T_model_cam * work).norm();
     out.largest_move_mm = std::max(out.largest_move_mm, moved);
   }
+  out.free_space = std::make_shared<const FreeSpace>(std::move(nodes), solved.poses, ViewCamera(rig.camera),
+                                                     work_distance_mm, config.free_space);
   input.progress(1);
   return out;
 }

@@ -5,10 +5,12 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "calib/model/rig.hpp"
 #include "pipeline/register/icp/icp.hpp"
+#include "pipeline/register/map/free_space.hpp"
 #include "pipeline/register/map/map_edge.hpp"
 #include "pipeline/register/map/pose_graph.hpp"
 #include "pipeline/types/patch.hpp"
@@ -29,6 +31,7 @@ struct MapConfig {
   double max_gap_s = 0.5;    ///< as TrackerConfig: across it two keyframes do not follow each other
   EdgeConfig edge;
   GraphConfig graph;
+  FreeSpaceConfig free_space;
 };
 
 /// A placed burst. Its pose is in the model's frame.
@@ -49,7 +52,8 @@ struct RefinedMap {
   std::size_t keyframes = 0, edges = 0, loops = 0;
   int switched_off = 0;
   double sigma0 = 0;
-  double largest_move_mm = 0;  ///< at the point looked at
+  double largest_move_mm = 0;                   ///< at the point looked at
+  std::shared_ptr<const FreeSpace> free_space;  ///< of the keyframes where they are now; null where nothing was refined
 };
 
 /// Deterministic: a function of bursts and patches alone.
