@@ -20,8 +20,9 @@ struct EvidenceConfig {
   double match_mm = 0.15;         ///< as the finest gate of the alignment
   double match_deg = 30;
   double block_mm = 0.9;  ///< chosen: blocks of so much surface are averaged: 64 drawn pixels, an eighth of their noise
-  double through_mm = 0.3;        ///< chosen: twice match_mm; a surface so far before another was seen through
-  double min_area_mm2 = 30;       ///< chosen: half a molar's table; less of one tooth may be like any other's
+  double through_mm = 0.3;   ///< chosen: twice match_mm; a surface so far before another was seen through
+  double min_area_mm2 = 50;  ///< chosen: a molar's table, a fifth of a picture; 36 mm² of one jaw have been seen to fit
+                             ///< another's by chance
   double min_consistency = 0.90;  ///< chosen: at a true place only silhouettes disagree, a hundredth; another tooth of
                                   ///< the same kind has a tenth to a third
   double max_form_mm =

@@ -133,7 +133,7 @@ TEST(PlaceEvidence, a_scrap_of_surface_convinces_nobody) {
   SurfacePatch scrap = scene.patch_from(truth);
   EXPECT_TRUE(scene.ask(scrap)) << "positive control";
   for (Vec3f& p : scrap.points.pixels()) {
-    if (p.head<2>().norm() > 2.5F) p.setConstant(std::numeric_limits<float>::quiet_NaN());
+    if (p.head<2>().norm() > 3.5F) p.setConstant(std::numeric_limits<float>::quiet_NaN());
   }
   for (std::size_t i = 0; i < scrap.points.size(); ++i) scrap.depth_mm[i] = scrap.points[i].z();
   EXPECT_FALSE(convincing(scene.evidence(scrap, truth), 0.01, {}));
