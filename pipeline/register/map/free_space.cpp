@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace enamel::pipeline {
@@ -91,9 +92,17 @@ std::vector<std::size_t> FreeSpace::keyframes_near(const Pose& T_model_cam) cons
     if (apart <= config_.reach_mm) near.emplace_back(apart, k);
   }
   std::ranges::sort(near);
-  near.resize(std::min(near.size(), config_.asked));
   std::vector<std::size_t> out;
-  for (const auto& [apart, k] : near) out.push_back(k);
+  for (const auto& [apart, k] : near) {
+    if (out.size() == config_.asked) break;
+    const bool alike = std::ranges::any_of(out, [&](std::size_t other) {
+      const Pose &A = T_model_cam_[k], &B = T_model_cam_[other];
+      const Eigen::AngleAxisd turn(A.linear().transpose() * B.linear());
+      return (A * work_ - B * work_).norm() < config_.apart_mm &&
+             turn.angle() < config_.apart_deg * std::numbers::pi / 180;
+    });
+    if (!alike) out.push_back(k);
+  }
   return out;
 }
 

@@ -16,7 +16,9 @@ struct FreeSpaceConfig {
   double same_mm = 0.3;      ///< nearer to what a keyframe saw than this: seen by it too
   int min_through = 3;       ///< keyframes that looked through, and …
   double reach_mm = 9;       ///< as MapConfig: of keyframes asked, at the points looked at
-  std::size_t asked = 24;    ///< most, nearest first
+  double apart_mm = 2;       ///< between keyframes that are asked: those that looked the same way say the same …
+  double apart_deg = 3;      ///< … unless they are turned by more
+  std::size_t asked = 40;    ///< most, nearest first
   double whole_share = 0.5;  ///< chosen: of a piece of surface that hangs together; beyond, all of it goes
 };
 

@@ -20,8 +20,8 @@ namespace enamel::pipeline {
 
 struct MapConfig {
   bool refine = true;        ///< false: the poses stay as they were tracked
-  double spacing_mm = 2;     ///< of keyframes along the way, at the point looked at …
-  double spacing_deg = 3;    ///< … or by turns
+  double spacing_mm = 1;     ///< of keyframes along the way, at the point looked at …
+  double spacing_deg = 1.5;  ///< … or by turns
   int crowd = 4;             ///< no more keyframes where so many look at the same place from the same side already
   double reach_mm = 9;       ///< derived: half a picture's width; farther apart two keyframes share too little
   double reach_deg = 65;     ///< derived: sides that see the same cusps; less than the right angle that sees none

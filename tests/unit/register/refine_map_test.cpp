@@ -83,13 +83,20 @@ TEST_F(RefineMap, leaves_poses_alone_where_it_is_not_wanted_or_has_nothing_to_go
   EXPECT_EQ(refine().edges, 0U) << "nothing measured";
 }
 
+MapConfig every_two_millimetres() {
+  MapConfig config;
+  config.spacing_mm = 2;
+  config.spacing_deg = 3;
+  return config;
+}
+
 TEST(KeyframeChoice, one_every_two_millimetres_and_no_crowd_where_the_hand_rests) {
   std::vector<MapBurst> bursts;
   for (int n = 0; n < 30; ++n) bursts.push_back({time_of(n), ts::looking_down(0.5 * n, 0)});
-  EXPECT_EQ(choose_keyframes(bursts, 48, {}).size(), 8U);
+  EXPECT_EQ(choose_keyframes(bursts, 48, every_two_millimetres()).size(), 8U);
   bursts.clear();
   for (int n = 0; n < 400; ++n) bursts.push_back({time_of(n), ts::looking_down(n % 2 == 0 ? 0 : 2.5, 0)});
-  EXPECT_LE(choose_keyframes(bursts, 48, {}).size(), 8U);
+  EXPECT_LE(choose_keyframes(bursts, 48, every_two_millimetres()).size(), 8U);
 }
 
 TEST(KeyframeChoice, pairs_reach_over_passes_but_not_across_the_arch_nor_round_a_tooth) {
