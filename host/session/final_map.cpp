@@ -4,6 +4,7 @@
 #include <future>
 #include <utility>
 
+#include "pipeline/flow/parallel.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::host {
@@ -62,7 +63,9 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
   pipeline::MapInput map;
   for (const MeasuredBurst& burst : placed) map.bursts.push_back({burst.pose.t_mid, burst.pose.T_model_cam});
   map.load = [&](std::size_t n) { return unpack(history[n].patch); };
-  map.threads = input.threads;
+  map.for_each = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
+    flow::for_each_index(count, input.threads, work);
+  };
   map.progress = [](double share) { log::info("map", "refining the poses: {:.0f} %", 100 * share); };
   const auto refined = pipeline::refine_map(map, input.rig, input.config.track.icp, input.config.map);
   facts.refine_s = seconds_since(start, clock);

@@ -1,26 +1,12 @@
 #include "pipeline/register/map/refine_map.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <optional>
-#include <thread>
 
 #include "pipeline/register/map/keyframe_choice.hpp"
 
 namespace enamel::pipeline {
 namespace {
-
-/// work(n) for all n on several threads; each result has its own place, so their order does not matter.
-template <class Work>
-void for_each_index(std::size_t count, std::size_t threads, Work&& work) {
-  std::atomic<std::size_t> next{0};
-  const auto run = [&] {
-    for (std::size_t n = next++; n < count; n = next++) work(n);
-  };
-  std::vector<std::jthread> others;
-  for (std::size_t k = 1; k < threads; ++k) others.emplace_back(run);
-  run();
-}
 
 double middle_depth(const calib::Rig& rig) {
   constexpr double kUsualMm = 48;
@@ -30,7 +16,7 @@ double middle_depth(const calib::Rig& rig) {
 std::vector<MapNode> make_nodes(const MapInput& input, const std::vector<std::size_t>& keyframes, const calib::Rig& rig,
                                 const IcpConfig& icp, const MapConfig& config) {
   std::vector<MapNode> nodes(keyframes.size());
-  for_each_index(keyframes.size(), input.threads, [&](std::size_t k) {
+  input.for_each(keyframes.size(), [&](std::size_t k) {
     const SurfacePatch patch = input.load(keyframes[k]);
     nodes[k].samples = sample_patch(patch, config.sample_stride_px, icp.samples);
     constexpr int kViewStride = 2;  // as KeyframeConfig::view_stride; Reference thins to its own pitch
@@ -39,17 +25,23 @@ std::vector<MapNode> make_nodes(const MapInput& input, const std::vector<std::si
   return nodes;
 }
 
+struct Measuring {
+  ViewCamera camera;
+  const IcpConfig& icp;
+  const EdgeConfig& edge;
+};
+
 /// Both ways round: what one-sided association leaves of a bias has the other sign in the other.
 std::vector<MapEdge> measure_edges(const MapInput& input, const std::vector<std::size_t>& keyframes,
                                    const std::vector<KeyframePair>& pairs, const std::vector<MapNode>& nodes,
-                                   const ViewCamera& camera, const IcpConfig& icp, const MapConfig& config) {
+                                   const Measuring& with) {
   std::vector<std::optional<MapEdge>> found(2 * pairs.size());
-  for_each_index(found.size(), input.threads, [&](std::size_t n) {
+  input.for_each(found.size(), [&](std::size_t n) {
     KeyframePair pair = pairs[n / 2];
     if (n % 2 == 1) std::swap(pair.i, pair.j);
     const Pose start =
         input.bursts[keyframes[pair.j]].T_model_cam.inverse() * input.bursts[keyframes[pair.i]].T_model_cam;
-    found[n] = measure_edge(nodes[pair.i], nodes[pair.j], camera, start, icp, config.edge);
+    found[n] = measure_edge(nodes[pair.i], nodes[pair.j], with.camera, start, with.icp, with.edge);
     if (!found[n]) return;
     found[n]->i = pair.i;
     found[n]->j = pair.j;
@@ -98,7 +90,7 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   const auto pairs = choose_pairs(input.bursts, keyframes, work_distance_mm, config);
   auto nodes = make_nodes(input, keyframes, rig, icp, config);
   input.progress(0.4);
-  const auto edges = measure_edges(input, keyframes, pairs, nodes, ViewCamera(rig.camera), icp, config);
+  const auto edges = measure_edges(input, keyframes, pairs, nodes, {ViewCamera(rig.camera), icp, config.edge});
   input.progress(0.9);
   std::vector<Pose> start;
   for (const std::size_t k : keyframes) start.push_back(input.bursts[k].T_model_cam);

@@ -41,9 +41,13 @@ struct MapBurst {
 };
 
 struct MapInput {
-  std::vector<MapBurst> bursts;                          ///< in order of burst
-  std::function<SurfacePatch(std::size_t)> load;         ///< patch of a burst; from several threads at once
-  std::size_t threads = 2;                               ///< never change the result
+  std::vector<MapBurst> bursts;                   ///< in order of burst
+  std::function<SurfacePatch(std::size_t)> load;  ///< patch of a burst; from several threads at once
+  /// Calls work(n) for each n below count, once, on as many threads as it likes: they never change the result.
+  std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)> for_each =
+      [](std::size_t count, const std::function<void(std::size_t)>& work) {
+        for (std::size_t n = 0; n < count; ++n) work(n);
+      };
   std::function<void(double)> progress = [](double) {};  ///< share done, from the calling thread
 };
 

@@ -16,7 +16,7 @@ namespace ts = ::enamel::testing;
 class FreeSpaceTest : public ::testing::Test {
  protected:
   FreeSpaceTest() {
-    for (int k = 0; k < 6; ++k) add(ts::looking_down(0.5 * k, 0), patch_at(ts::looking_down(0.5 * k, 0)));
+    for (int k = 0; k < 6; ++k) add(ts::looking_down(2.1 * k - 4, 0), patch_at(ts::looking_down(2.1 * k - 4, 0)));
   }
   [[nodiscard]] SurfacePatch patch_at(const Pose& T) const {
     return ts::make_patch(surface_, rig_.camera, T, {0.01, 0.03, 5});

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "pipeline/flow/parallel.hpp"
 #include "pipeline/register/map/keyframe_choice.hpp"
 #include "tests/unit/register/burst_times.hpp"
 #include "tests/unit/register/synthetic_surface.hpp"
@@ -38,7 +39,9 @@ class RefineMap : public ::testing::Test {
     input_.load = [this](std::size_t n) { return patches_[n]; };
   }
   [[nodiscard]] RefinedMap refine(std::size_t threads = 2) {
-    input_.threads = threads;
+    input_.for_each = [threads](std::size_t count, const std::function<void(std::size_t)>& work) {
+      flow::for_each_index(count, threads, work);
+    };
     return refine_map(input_, rig_, {}, {});
   }
   [[nodiscard]] static double error_mm(const Pose& T_model_cam, int n) {
