@@ -26,8 +26,6 @@ class MotionModel {
   explicit MotionModel(const MotionConfig& config) : config_(config) {}
 
   void add(DeviceTime t, const Pose& T_model_cam, const std::optional<ProbeTwist>& twist = std::nullopt);
-  /// Forgets velocities (a jump), keeps nothing.
-  void clear() { count_ = 0; }
   /// The same motion in another frame.
   void carry_into(const Pose& T_other_model);
 

@@ -25,10 +25,10 @@ TEST(MotionModel, carries_mean_velocity_on_and_stops_in_time) {
 
 TEST(MotionModel, the_bursts_own_velocity_is_the_prior_of_the_next) {
   const ProbeTwist twist{{4, 0, 0}, {0, 0, 0.5}, 40};  // turns about the optical axis: the work point only shifts
+  MotionModel ignorant({});
+  ignorant.add(time_of(0), ts::looking_down(0, 0));
+  EXPECT_FALSE(ignorant.predict_by_twist(time_of(1)).has_value());
   MotionModel fresh({});
-  fresh.add(time_of(0), ts::looking_down(0, 0));
-  EXPECT_FALSE(fresh.predict_by_twist(time_of(1)).has_value());
-  fresh.clear();
   fresh.add(time_of(0), ts::looking_down(0, 0), twist);
   const Pose one = ts::looking_down(0, 0).inverse() * fresh.predict(time_of(1));
   EXPECT_NEAR((one * Vec3d(0, 0, 48)).x(), 4 * seconds_of(1), 1e-9);
@@ -39,6 +39,17 @@ TEST(MotionModel, the_bursts_own_velocity_is_the_prior_of_the_next) {
   const auto ahead = [&](const Pose& T) { return (ts::looking_down(0, 0).inverse() * T * Vec3d(0, 0, 48)).x(); };
   EXPECT_NEAR(ahead(moving.predict(time_of(4))), 2 * seconds_of(1), 1e-9);
   EXPECT_NEAR(ahead(*moving.predict_by_twist(time_of(4))), 4 * seconds_of(1), 1e-9);
+}
+
+TEST(MotionModel, is_the_same_motion_in_another_frame) {
+  MotionModel motion({}), moved({});
+  const Pose T_other_model = ts::looking_down(7, -3, {0.4, 0.2, -0.9});
+  for (int n = 0; n < 4; ++n) {
+    motion.add(time_of(n), ts::looking_down(0.3 * n, 0.1 * n));
+    moved.add(time_of(n), ts::looking_down(0.3 * n, 0.1 * n));
+  }
+  moved.carry_into(T_other_model);
+  EXPECT_TRUE(moved.predict(time_of(5)).isApprox(T_other_model * motion.predict(time_of(5)), 1e-9));
 }
 
 TEST(MotionModel, a_twist_about_another_point_moves_the_work_point_by_its_lever) {
