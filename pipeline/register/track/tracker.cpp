@@ -95,15 +95,15 @@ std::optional<TrackResult> Tracker::back_in_an_older(const Burst& burst, const s
     if (!was_here(older, burst)) continue;
     const auto there = near_(older, burst.pyramid, burst.view, burst.t);
     if (!there) continue;
-    std::vector<SegmentJoin> joins;
-    const SegmentId into = older.id;
-    if (here) {
-      joins.push_back({active_, into, there->T_model_cam * here->T_model_cam.inverse()});
-      carry_out(joins.back());
+    if (!here) {
+      active_ = older.id;
+      return accept(older, TrackState::kTracking, burst, *there);
     }
-    active_ = into;
-    TrackResult out = accept(find(into), here ? TrackState::kRelocalised : TrackState::kTracking, burst, *there);
-    out.joins = std::move(joins);
+    const PlacedBurst placed{burst.id, active_, here->T_model_cam};
+    const auto join = believe(placed, older.id, there->T_model_cam);
+    if (!join) return accept(find(active_), TrackState::kTracking, burst, *here);
+    TrackResult out = accept(find(join->into), TrackState::kRelocalised, burst, *there);
+    out.joins.push_back(*join);
     return out;
   }
   return std::nullopt;
@@ -117,13 +117,17 @@ std::optional<SegmentJoin> Tracker::vote(const PlacedBurst& placed, const Surfac
     const auto found = relocalise({patch, pyramid, placed.id.value}, {older.keyframes, older.motion.last_pose(), turn},
                                   lens_, config_.icp, config_.relocalise);
     if (!found) continue;
-    const Pose T_into_segment = found->icp.T_model_cam * placed.T_segment_cam.inverse();
-    const Vec3d looked_at = placed.T_segment_cam * Vec3d(0, 0, config_.motion.work_distance_mm);
-    const auto join = votes_.add({placed.id, {placed.segment, older.id, T_into_segment}, looked_at});
-    if (join) carry_out(*join);
-    return join;
+    return believe(placed, older.id, found->icp.T_model_cam);
   }
   return std::nullopt;
+}
+
+std::optional<SegmentJoin> Tracker::believe(const PlacedBurst& placed, SegmentId into, const Pose& T_into_cam) {
+  const Pose T_into_segment = T_into_cam * placed.T_segment_cam.inverse();
+  const Vec3d looked_at = placed.T_segment_cam * Vec3d(0, 0, config_.motion.work_distance_mm);
+  const auto join = votes_.add({placed.id, {placed.segment, into, T_into_segment}, looked_at});
+  if (join) carry_out(*join);
+  return join;
 }
 
 void Tracker::carry_out(const SegmentJoin& join) {

@@ -50,12 +50,14 @@ class Tracker {
  private:
   struct Burst;
   [[nodiscard]] bool was_here(const SegmentMemory& segment, const Burst& burst) const;
-  /// In one that the hand left a moment ago; where the burst stands in the active one too, they are joined.
+  /// In one that the hand left a moment ago. Where the burst stands in the active one too, that is a vote.
   [[nodiscard]] std::optional<TrackResult> back_in_an_older(const Burst& burst, const std::optional<IcpResult>& here);
   [[nodiscard]] SegmentMemory& start();
   [[nodiscard]] TrackResult accept(SegmentMemory& segment, TrackState state, const Burst& burst, const IcpResult& icp);
   [[nodiscard]] std::optional<SegmentJoin> vote(const PlacedBurst& placed, const SurfacePatch& patch,
                                                 const PatchPyramid& pyramid);
+  /// Counts a vote, and carries out the join that it decides.
+  [[nodiscard]] std::optional<SegmentJoin> believe(const PlacedBurst& placed, SegmentId into, const Pose& T_into_cam);
   void carry_out(const SegmentJoin& join);
   [[nodiscard]] SegmentMemory& find(SegmentId id);
 
