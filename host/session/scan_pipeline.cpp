@@ -186,6 +186,7 @@ ScanResult ScanPipeline::take_result() {
   ScanResult result;
   result.trace = std::move(sink.trace);
   join_at_end(*impl_->track, *impl_->fuse, sink.segments, impl_->config.track.join);
+  impl_->track->forget();
   result.segments = sink.segments.rows();
   std::vector<MeasuredBurst> placed = bursts_in(kModelSegment, sink);
   if (impl_->config.map.refine) {

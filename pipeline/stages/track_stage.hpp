@@ -28,6 +28,8 @@ class TrackStage final : public flow::Stage {
   [[nodiscard]] std::optional<SegmentJoin> seek(const pipeline::PlacedBurst& burst, const SurfacePatch& patch_of) {
     return tracker_.seek(burst, patch_of);
   }
+  /// After that: frees what registration remembers of the scan.
+  void forget() { tracker_.forget(); }
 
  private:
   /// The decoded patch itself, or a copy with the regions that the model decides and without what contradicts it.

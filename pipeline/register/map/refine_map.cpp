@@ -19,8 +19,8 @@ std::vector<MapNode> make_nodes(const MapInput& input, const std::vector<std::si
   input.for_each(keyframes.size(), [&](std::size_t k) {
     const SurfacePatch patch = input.load(keyframes[k]);
     nodes[k].samples = sample_patch(patch, config.sample_stride_px, icp.samples);
-    constexpr int kViewStride = 2;  // as KeyframeConfig::view_stride; Reference thins to its own pitch
-    nodes[k].reference = Reference(view_from_patch(patch, Pose::Identity(), rig.camera, kViewStride), icp.reference);
+    nodes[k].reference =
+        Reference(view_from_patch(patch, Pose::Identity(), rig.camera, config.view_stride_px), icp.reference);
   });
   return nodes;
 }
@@ -106,6 +106,7 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
     const double moved = (out.poses[n] * work - input.bursts[n].T_model_cam * work).norm();
     out.largest_move_mm = std::max(out.largest_move_mm, moved);
   }
+  for (MapNode& node : nodes) node.samples = {};
   out.free_space = std::make_shared<const FreeSpace>(std::move(nodes), solved.poses, ViewCamera(rig.camera),
                                                      work_distance_mm, config.free_space);
   input.progress(1);

@@ -43,6 +43,9 @@ class Tracker {
   /// have all their keyframes; `burst` as track() placed it, after the joins since.
   [[nodiscard]] std::optional<SegmentJoin> seek(const PlacedBurst& burst, const SurfacePatch& patch);
 
+  /// After the scan, when nothing is sought any more: frees what was remembered, a third of a gigabyte for an arch.
+  void forget() { segments_.clear(); }
+
   /// The model first; segments that were joined are gone. Empty before the first burst.
   [[nodiscard]] const std::vector<SegmentMemory>& segments() const noexcept { return segments_; }
   [[nodiscard]] const TrackerConfig& config() const noexcept { return config_; }
