@@ -32,6 +32,7 @@ void join_at_end(stage::TrackStage& track, stage::FuseStage& fuse, SegmentLedger
                  const pipeline::JoinConfig& config) {
   // The youngest last: what older ones were joined to shows more surface then.
   for (const SegmentId id : apart_now(fuse.segments())) {
+    if (fuse.segments().kept().at(id).size() < config.votes) continue;  // cannot agree among themselves
     const auto join = seek(track, fuse.segments(), id, config.at_end);
     if (!join) continue;
     fuse.segments().join(*join);

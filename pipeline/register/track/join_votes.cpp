@@ -12,6 +12,14 @@ bool same_pair(const SegmentJoin& a, const SegmentJoin& b) { return a.segment ==
 
 }  // namespace
 
+std::vector<SegmentId> segments_to_ask(const std::vector<SegmentId>& older, std::uint64_t turn, std::size_t most) {
+  if (older.size() <= most) return older;
+  std::vector<SegmentId> out{older.front()};
+  const std::size_t others = older.size() - 1, asked = most - 1;
+  for (std::size_t k = 0; k < asked; ++k) out.push_back(older[1 + (turn * asked + k) % others]);
+  return out;
+}
+
 std::optional<SegmentJoin> JoinVotes::add(const JoinVote& vote) {
   std::vector<const JoinVote*> agreeing{&vote};
   std::size_t of_pair = 0;

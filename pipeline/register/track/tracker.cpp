@@ -112,8 +112,12 @@ std::optional<TrackResult> Tracker::back_in_an_older(const Burst& burst, const s
 std::optional<SegmentJoin> Tracker::vote(const PlacedBurst& placed, const SurfacePatch& patch,
                                          const PatchPyramid& pyramid) {
   const std::uint64_t turn = searches_++;
+  std::vector<SegmentId> ids;
   for (const SegmentMemory& older : segments_) {
-    if (older.id >= placed.segment) break;
+    if (older.id < placed.segment) ids.push_back(older.id);
+  }
+  for (const SegmentId id : segments_to_ask(ids, turn, config_.join.asked)) {
+    const SegmentMemory& older = find(id);
     const auto found = relocalise({patch, pyramid, placed.id.value}, {older.keyframes, older.motion.last_pose(), turn},
                                   lens_, config_.icp, config_.relocalise);
     if (!found) continue;

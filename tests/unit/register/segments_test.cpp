@@ -60,6 +60,21 @@ TEST(JoinVotes, a_segment_that_is_no_more_is_forgotten) {
   EXPECT_FALSE(votes.add(vote(3, shifted(5))));
 }
 
+TEST(JoinVotes, a_search_asks_the_model_and_a_few_others_and_reaches_all_by_turns) {
+  std::vector<SegmentId> older;
+  for (SegmentId id = 0; id < 50; ++id) older.push_back(id);
+  std::vector<int> asked(50);
+  for (std::uint64_t turn = 0; turn < 50; ++turn) {
+    const auto now = segments_to_ask(older, turn, 4);
+    ASSERT_EQ(now.size(), 4U);
+    EXPECT_EQ(now.front(), kModelSegment);
+    for (const SegmentId id : now) ++asked[id];
+  }
+  for (const int times : asked) EXPECT_GE(times, 3);
+  EXPECT_EQ(segments_to_ask({0, 1, 2}, 7, 4), (std::vector<SegmentId>{0, 1, 2}));
+  EXPECT_TRUE(segments_to_ask({}, 7, 4).empty());
+}
+
 TEST(Segments, a_place_found_again_waits_for_three_bursts_and_is_joined) {
   Session s(16);
   for (int n = 0; n < 4; ++n) (void)s.feed(n, hand(seconds_of(n)));
