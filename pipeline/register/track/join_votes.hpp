@@ -18,7 +18,7 @@ struct JoinConfig {
   double agree_deg = 1;    ///< that far over a patch's lever of 4.5 mm is half of it
   std::size_t kept = 12;   ///< of a pair of segments, the newest
   std::size_t asked = 4;   ///< segments in which one burst is sought: the model, and others by turns. Where every burst
-                          ///< is a segment of its own (tissue that moves), the time a burst takes must not grow
+                           ///< is a segment of its own (tissue that moves), the time a burst takes must not grow
   std::size_t at_end = 24;  ///< bursts of a segment that are asked again when the scan ends, evenly over it
 };
 
