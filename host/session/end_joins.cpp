@@ -21,7 +21,7 @@ std::optional<SegmentJoin> seek(stage::TrackStage& track, const pipeline::Segmen
   for (std::size_t i = 0; i < asked; ++i) {
     const pipeline::KeptBurst& burst = bursts[i * bursts.size() / asked];
     const SurfacePatch patch = segments.unpack()(burst.patch);
-    if (const auto join = track.seek({burst.id, id, burst.T_segment_cam}, patch)) return join;
+    if (auto join = track.seek({burst.id, id, burst.T_segment_cam}, patch)) return join;
   }
   return std::nullopt;
 }
@@ -53,6 +53,7 @@ std::vector<MeasuredBurst> bursts_in(SegmentId root, const SinkStage& sink) {
 
 std::vector<PlacedPose> at_mid_burst(const std::vector<MeasuredBurst>& bursts) {
   std::vector<pipeline::MeasuredPose> measured;
+  measured.reserve(bursts.size());
   for (const MeasuredBurst& burst : bursts) measured.push_back(burst.pose);
   const std::vector<Pose> poses = pipeline::poses_at_mid_burst(measured, {});
   std::vector<PlacedPose> out;

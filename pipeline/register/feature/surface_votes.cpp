@@ -147,6 +147,7 @@ std::vector<std::uint32_t> by_support(const std::vector<Match>& matches, const V
   }
   std::sort(order.begin(), order.end());
   std::vector<std::uint32_t> out;
+  out.reserve(order.size());
   for (const auto& [support, k] : order) out.push_back(k);
   return out;
 }

@@ -41,6 +41,7 @@ std::vector<std::size_t> choose_keyframes(const std::vector<MapBurst>& bursts, d
 std::vector<KeyframePair> choose_pairs(const std::vector<MapBurst>& bursts, const std::vector<std::size_t>& keyframes,
                                        double work_distance_mm, const MapConfig& config) {
   std::vector<Gaze> gazes;
+  gazes.reserve(keyframes.size());
   for (const std::size_t k : keyframes) gazes.push_back(gaze_of(bursts[k].T_model_cam, work_distance_mm));
   std::vector<KeyframePair> out;
   for (std::size_t i = 1; i < keyframes.size(); ++i) {

@@ -93,6 +93,7 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   const auto edges = measure_edges(input, keyframes, pairs, nodes, {ViewCamera(rig.camera), icp, config.edge});
   input.progress(0.9);
   std::vector<Pose> start;
+  start.reserve(keyframes.size());
   for (const std::size_t k : keyframes) start.push_back(input.bursts[k].T_model_cam);
   const SolvedGraph solved = solve_graph(std::move(start), edges, config.graph);
   out.poses = carry_bursts(input.bursts, keyframes, solved.poses, work_distance_mm);

@@ -60,7 +60,7 @@ std::optional<Relocalised> find_by_pictures(const LostPatch& lost, const KnownPl
 std::optional<Relocalised> relocalise(const LostPatch& lost, const KnownPlaces& places, const calib::LensValues& lens,
                                       const IcpConfig& icp, const RelocaliseConfig& config) {
   const auto tried = try_places(lost, places, lens, icp, config);
-  if (const auto found = choose_place(tried, lost.pyramid.levels.back().median_sigma_mm, config)) return found;
+  if (auto found = choose_place(tried, lost.pyramid.levels.back().median_sigma_mm, config)) return found;
   return find_by_pictures(lost, places, lens, icp, config);
 }
 

@@ -129,7 +129,7 @@ std::optional<SegmentJoin> Tracker::vote(const PlacedBurst& placed, const Surfac
 std::optional<SegmentJoin> Tracker::believe(const PlacedBurst& placed, SegmentId into, const Pose& T_into_cam) {
   const Pose T_into_segment = T_into_cam * placed.T_segment_cam.inverse();
   const Vec3d looked_at = placed.T_segment_cam * Vec3d(0, 0, config_.motion.work_distance_mm);
-  const auto join = votes_.add({placed.id, {placed.segment, into, T_into_segment}, looked_at});
+  auto join = votes_.add({placed.id, {placed.segment, into, T_into_segment}, looked_at});
   if (join) carry_out(*join);
   return join;
 }
