@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
+
+#include "pipeline/register/icp/viewpoint.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -95,12 +96,9 @@ std::vector<std::size_t> FreeSpace::keyframes_near(const Pose& T_model_cam) cons
   std::vector<std::size_t> out;
   for (const auto& [apart, k] : near) {
     if (out.size() == config_.asked) break;
-    const Pose& A = T_model_cam_[k];
+    const Pose& T = T_model_cam_[k];
     const bool alike = std::ranges::any_of(out, [&](std::size_t other) {
-      const Pose& B = T_model_cam_[other];
-      const Eigen::AngleAxisd turn(A.linear().transpose() * B.linear());
-      return (A * work_ - B * work_).norm() < config_.apart_mm &&
-             turn.angle() < config_.apart_deg * std::numbers::pi / 180;
+      return look_alike(T, T_model_cam_[other], work_, {config_.apart_mm, config_.apart_deg});
     });
     if (!alike) out.push_back(k);
   }

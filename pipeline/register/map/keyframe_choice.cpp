@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/register/icp/seconds.hpp"
+#include "pipeline/register/icp/viewpoint.hpp"
+
 namespace enamel::pipeline {
 namespace {
 
@@ -11,28 +14,23 @@ double degrees_between(const Vec3d& a, const Vec3d& b) {
   return std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-bool is_near(const Pose& a, const Pose& b, double work_distance_mm, const MapConfig& config) {
-  const Vec3d work(0, 0, work_distance_mm);
-  const Eigen::AngleAxisd turn(a.linear().transpose() * b.linear());
-  return (a * work - b * work).norm() < config.spacing_mm && turn.angle() < config.spacing_deg * std::numbers::pi / 180;
-}
-
-double seconds(DeviceTime from, DeviceTime to) { return 1e-9 * static_cast<double>((to - from).count()); }
+/// Where a camera looks at, and from where.
+struct Gaze {
+  Vec3d point, axis;
+};
 
 }  // namespace
 
-Gaze gaze_of(const Pose& T_model_cam, double work_distance_mm) {
-  return {T_model_cam * Vec3d(0, 0, work_distance_mm), T_model_cam.linear().col(2)};
-}
-
 std::vector<std::size_t> choose_keyframes(const std::vector<MapBurst>& bursts, double work_distance_mm,
                                           const MapConfig& config) {
+  const Vec3d work(0, 0, work_distance_mm);
   std::vector<std::size_t> out;
   for (std::size_t n = 0; n < bursts.size(); ++n) {
-    const Pose& T = bursts[n].T_model_cam;
-    if (!out.empty() && is_near(bursts[out.back()].T_model_cam, T, work_distance_mm, config)) continue;
-    const auto crowd = std::ranges::count_if(
-        out, [&](std::size_t k) { return is_near(bursts[k].T_model_cam, T, work_distance_mm, config); });
+    const auto is_near = [&](std::size_t k) {
+      return look_alike(bursts[k].T_model_cam, bursts[n].T_model_cam, work, {config.spacing_mm, config.spacing_deg});
+    };
+    if (!out.empty() && is_near(out.back())) continue;
+    const auto crowd = std::ranges::count_if(out, is_near);
     if (crowd < config.crowd) out.push_back(n);
   }
   return out;
@@ -42,7 +40,10 @@ std::vector<KeyframePair> choose_pairs(const std::vector<MapBurst>& bursts, cons
                                        double work_distance_mm, const MapConfig& config) {
   std::vector<Gaze> gazes;
   gazes.reserve(keyframes.size());
-  for (const std::size_t k : keyframes) gazes.push_back(gaze_of(bursts[k].T_model_cam, work_distance_mm));
+  for (const std::size_t k : keyframes) {
+    const Pose& T = bursts[k].T_model_cam;
+    gazes.push_back({T * Vec3d(0, 0, work_distance_mm), T.linear().col(2)});
+  }
   std::vector<KeyframePair> out;
   for (std::size_t i = 1; i < keyframes.size(); ++i) {
     // j follows i backwards as long as nothing was missing in between.

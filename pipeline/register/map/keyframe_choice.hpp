@@ -9,12 +9,6 @@
 
 namespace enamel::pipeline {
 
-/// Where a camera looks at, and from where.
-struct Gaze {
-  Vec3d point, axis;
-};
-[[nodiscard]] Gaze gaze_of(const Pose& T_model_cam, double work_distance_mm);
-
 /// Indices of bursts, ascending; the first burst always.
 [[nodiscard]] std::vector<std::size_t> choose_keyframes(const std::vector<MapBurst>& bursts, double work_distance_mm,
                                                         const MapConfig& config);

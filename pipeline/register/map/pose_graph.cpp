@@ -9,8 +9,6 @@
 namespace enamel::pipeline {
 namespace {
 
-using Matrix66 = Matrix6;
-
 Eigen::Matrix3d cross(const Vec3d& v) {
   Eigen::Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
@@ -36,8 +34,8 @@ Matrix6 information(const Matrix6& H, const GraphConfig& config) {
 }
 
 /// A motion (rho*omega, tau) about a node's own centre, as the motion of node j's axes about the edge's centre.
-Matrix66 carry(const Eigen::Matrix3d& R_j_model, const Vec3d& from_own_centre, double rho_mm) {
-  Matrix66 out = Matrix66::Zero();
+Matrix6 carry(const Eigen::Matrix3d& R_j_model, const Vec3d& from_own_centre, double rho_mm) {
+  Matrix6 out = Matrix6::Zero();
   out.topLeftCorner<3, 3>() = R_j_model;
   out.bottomRightCorner<3, 3>() = R_j_model;
   out.bottomLeftCorner<3, 3>() = -R_j_model * cross(from_own_centre) / rho_mm;
@@ -114,8 +112,8 @@ class Solver {
       const MapEdge& edge = edges_[e];
       const Eigen::Matrix3d R_j_model = poses_[edge.j].linear().transpose();
       const Vec3d centre = poses_[edge.j] * edge.centre;
-      const Matrix66 A = carry(R_j_model, centre - centres[edge.i], config_.rho_mm);
-      const Matrix66 B = -carry(R_j_model, centre - centres[edge.j], config_.rho_mm);
+      const Matrix6 A = carry(R_j_model, centre - centres[edge.i], config_.rho_mm);
+      const Matrix6 B = -carry(R_j_model, centre - centres[edge.j], config_.rho_mm);
       const Matrix6 W = switches_[e] * information_[e];
       const Vector6 x = residual(edge);
       add(entries, edge.i, edge.i, A.transpose() * W * A);
@@ -137,7 +135,7 @@ class Solver {
   }
 
   static Eigen::Index at(std::size_t node) { return static_cast<Eigen::Index>(6 * (node - 1)); }
-  static void add(std::vector<Eigen::Triplet<double>>& entries, std::size_t a, std::size_t b, const Matrix66& block) {
+  static void add(std::vector<Eigen::Triplet<double>>& entries, std::size_t a, std::size_t b, const Matrix6& block) {
     if (a == 0 || b == 0) return;
     for (int r = 0; r < 6; ++r) {
       for (int c = 0; c < 6; ++c) entries.emplace_back(at(a) + r, at(b) + c, block(r, c));

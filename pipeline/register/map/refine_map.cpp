@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <optional>
 
+#include "pipeline/register/icp/viewpoint.hpp"
 #include "pipeline/register/map/keyframe_choice.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-double middle_depth(const calib::Rig& rig) {
-  constexpr double kUsualMm = 48;
-  return rig.depth_range ? 0.5 * (rig.depth_range->near_mm + rig.depth_range->far_mm) : kUsualMm;
-}
+constexpr double kUsualDepth_mm = 48;  // where the rig states no range
 
 std::vector<MapNode> make_nodes(const MapInput& input, const std::vector<std::size_t>& keyframes, const calib::Rig& rig,
                                 const IcpConfig& icp, const MapConfig& config) {
@@ -82,7 +80,7 @@ std::vector<Pose> carry_bursts(const std::vector<MapBurst>& bursts, const std::v
 }  // namespace
 
 RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpConfig& icp, const MapConfig& config) {
-  const double work_distance_mm = middle_depth(rig);
+  const double work_distance_mm = middle_depth_mm(rig, kUsualDepth_mm);
   RefinedMap out;
   for (const MapBurst& burst : input.bursts) out.poses.push_back(burst.T_model_cam);
   const auto keyframes = choose_keyframes(input.bursts, work_distance_mm, config);

@@ -1,11 +1,11 @@
 #include "pipeline/register/track/keyframes.hpp"
 
 #include <algorithm>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
 #include "pipeline/register/icp/reference.hpp"
+#include "pipeline/register/icp/viewpoint.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -18,11 +18,9 @@ double work_point_distance(const Pose& a, const Pose& b, double work_distance_mm
 }  // namespace
 
 bool KeyframeStore::wants(const Pose& T_model_cam) const {
-  const double turn_limit = config_.spacing_deg * std::numbers::pi / 180;
+  const Vec3d work(0, 0, config_.work_distance_mm);
   return std::none_of(frames_.begin(), frames_.end(), [&](const Keyframe& frame) {
-    const Eigen::AngleAxisd turn(frame.T_model_cam.linear().transpose() * T_model_cam.linear());
-    return work_point_distance(frame.T_model_cam, T_model_cam, config_.work_distance_mm) < config_.spacing_mm &&
-           turn.angle() < turn_limit;
+    return look_alike(frame.T_model_cam, T_model_cam, work, {config_.spacing_mm, config_.spacing_deg});
   });
 }
 

@@ -3,7 +3,7 @@
 #include <Eigen/QR>
 
 #include "pipeline/register/icp/normal_system.hpp"
-#include "pipeline/register/track/seconds.hpp"
+#include "pipeline/register/icp/seconds.hpp"
 
 namespace enamel::pipeline {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/register/icp/normal_system.hpp"
-#include "pipeline/register/track/seconds.hpp"
+#include "pipeline/register/icp/seconds.hpp"
 
 namespace enamel::pipeline {
 void MotionModel::add(DeviceTime t, const Pose& T_model_cam, const std::optional<ProbeTwist>& twist) {

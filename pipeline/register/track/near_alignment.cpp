@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/register/track/seconds.hpp"
+#include "pipeline/register/icp/seconds.hpp"
 
 namespace enamel::pipeline {
 namespace {

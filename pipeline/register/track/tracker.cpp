@@ -4,14 +4,11 @@
 #include <numbers>
 #include <utility>
 
-#include "pipeline/register/track/seconds.hpp"
+#include "pipeline/register/icp/seconds.hpp"
+#include "pipeline/register/icp/viewpoint.hpp"
 
 namespace enamel::pipeline {
 namespace {
-
-double middle_depth(const calib::Rig& rig, double fallback_mm) {
-  return rig.depth_range ? 0.5 * (rig.depth_range->near_mm + rig.depth_range->far_mm) : fallback_mm;
-}
 
 TrackerConfig with_work_distance(TrackerConfig config, double distance_mm) {
   config.motion.work_distance_mm = distance_mm;
@@ -44,7 +41,7 @@ struct Tracker::Burst {
 };
 
 Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
-    : config_(with_work_distance(config, middle_depth(rig, config.motion.work_distance_mm))),
+    : config_(with_work_distance(config, middle_depth_mm(rig, config.motion.work_distance_mm))),
       lens_(rig.camera),
       camera_(rig.camera),
       px_per_mm_(rig.camera.fx / config_.motion.work_distance_mm),

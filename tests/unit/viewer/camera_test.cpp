@@ -169,12 +169,18 @@ TEST(ProbeField, frustum_follows_the_pose) {
   }
 }
 
-TEST(Trail, breaks_where_tracking_was_lost_and_ignores_standing_still) {
-  Trail trail(ProbeField{});
+/// Of a probe that is tracked at its working distance.
+PreviewFrame tracked_frame() {
   PreviewFrame frame;
   frame.placed = true;
   frame.track = TrackState::kTracking;
   frame.surface_distance_mm = 48;
+  return frame;
+}
+
+TEST(Trail, breaks_where_tracking_was_lost_and_ignores_standing_still) {
+  Trail trail(ProbeField{});
+  PreviewFrame frame = tracked_frame();
   const auto at = [&](std::uint64_t burst, double x, TrackState state) {
     frame.burst = BurstId{burst};
     frame.T_model_cam.translation().x() = x;
@@ -197,10 +203,7 @@ TEST(Trail, breaks_where_tracking_was_lost_and_ignores_standing_still) {
 
 TEST(Trail, shows_nothing_of_a_segment_in_another_frame) {
   Trail trail(ProbeField{});
-  PreviewFrame frame;
-  frame.placed = true;
-  frame.track = TrackState::kTracking;
-  frame.surface_distance_mm = 48;
+  PreviewFrame frame = tracked_frame();
   for (std::uint64_t n = 0; n < 9; ++n) {
     frame.burst = BurstId{n};
     frame.segment = n >= 3 && n < 6 ? 1U : kModelSegment;

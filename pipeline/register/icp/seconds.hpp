@@ -1,4 +1,4 @@
-// Data time as the seconds that motion is reckoned in. Private to register/track.
+// Data time as the seconds that motion is reckoned in. Private to register.
 #pragma once
 
 #include "protocol/base/time.hpp"

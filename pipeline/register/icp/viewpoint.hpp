@@ -1,0 +1,26 @@
+// Where a camera looks, and whether two look the same way. Private to register.
+#pragma once
+
+#include <numbers>
+
+#include "calib/model/rig.hpp"
+#include "pipeline/types/geometry.hpp"
+
+namespace enamel::pipeline {
+
+/// Of the point that motion and keyframes are measured at, before the camera.
+[[nodiscard]] inline double middle_depth_mm(const calib::Rig& rig, double fallback_mm) {
+  return rig.depth_range ? 0.5 * (rig.depth_range->near_mm + rig.depth_range->far_mm) : fallback_mm;
+}
+
+struct Closeness {
+  double mm, deg;  ///< at the point looked at, and of any turn
+};
+
+/// Nearer than both limits.
+[[nodiscard]] inline bool look_alike(const Pose& a, const Pose& b, const Vec3d& looked_at, const Closeness& limits) {
+  const Eigen::AngleAxisd turn(a.linear().transpose() * b.linear());
+  return (a * looked_at - b * looked_at).norm() < limits.mm && turn.angle() < limits.deg * std::numbers::pi / 180;
+}
+
+}  // namespace enamel::pipeline
