@@ -1,6 +1,7 @@
 // The files of a run.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +21,8 @@
 namespace enamel::app {
 
 namespace {
+
+constexpr double kUnknown_um = 500;  // chosen: beyond, a number would say more than is known
 
 std::vector<host::PoseRow> pose_rows(const std::vector<host::PlacedPose>& poses) {
   std::vector<host::PoseRow> rows;
@@ -73,7 +76,20 @@ std::vector<host::SegmentFacts> segment_facts(const std::vector<host::SegmentRow
   return out;
 }
 
-std::string map_json(const host::MapFacts& facts) {
+nlohmann::json stations_json(const pipeline::Stations& of, const std::vector<host::PlacedPose>& poses) {
+  nlohmann::json out{{"way_mm", of.way_mm}, {"at", nlohmann::json::array()}, {"distances", nlohmann::json::array()}};
+  for (const pipeline::Station& s : of.stations) {
+    out["at"].push_back({{"share", s.share},
+                         {"burst", poses[s.burst].id.value},
+                         {"p_model_mm", {s.p_model.x(), s.p_model.y(), s.p_model.z()}}});
+  }
+  for (const pipeline::StationDistance& d : of.distances)
+    out["distances"].push_back({{"a", d.a}, {"b", d.b}, {"mm", d.distance_mm}, {"sigma_um", 1e3 * d.sigma_mm}});
+  return out;
+}
+
+std::string map_json(const host::ScanResult& scan) {
+  const host::MapFacts& facts = *scan.map;
   const pipeline::RefinedMap& m = facts.map;
   return nlohmann::json{{"keyframes", m.keyframes},
                         {"edges", m.edges},
@@ -81,6 +97,7 @@ std::string map_json(const host::MapFacts& facts) {
                         {"switched_off", m.switched_off},
                         {"sigma0", m.sigma0},
                         {"largest_move_um", 1e3 * m.largest_move_mm},
+                        {"stations", stations_json(m.stations, scan.poses)},
                         {"seen_through_px", facts.seen_through_px},
                         {"refine_s", facts.refine_s},
                         {"seconds", facts.seconds}}
@@ -89,6 +106,15 @@ std::string map_json(const host::MapFacts& facts) {
 
 }  // namespace
 
+std::string known_line(const host::ScanResult& scan) {
+  if (!scan.map || scan.map->map.stations.distances.empty()) return "";
+  const pipeline::StationDistance& farthest =
+      *std::ranges::max_element(scan.map->map.stations.distances, {}, &pipeline::StationDistance::distance_mm);
+  const double sigma_um = 1e3 * farthest.sigma_mm;
+  if (sigma_um > kUnknown_um) return fmt::format("{:.1f} mm from end to end is not determined", farthest.distance_mm);
+  return fmt::format("{:.1f} mm from end to end, known to +-{:.0f} um", farthest.distance_mm, sigma_um);
+}
+
 Result<host::Report> write_outputs(const std::string& folder, const host::ScanResult& scan, host::Report report,
                                    const Truth& truth) {
   const auto poses = pose_rows(scan.poses);
@@ -96,7 +122,9 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   ENAMEL_TRY_ASSIGN(const std::string apart, write_apart(folder, scan.apart));
   report.hash = scan.trace.hash(RollingHash().update(ply).update(apart).hex());
   report.segments = segment_facts(scan.segments);
-  if (scan.map) report.map_json = map_json(*scan.map);
+  for (const BurstId id : scan.undetermined) report.undetermined.push_back(id.value);
+  if (scan.map) report.map_json = map_json(scan);
+  report.known_line = known_line(scan);
   report.stage_ms = scan.stage_ms;
   report.latency_ms = scan.latency_ms;
   report.pipeline_json = scan.graph_json;

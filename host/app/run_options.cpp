@@ -99,6 +99,8 @@ void print_summary(const host::Report& report, bool json) {
   row("losses", std::to_string(b.lost_on_wire) + " on the wire, " + std::to_string(b.incomplete) + " incomplete, " +
                     std::to_string(b.shed) + " shed");
   if (!report.map_json.empty()) print_map(nlohmann::json::parse(report.map_json, nullptr, /*allow_exceptions=*/false));
+  if (!report.known_line.empty()) row("distances", report.known_line);
+  if (!report.undetermined.empty()) row("undetermined", host::undetermined_line(report.undetermined));
   if (!report.segments.empty()) row("segments", host::segments_line(report.segments));
   const host::OrderTotals& o = report.orders;
   row("fringe orders", std::to_string(o.guided_px) + " px by the model, " + std::to_string(o.withdrawn_px) +

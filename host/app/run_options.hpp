@@ -45,6 +45,9 @@ struct Truth {
 [[nodiscard]] Result<host::Report> write_outputs(const std::string& folder, const host::ScanResult& scan,
                                                  host::Report report, const Truth& truth);
 
+/// How surely the map knows the longest of its station distances, one standard deviation; empty where it knows none.
+[[nodiscard]] std::string known_line(const host::ScanResult& scan);
+
 /// The short table at the end of a run, or the report as JSON, on stdout.
 void print_summary(const host::Report& report, bool json);
 

@@ -46,6 +46,7 @@ class Watch {
       obey(screen_.draw(now), now);
       if (!screen_.has_window()) clock_.sleep_for(kIdle);
       progress_.update(now.counters.fused + now.counters.rejected);
+      if (now.state == ScanState::kRefining) tell_refinement(now.refined);
     }
     return look();
   }
@@ -76,12 +77,21 @@ class Watch {
     if (wish.quit || stop_requested() || (run_.seconds > 0 && lasted >= run_.seconds)) session_.stop();
   }
 
+  void tell_refinement(double share) {
+    if (!refining_) {
+      progress_.finish();
+      refining_.emplace(clock_, "refine the model", 100);
+    }
+    refining_->update(static_cast<std::uint64_t>(100 * share));
+  }
+
   host::Session& session_;
   Screen& screen_;
   const SessionRun& run_;
   Clock& clock_;
   RateMeter rate_;
   Progress progress_;
+  std::optional<Progress> refining_;
   std::shared_ptr<const PipelineFigures> figures_;
   HostTime next_figures_{};
   bool knows_field_ = false;
@@ -92,6 +102,7 @@ class Watch {
 PreviewFrame finished(PreviewFrame last, const host::Outcome& outcome) {
   last.state = ScanState::kFinished;
   last.counters = host::counters_of(outcome.counts);
+  last.result = known_line(outcome.scan);
   last.simulated = outcome.simulated;
   last.rate_hz = outcome.scan.seconds > 0 ? static_cast<double>(outcome.scan.fused) / outcome.scan.seconds
                                           : 0;  // of the whole run

@@ -1,5 +1,7 @@
 #include "host/report/report.hpp"
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "protocol/base/file.hpp"
@@ -40,7 +42,33 @@ nlohmann::json segments(const std::vector<SegmentFacts>& all) {
   return out;
 }
 
+/// Ascending numbers as first and last of each run.
+std::vector<std::array<std::uint64_t, 2>> runs_of(const std::vector<std::uint64_t>& numbers) {
+  std::vector<std::array<std::uint64_t, 2>> out;
+  for (const std::uint64_t n : numbers) {
+    if (!out.empty() && out.back()[1] + 1 == n) {
+      out.back()[1] = n;
+    } else {
+      out.push_back({n, n});
+    }
+  }
+  return out;
+}
+
 }  // namespace
+
+std::string undetermined_line(const std::vector<std::uint64_t>& bursts) {
+  if (bursts.empty()) return "";
+  const auto runs = runs_of(bursts);
+  constexpr std::size_t kShown = 4;
+  std::string where;
+  for (std::size_t i = 0; i < std::min(runs.size(), kShown); ++i) {
+    where += (i == 0 ? "" : ", ") + std::to_string(runs[i][0]);
+    if (runs[i][1] != runs[i][0]) where += "-" + std::to_string(runs[i][1]);
+  }
+  if (runs.size() > kShown) where += ", ...";
+  return std::to_string(bursts.size()) + " bursts (" + where + "): neither form nor texture told their motion";
+}
 
 std::string segments_line(const std::vector<SegmentFacts>& segments) {
   std::uint64_t joined = 0, apart = 0, bursts = 0;
@@ -66,6 +94,7 @@ std::string to_json(const Report& r) {
   for (const auto& [name, p] : r.stage_ms) stages[name] = {{"p50", p.p50}, {"p99", p.p99}};
   nlohmann::json out = {{"bursts", bursts(r.bursts)},
                         {"segments", segments(r.segments)},
+                        {"undetermined", {{"bursts", r.undetermined.size()}, {"runs", runs_of(r.undetermined)}}},
                         {"orders", orders(r.orders)},
                         {"rate_hz", r.rate_hz},
                         {"latency_ms", percentiles(r.latency_ms)},

@@ -36,7 +36,9 @@ struct SegmentFacts {
 
 struct Report {
   BurstCounts bursts;
-  std::vector<SegmentFacts> segments;  ///< besides the model
+  std::vector<SegmentFacts> segments;       ///< besides the model
+  std::vector<std::uint64_t> undetermined;  ///< bursts, ascending: neither shape nor texture told where they lie
+  std::string known_line;                   ///< for people: how surely distances are known, or empty
   OrderTotals orders;
   double rate_hz = 0;      ///< accepted bursts by the time the run took; wall time, so not part of the hash
   Percentiles latency_ms;  ///< last exposure to fused, live runs only
@@ -56,6 +58,9 @@ struct Report {
 
 /// "2 joined to the model, 1 apart (14 bursts): segments/03", or empty where there is nothing but the model.
 [[nodiscard]] std::string segments_line(const std::vector<SegmentFacts>& segments);
+
+/// "120 bursts (12-98, 130-162): …", or empty.
+[[nodiscard]] std::string undetermined_line(const std::vector<std::uint64_t>& bursts);
 
 [[nodiscard]] std::string to_json(const Report& report);
 

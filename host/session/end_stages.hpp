@@ -83,6 +83,7 @@ class SinkStage final : public flow::Stage {
       const stage::Digests& d = item->digests;
       row.digest = {d.input, d.decode, d.track, d.fuse};
       segments.placed(item.id, item->track);
+      if (item->track.undetermined > 0) undetermined.push_back(item.id);
       placed.push_back({item.id, item->track.segment});
       poses.push_back({item.captured, item->track.T_model_cam, item->motion});
       add(item->orders);
@@ -102,6 +103,7 @@ class SinkStage final : public flow::Stage {
   };
   std::vector<Placed> placed;                 ///< the fused bursts, in order …
   std::vector<pipeline::MeasuredPose> poses;  ///< … and where they were in the frames of their segments
+  std::vector<BurstId> undetermined;          ///< of these, those whose motion neither shape nor texture told
   SegmentLedger segments;
   OrderTotals orders;
   std::map<std::string, std::uint64_t> rejected;

@@ -10,6 +10,8 @@
 namespace enamel::host {
 namespace {
 
+constexpr double kPosesShare = 0.6;  // of the time that it takes; the rest fuses
+
 /// Unpacks the next patch, and takes out of it what other bursts looked through, on another thread while this one is
 /// fused.
 class ReadAhead {
@@ -63,10 +65,12 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
   pipeline::MapInput map;
   for (const MeasuredBurst& burst : placed) map.bursts.push_back({burst.pose.t_mid, burst.pose.T_model_cam});
   map.load = [&](std::size_t n) { return unpack(history[n].patch); };
+  map.texture = [&](std::size_t n) { return history[n].texture; };
   map.for_each = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
     flow::for_each_index(count, input.threads, work);
   };
-  map.progress = [](double share) { log::info("map", "refining the poses: {:.0f} %", 100 * share); };
+  map.progress = [&](double share) { input.progress(kPosesShare * share); };
+  log::info("map", "refining the poses of {} bursts", history.size());
   const auto refined = pipeline::refine_map(map, input.rig, input.config.track.icp, input.config.map);
   facts.refine_s = seconds_since(start, clock);
   facts.map = refined;
@@ -78,7 +82,11 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
   }
   log::info("map", "fusing {} bursts anew", history.size());
   ReadAhead ahead(history, unpack, refined.free_space);
-  fuse.rebuild(history, [&](std::size_t n) { return ahead(n); });
+  const double bursts = static_cast<double>(history.size());
+  fuse.rebuild(history, [&](std::size_t n) {
+    input.progress(kPosesShare + (1 - kPosesShare) * static_cast<double>(n) / bursts);
+    return ahead(n);
+  });
   facts.seen_through_px = ahead.withdrawn_px();
   facts.seconds = seconds_since(start, clock);
   return facts;

@@ -1,6 +1,8 @@
 // The model after its scan: poses refined over all keyframes, every burst fused anew. Private to host/session.
 #pragma once
 
+#include <functional>
+
 #include "calib/model/rig.hpp"
 #include "host/session/end_joins.hpp"
 #include "host/session/pipeline_config.hpp"
@@ -11,7 +13,8 @@ namespace enamel::host {
 struct FinalMapInput {
   const calib::Rig& rig;  ///< that the bursts were measured with
   const PipelineConfig& config;
-  std::size_t threads = 2;  ///< never change the result
+  std::size_t threads = 2;                               ///< never change the result
+  std::function<void(double)> progress = [](double) {};  ///< share done, from the calling thread
 };
 
 /// Refines `placed`, the model's bursts in order, and rebuilds the model in `fuse` from them.

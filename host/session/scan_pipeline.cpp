@@ -6,6 +6,7 @@
 #include <mutex>
 #include <span>
 #include <thread>
+#include <vector>
 
 #include "host/session/end_joins.hpp"
 #include "host/session/end_stages.hpp"
@@ -37,6 +38,7 @@ struct ScanPipeline::Impl {
   void build(const std::shared_ptr<const pipeline::BurstDecoder>& decoder);
   void start(std::optional<double> temp_c);
   void run(const std::stop_token& stop);
+  void conclude();
 
   calib::Rig rig, optics;  ///< as told, and at the first burst's temperature
   PipelineConfig config;
@@ -54,6 +56,9 @@ struct ScanPipeline::Impl {
   std::optional<HostTime> first_push;
   std::optional<std::array<double, 2>> temp_c;  ///< coldest and warmest burst
   HostTime drained_at{};
+  std::vector<MeasuredBurst> placed;  ///< the model's bursts, once concluded …
+  std::optional<MapFacts> map;        ///< … and refined
+  std::atomic<double> refined{-1};    ///< share done; negative: not begun
   Result<void> ran;
   std::atomic<bool> drained{false};
   std::jthread thread;  // last: ends before what it uses
@@ -124,8 +129,23 @@ void ScanPipeline::Impl::run(const std::stop_token& stop) {
   }
   drained_at = clock.now();
   gate.close();  // a stage that failed: nobody takes any more
+  if (ran) conclude();
   drained.store(true, std::memory_order_release);
   drained.notify_all();
+}
+
+/// What the whole scan allows that no burst did: segments are sought once more, the map is refined.
+void ScanPipeline::Impl::conclude() {
+  refined.store(0);
+  join_at_end(*track, *fuse, sink.load()->segments, config.track.join);
+  track->forget();
+  placed = bursts_in(kModelSegment, *sink.load());
+  if (config.map.refine) {
+    const auto threads = static_cast<std::size_t>(std::max(options.workers, 1));
+    const auto progress = [this](double share) { refined.store(share); };
+    map = refine_model({optics, config, threads, progress}, placed, *fuse, clock);
+  }
+  if (options.preview_model) preview.put(fuse->final_preview());
 }
 
 Result<std::unique_ptr<ScanPipeline>> ScanPipeline::create(const calib::Rig& rig, const PipelineConfig& config,
@@ -174,6 +194,10 @@ void ScanPipeline::count_into(PreviewFrame& frame) const {
   frame.counters.fused = sink->fused_count.value();
   frame.counters.rejected = sink->rejected_count.value();
   frame.latency_ms = 1e-6 * static_cast<double>(sink->latency_ns.summary().p50);
+  if (const double share = impl_->refined.load(); share >= 0) {
+    frame.state = ScanState::kRefining;
+    frame.refined = share;
+  }
 }
 
 std::shared_ptr<const PipelineFigures> ScanPipeline::figures() const {
@@ -185,17 +209,12 @@ ScanResult ScanPipeline::take_result() {
   SinkStage& sink = *impl_->sink.load();
   ScanResult result;
   result.trace = std::move(sink.trace);
-  join_at_end(*impl_->track, *impl_->fuse, sink.segments, impl_->config.track.join);
-  impl_->track->forget();
   result.segments = sink.segments.rows();
-  std::vector<MeasuredBurst> placed = bursts_in(kModelSegment, sink);
-  if (impl_->config.map.refine) {
-    const auto threads = static_cast<std::size_t>(std::max(impl_->options.workers, 1));
-    result.map = refine_model({impl_->optics, impl_->config, threads}, placed, *impl_->fuse, impl_->clock);
-  }
-  result.poses = at_mid_burst(placed);
+  result.map = impl_->map;
+  result.poses = at_mid_burst(impl_->placed);
   for (const auto& [id, bursts] : impl_->fuse->segments().kept())
     result.apart.push_back({id, at_mid_burst(bursts_in(id, sink)), impl_->fuse->extract_apart(id)});
+  result.undetermined = std::move(sink.undetermined);
   result.rejected = std::move(sink.rejected);
   result.orders = sink.orders;
   result.accepted = impl_->pushed.load();

@@ -61,9 +61,10 @@ struct ScanResult {
   StageTrace trace;
   std::vector<PlacedPose> poses;  ///< of the bursts fused into the model, in order
   Mesh mesh;
-  std::vector<ApartSegment> apart;   ///< ascending id
-  std::vector<SegmentRow> segments;  ///< as they were scanned, ascending id
-  std::optional<MapFacts> map;       ///< where the poses were refined
+  std::vector<ApartSegment> apart;    ///< ascending id
+  std::vector<SegmentRow> segments;   ///< as they were scanned, ascending id
+  std::optional<MapFacts> map;        ///< where the poses were refined
+  std::vector<BurstId> undetermined;  ///< fused, but where they lie neither shape nor texture told
   std::uint64_t accepted = 0, fused = 0;
   std::map<std::string, std::uint64_t> rejected;
   OrderTotals orders;
@@ -95,13 +96,14 @@ class ScanPipeline {
   bool push(Accepted item);
   /// No more bursts: what is inside is worked off.
   void finish();
-  /// Waits until the graph has worked everything off, or a stage failed.
+  /// Waits until the graph has worked everything off and the map is refined, or a stage failed.
   void wait_drained();
   /// Ends the workers. Errors: kInternal with the stage that failed.
   [[nodiscard]] Result<void> join();
 
   [[nodiscard]] PreviewSlot& preview();
-  /// Bursts that have reached the sink so far, and how soon; from any thread.
+  /// Bursts that have reached the sink so far, and how soon; after the last one, how far the refinement is. From any
+  /// thread.
   void count_into(PreviewFrame& frame) const;
   /// From any thread; null before the first burst.
   [[nodiscard]] std::shared_ptr<const PipelineFigures> figures() const;

@@ -95,6 +95,7 @@ std::shared_ptr<const BurstPreview> FuseStage::make_preview(const flow::Item<Tra
   last_preview_.track_overlap = item->result.overlap;
   last_preview_.T_model_cam = item->result.T_model_cam;
   last_preview_.segment = item->result.segment;
+  last_preview_.undetermined = item->result.undetermined > 0;
   if (item->result.segment == kModelSegment) {
     last_preview_.whole = nullptr;
     last_preview_.T_model_return = item->result.T_model_cam;
@@ -127,6 +128,16 @@ void FuseStage::rebuild(const std::vector<pipeline::KeptBurst>& history,
                         const std::function<SurfacePatch(std::size_t)>& load) {
   model_.rebuild(history, load);
   mesher_ = pipeline::IncrementalMesher(config_.mesh);
+}
+
+std::shared_ptr<const BurstPreview> FuseStage::final_preview() {
+  model_.catch_up(kAll);
+  mesher_.update(model_.model(), model_.model().take_changed());
+  last_preview_.model = std::make_shared<const ModelSnapshot>(mesher_.snapshot());
+  last_preview_.whole = nullptr;
+  last_preview_.segment = kModelSegment;
+  last_preview_.T_model_cam = last_preview_.T_model_return;
+  return std::make_shared<const BurstPreview>(last_preview_);
 }
 
 Mesh FuseStage::extract_mesh() {

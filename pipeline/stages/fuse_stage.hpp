@@ -41,6 +41,8 @@ class FuseStage final : public flow::Stage {
   [[nodiscard]] pipeline::SegmentedModel& segments() noexcept { return model_; }
   /// After the run: the model fused anew from its bursts, with the poses that they have in `history`.
   void rebuild(const std::vector<pipeline::KeptBurst>& history, const std::function<SurfacePatch(std::size_t)>& load);
+  /// After the run: the newest burst before the model as it is now.
+  [[nodiscard]] std::shared_ptr<const BurstPreview> final_preview();
   /// After the run: the model's surface with all its blocks welded …
   [[nodiscard]] Mesh extract_mesh();
   /// … and that of a segment that is still apart.

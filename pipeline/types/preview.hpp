@@ -16,7 +16,7 @@
 
 namespace enamel {
 
-enum class ScanState : std::uint8_t { kWaitingForProbe, kScanning, kPaused, kProbeLost, kFinished };
+enum class ScanState : std::uint8_t { kWaitingForProbe, kScanning, kPaused, kProbeLost, kRefining, kFinished };
 
 /// captured = lost_on_wire + incomplete + shed + accepted, accepted = fused + rejected once everything has been worked
 /// off.
@@ -51,6 +51,7 @@ struct BurstPreview {
   TrackState track = TrackState::kLost;
   double track_overlap = std::numeric_limits<double>::quiet_NaN();  ///< TrackResult::overlap, 0…1; NaN = unknown
   Pose T_model_cam = Pose::Identity();  ///< in the frame of `segment`, at mid-burst; last known when lost
+  bool undetermined = false;            ///< neither shape nor texture told the motion: TrackResult::undetermined
   SegmentId segment = kModelSegment;    ///< that `T_model_cam` and `model` are of: another than 0 stands apart
   double surface_distance_mm =
       std::numeric_limits<double>::quiet_NaN();   ///< median depth of this burst, NaN = none seen
@@ -67,6 +68,8 @@ struct PreviewFrame : BurstPreview {
   PreviewCounters counters;
   double rate_hz = 0;      ///< fused bursts a second
   double latency_ms = 0;   ///< last exposure to fused, median so far; 0: unknown, as in a playback
+  double refined = 0;      ///< share of the refinement after the scan that is done
+  std::string result;      ///< of a finished scan: how surely its distances are known, or empty
   std::string message;     ///< empty, or what is wrong with its cause and remedy (line breaks allowed)
   bool simulated = false;  ///< the probe is a twin or a player: shown as a badge on every picture
   std::shared_ptr<const PipelineFigures> pipeline;  ///< or null while nothing runs

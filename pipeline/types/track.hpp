@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "pipeline/types/geometry.hpp"
+#include "pipeline/types/texture_picture.hpp"
 
 namespace enamel {
 
@@ -35,6 +37,8 @@ struct TrackResult {
   int iterations = 0;
   SegmentId segment = kModelSegment;  ///< after `joins`
   std::vector<SegmentJoin> joins;     ///< that this burst proves, to be carried out before it is fused
+  int undetermined = 0;  ///< directions that neither shape nor texture held: the pose along them is guessed
+  std::shared_ptr<const TexturePicture> texture;  ///< where shape alone did not determine the motion, else null
 };
 
 }  // namespace enamel

@@ -15,7 +15,7 @@ std::string three_digits(double value) {
   return text.data();
 }
 
-StatusLine tracking_line(const PreviewFrame& frame) noexcept {
+StatusLine tracking_line(const PreviewFrame& frame) {
   if (!frame.placed) {
     return {kIdle, "READY", "Hold the probe over a tooth"};
   }
@@ -31,6 +31,9 @@ StatusLine tracking_line(const PreviewFrame& frame) noexcept {
     case TrackState::kTracking:
       break;
   }
+  if (frame.undetermined) {
+    return {kWeak, "TOO SMOOTH", "Nothing here tells where: keep an edge, a fold or a tooth in view"};
+  }
   if (frame.track_overlap < kWeakOverlap) {  // false for NaN: unknown is not weak
     return {kWeak, "TRACKING WEAK", "Move slower, keep the model in view"};
   }
@@ -39,7 +42,7 @@ StatusLine tracking_line(const PreviewFrame& frame) noexcept {
 
 }  // namespace
 
-StatusLine status_line(const PreviewFrame& frame) noexcept {
+StatusLine status_line(const PreviewFrame& frame) {
   switch (frame.state) {
     case ScanState::kWaitingForProbe:
       return {kIdle, "WAITING FOR PROBE", "Switch the probe on"};
@@ -47,8 +50,10 @@ StatusLine status_line(const PreviewFrame& frame) noexcept {
       return {kAccent, "PAUSED", "Space continues"};
     case ScanState::kProbeLost:
       return {kBad, "PROBE LOST", "Reconnect the probe; the model is kept"};
+    case ScanState::kRefining:
+      return {kAccent, "REFINING THE MODEL", three_digits(100 * frame.refined) + " %"};
     case ScanState::kFinished:
-      return {kAccent, "SCAN FINISHED", ""};
+      return {kAccent, "SCAN FINISHED", frame.result};
     case ScanState::kScanning:
       break;
   }

@@ -14,13 +14,13 @@ namespace enamel::view {
 struct StatusLine {
   Colour colour;
   std::string_view title;  ///< two or three words, upper case
-  std::string_view hint;   ///< what to do, or empty
+  std::string hint;        ///< what to do, how far, or empty
 };
 
 /// A tracked burst that met less of the model than this is shown as weak.
 inline constexpr double kWeakOverlap = 0.35;
 
-[[nodiscard]] StatusLine status_line(const PreviewFrame& frame) noexcept;
+[[nodiscard]] StatusLine status_line(const PreviewFrame& frame);
 
 enum class DistanceZone { kNone, kTooNear, kNear, kOptimum, kFar, kTooFar };
 

@@ -13,11 +13,11 @@ FuseStats SegmentedModel::integrate(BurstId burst, const SurfacePatch& patch, co
   for (const SegmentJoin& one : placed.joins) join(one);
   active_ = placed.segment;
   if (active_ == kModelSegment) {
-    if (keep_history_) history_.push_back({burst, placed.T_model_cam, pack(patch, Texture::kDropped)});
+    if (keep_history_) history_.push_back({burst, placed.T_model_cam, pack(patch, Texture::kDropped), placed.texture});
     return model_.integrate(burst, patch, placed.T_model_cam);
   }
   open(active_);
-  kept_[active_].push_back({burst, placed.T_model_cam, pack(patch, Texture::kKept)});
+  kept_[active_].push_back({burst, placed.T_model_cam, pack(patch, Texture::kKept), placed.texture});
   return apart_->model.integrate(burst, patch, placed.T_model_cam);
 }
 

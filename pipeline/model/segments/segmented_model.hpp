@@ -7,6 +7,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct KeptBurst {
   BurstId id;
   Pose T_segment_cam = Pose::Identity();
   PackedPatch patch;
+  std::shared_ptr<const TexturePicture> texture;  ///< as TrackResult::texture
 };
 
 /// Results depend on the sequence of calls alone. Not thread-safe; one owner.

@@ -61,6 +61,7 @@ IcpResult align(const PatchPyramid& patch, const Reference& reference, const Vie
       out.consistency = static_cast<double>(pass.matches) / static_cast<double>(pass.matches + pass.contradictions);
       out.weak_directions = step.weak;
       out.eigenvalues = step.eigenvalues;
+      out.system = pass.system;
       scale = 1.4826 * pass.residuals.median_mm();
       const bool settled = std::abs(out.rms_mm - last_rms) < config.rms_change * out.rms_mm &&
                            small(step.x, config.rho_mm, config.small_step_mm, config.small_step_mm / config.rho_mm);
@@ -69,6 +70,7 @@ IcpResult align(const PatchPyramid& patch, const Reference& reference, const Vie
     }
   }
   out.converged = true;
+  out.undetermined = out.weak_directions;
   return out;
 }
 

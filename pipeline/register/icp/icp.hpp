@@ -49,6 +49,8 @@ struct IcpResult {
   int iterations = 0;       ///< over all levels
   int weak_directions = 0;  ///< held by the prior in the last step
   Vector6 eigenvalues = Vector6::Zero();
+  NormalSystem system;   ///< of the last step, about T_model_cam * the finest samples' centroid
+  int undetermined = 0;  ///< weak directions that texture does not hold either: there the prior stands alone
 };
 
 [[nodiscard]] PatchPyramid make_pyramid(const SurfacePatch& patch, const IcpConfig& config);

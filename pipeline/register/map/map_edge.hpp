@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <optional>
 
+#include "calib/model/rig.hpp"
 #include "pipeline/register/icp/icp.hpp"
+#include "pipeline/register/icp/texture_term.hpp"
 #include "pipeline/register/map/pose_graph.hpp"
 
 namespace enamel::pipeline {
@@ -17,16 +19,20 @@ struct EdgeConfig {
   double min_overlap = 0.2;      ///< less common surface is no edge
   double min_consistency = 0.8;  ///< as AcceptConfig: of what falls on the other, the share that agrees
   double max_rms_mm = 0.03;
+  int texture_turns = 2;  ///< texture and shape by turns, where shape leaves directions free
+  TextureConfig texture;
 };
 
 /// One keyframe ready for edges, in its own camera's frame.
 struct MapNode {
   SampleSet samples;
   Reference reference;
+  TexturePoints texture_points;  ///< both empty where shape determined the burst's motion
+  std::optional<TextureReference> texture;
 };
 
 /// i against j from `start` = T_j_i. nullopt: too little in common, or it does not fit. Pure.
-[[nodiscard]] std::optional<MapEdge> measure_edge(const MapNode& i, const MapNode& j, const ViewCamera& camera,
+[[nodiscard]] std::optional<MapEdge> measure_edge(const MapNode& i, const MapNode& j, const calib::LensValues& lens,
                                                   const Pose& start, const IcpConfig& icp, const EdgeConfig& config);
 
 }  // namespace enamel::pipeline

@@ -15,22 +15,26 @@ Eigen::Matrix3d cross(const Vec3d& v) {
   return m;
 }
 
-/// Information of an edge in units of mm^-2: no direction surer than the bias allows, none where the surface says
-/// nothing.
-Matrix6 information(const Matrix6& H, const GraphConfig& config) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(H);
+/// Information of an edge in units of mm^-2: no direction surer than the bias allows; where the surface says
+/// nothing, what texture says.
+Matrix6 information(const MapEdge& edge, const GraphConfig& config) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(edge.H);
   const double total =
-      H.trace() / 2;  // about the sum of weights: the trace of JJ^T is one for the normal, one or so more
+      edge.H.trace() / 2;  // about the sum of weights: the trace of JJ^T is one for the normal, one or so more
   const double turn = config.bias_rad * config.rho_mm, shift = config.bias_mm;
   Matrix6 out = Matrix6::Zero();
+  Matrix6 weak = Matrix6::Zero();  // projection on what shape leaves free
   for (int k = 0; k < 6; ++k) {
     const double value = eigen.eigenvalues()[k];
-    if (value < config.weak_eigenvalue * total) continue;
     const Vector6 v = eigen.eigenvectors().col(k);
+    if (value < config.weak_eigenvalue * total) {
+      weak += v * v.transpose();
+      continue;
+    }
     const double bias2 = v.head<3>().squaredNorm() * turn * turn + v.tail<3>().squaredNorm() * shift * shift;
     out += v * v.transpose() / (1 / value + bias2);
   }
-  return out;
+  return out + weak * edge.H_texture * weak;
 }
 
 /// A motion (rho*omega, tau) about a node's own centre, as the motion of node j's axes about the edge's centre.
@@ -62,7 +66,7 @@ class Solver {
  public:
   Solver(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config)
       : poses_(std::move(poses)), edges_(edges), config_(config), switches_(edges.size(), 1.0) {
-    for (const MapEdge& edge : edges) information_.push_back(information(edge.H, config));
+    for (const MapEdge& edge : edges) information_.push_back(information(edge, config));
   }
 
   SolvedGraph run() {
@@ -71,8 +75,11 @@ class Solver {
       step();
     }
     judge();
-    SolvedGraph out{poses_, switches_, sigma0_, 0};
+    const Normal at_end = normal_equations();
+    SolvedGraph out{poses_, switches_, sigma0_, 0, nullptr};
     for (std::size_t e = 0; e < edges_.size(); ++e) out.switched_off += switches_[e] < 0.5 ? 1 : 0;
+    out.covariance =
+        std::make_shared<const GraphCovariance>(at_end.H / variance_of_unit_weight(), at_end.centres, config_.rho_mm);
     return out;
   }
 
@@ -103,34 +110,51 @@ class Solver {
     }
   }
 
-  void step() {
-    const std::vector<Vec3d> centres = centres_of(poses_, edges_);
+  struct Normal {
+    std::vector<Vec3d> centres;  ///< that the nodes' motions turn about
+    Eigen::SparseMatrix<double> H;
+    Eigen::VectorXd g;
+  };
+
+  [[nodiscard]] Normal normal_equations() const {
     const auto unknowns = static_cast<Eigen::Index>(6 * (poses_.size() - 1));
+    Normal out{centres_of(poses_, edges_), {unknowns, unknowns}, Eigen::VectorXd::Zero(unknowns)};
     std::vector<Eigen::Triplet<double>> entries;
-    Eigen::VectorXd g = Eigen::VectorXd::Zero(unknowns);
     for (std::size_t e = 0; e < edges_.size(); ++e) {
       const MapEdge& edge = edges_[e];
       const Eigen::Matrix3d R_j_model = poses_[edge.j].linear().transpose();
       const Vec3d centre = poses_[edge.j] * edge.centre;
-      const Matrix6 A = carry(R_j_model, centre - centres[edge.i], config_.rho_mm);
-      const Matrix6 B = -carry(R_j_model, centre - centres[edge.j], config_.rho_mm);
+      const Matrix6 A = carry(R_j_model, centre - out.centres[edge.i], config_.rho_mm);
+      const Matrix6 B = -carry(R_j_model, centre - out.centres[edge.j], config_.rho_mm);
       const Matrix6 W = switches_[e] * information_[e];
       const Vector6 x = residual(edge);
       add(entries, edge.i, edge.i, A.transpose() * W * A);
       add(entries, edge.j, edge.j, B.transpose() * W * B);
       add(entries, edge.i, edge.j, A.transpose() * W * B);
       add(entries, edge.j, edge.i, B.transpose() * W * A);
-      if (edge.i > 0) g.segment<6>(at(edge.i)) += A.transpose() * W * x;
-      if (edge.j > 0) g.segment<6>(at(edge.j)) += B.transpose() * W * x;
+      if (edge.i > 0) out.g.segment<6>(at(edge.i)) += A.transpose() * W * x;
+      if (edge.j > 0) out.g.segment<6>(at(edge.j)) += B.transpose() * W * x;
     }
-    Eigen::SparseMatrix<double> H(unknowns, unknowns);
-    H.setFromTriplets(entries.begin(), entries.end());
-    for (Eigen::Index k = 0; k < unknowns; ++k) H.coeffRef(k, k) += kHold;
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(H);
+    out.H.setFromTriplets(entries.begin(), entries.end());
+    for (Eigen::Index k = 0; k < unknowns; ++k) out.H.coeffRef(k, k) += kHold;
+    return out;
+  }
+
+  /// What the residuals show, at least what the information foretells: a bias that all edges share leaves no residual.
+  /// Of the edges that meet at a node, as many as there are for each node, only one is counted as independent.
+  [[nodiscard]] double variance_of_unit_weight() const {
+    if (!config_.edges_share_errors) return sigma0_ * sigma0_;
+    const double edges_a_node = static_cast<double>(edges_.size()) / static_cast<double>(poses_.size() - 1);
+    return std::max(1.0, sigma0_ * sigma0_) * std::max(1.0, edges_a_node);
+  }
+
+  void step() {
+    const Normal normal = normal_equations();
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(normal.H);
     if (factor.info() != Eigen::Success) return;
-    const Eigen::VectorXd move = factor.solve(-g);
+    const Eigen::VectorXd move = factor.solve(-normal.g);
     for (std::size_t k = 1; k < poses_.size(); ++k) {
-      poses_[k] = apply_motion(move.segment<6>(at(k)), centres[k], config_.rho_mm, poses_[k]);
+      poses_[k] = apply_motion(move.segment<6>(at(k)), normal.centres[k], config_.rho_mm, poses_[k]);
     }
   }
 
@@ -156,7 +180,8 @@ class Solver {
 }  // namespace
 
 SolvedGraph solve_graph(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config) {
-  if (poses.size() < 2 || edges.empty()) return {std::move(poses), std::vector<double>(edges.size(), 1.0), 1, 0};
+  if (poses.size() < 2 || edges.empty())
+    return {std::move(poses), std::vector<double>(edges.size(), 1.0), 1, 0, nullptr};
   return Solver(std::move(poses), edges, config).run();
 }
 

@@ -10,6 +10,10 @@ namespace enamel::pipeline {
 namespace {
 
 constexpr double kUsualDepth_mm = 48;  // where the rig states no range
+// Of the time that it takes.
+constexpr double kNodesShare = 0.15;
+constexpr double kEdgesShare = 0.83;
+constexpr std::size_t kParts = 20;  // told one after the other
 
 std::vector<MapNode> make_nodes(const MapInput& input, const std::vector<std::size_t>& keyframes, const calib::Rig& rig,
                                 const IcpConfig& icp, const MapConfig& config) {
@@ -19,12 +23,16 @@ std::vector<MapNode> make_nodes(const MapInput& input, const std::vector<std::si
     nodes[k].samples = sample_patch(patch, config.sample_stride_px, icp.samples);
     nodes[k].reference =
         Reference(view_from_patch(patch, Pose::Identity(), rig.camera, config.view_stride_px), icp.reference);
+    if (const auto picture = input.texture(keyframes[k])) {
+      nodes[k].texture_points = texture_points(patch, *picture, config.edge.texture);
+      nodes[k].texture = texture_reference(*picture, Pose::Identity());
+    }
   });
   return nodes;
 }
 
 struct Measuring {
-  ViewCamera camera;
+  const calib::LensValues& lens;
   const IcpConfig& icp;
   const EdgeConfig& edge;
 };
@@ -34,17 +42,22 @@ std::vector<MapEdge> measure_edges(const MapInput& input, const std::vector<std:
                                    const std::vector<KeyframePair>& pairs, const std::vector<MapNode>& nodes,
                                    const Measuring& with) {
   std::vector<std::optional<MapEdge>> found(2 * pairs.size());
-  input.for_each(found.size(), [&](std::size_t n) {
+  const auto measure = [&](std::size_t n) {
     KeyframePair pair = pairs[n / 2];
     if (n % 2 == 1) std::swap(pair.i, pair.j);
     const Pose start =
         input.bursts[keyframes[pair.j]].T_model_cam.inverse() * input.bursts[keyframes[pair.i]].T_model_cam;
-    found[n] = measure_edge(nodes[pair.i], nodes[pair.j], with.camera, start, with.icp, with.edge);
+    found[n] = measure_edge(nodes[pair.i], nodes[pair.j], with.lens, start, with.icp, with.edge);
     if (!found[n]) return;
     found[n]->i = pair.i;
     found[n]->j = pair.j;
     found[n]->loop = pair.loop;
-  });
+  };
+  for (std::size_t part = 0; part < kParts; ++part) {
+    const std::size_t from = part * found.size() / kParts, to = (part + 1) * found.size() / kParts;
+    input.for_each(to - from, [&](std::size_t n) { measure(from + n); });
+    input.progress(kNodesShare + kEdgesShare * static_cast<double>(part + 1) / kParts);
+  }
   std::vector<MapEdge> edges;
   for (auto& edge : found) {
     if (edge) edges.push_back(*edge);
@@ -87,9 +100,8 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   if (!config.refine || keyframes.size() < 2) return out;
   const auto pairs = choose_pairs(input.bursts, keyframes, work_distance_mm, config);
   auto nodes = make_nodes(input, keyframes, rig, icp, config);
-  input.progress(0.4);
-  const auto edges = measure_edges(input, keyframes, pairs, nodes, {ViewCamera(rig.camera), icp, config.edge});
-  input.progress(0.9);
+  input.progress(kNodesShare);
+  const auto edges = measure_edges(input, keyframes, pairs, nodes, {rig.camera, icp, config.edge});
   std::vector<Pose> start;
   start.reserve(keyframes.size());
   for (const std::size_t k : keyframes) start.push_back(input.bursts[k].T_model_cam);
@@ -101,6 +113,7 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   out.switched_off = solved.switched_off;
   out.sigma0 = solved.sigma0;
   const Vec3d work(0, 0, work_distance_mm);
+  out.stations = find_stations(solved, edges, keyframes, work, config.least_way_mm);
   for (std::size_t n = 0; n < out.poses.size(); ++n) {
     const double moved = (out.poses[n] * work - input.bursts[n].T_model_cam * work).norm();
     out.largest_move_mm = std::max(out.largest_move_mm, moved);

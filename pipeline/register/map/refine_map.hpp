@@ -13,7 +13,9 @@
 #include "pipeline/register/map/free_space.hpp"
 #include "pipeline/register/map/map_edge.hpp"
 #include "pipeline/register/map/pose_graph.hpp"
+#include "pipeline/register/map/stations.hpp"
 #include "pipeline/types/patch.hpp"
+#include "pipeline/types/texture_picture.hpp"
 #include "protocol/base/time.hpp"
 
 namespace enamel::pipeline {
@@ -31,6 +33,7 @@ struct MapConfig {
   int view_stride_px = 2;    ///< derived: 56 um; the nearest pixel is off a bent surface by 0.4 um at R = 1 mm at most.
                              ///< Measured: with 84 um whole arches come out 3 to 4 um worse
   double max_gap_s = 0.5;    ///< as TrackerConfig: across it two keyframes do not follow each other
+  double least_way_mm = 15;  ///< chosen: shorter scans are told no station distances
   EdgeConfig edge;
   GraphConfig graph;
   FreeSpaceConfig free_space;
@@ -45,6 +48,8 @@ struct MapBurst {
 struct MapInput {
   std::vector<MapBurst> bursts;                   ///< in order of burst
   std::function<SurfacePatch(std::size_t)> load;  ///< patch of a burst; from several threads at once
+  /// Of a burst whose motion shape did not determine, else null; from several threads at once.
+  std::function<std::shared_ptr<const TexturePicture>(std::size_t)> texture = [](std::size_t) { return nullptr; };
   /// Calls work(n) for each n below count, once, on as many threads as it likes: they never change the result.
   std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)> for_each =
       [](std::size_t count, const std::function<void(std::size_t)>& work) {
@@ -59,6 +64,7 @@ struct RefinedMap {
   int switched_off = 0;
   double sigma0 = 0;
   double largest_move_mm = 0;                   ///< at the point looked at
+  Stations stations;                            ///< empty where nothing was refined or the way is short
   std::shared_ptr<const FreeSpace> free_space;  ///< of the keyframes where they are now; null where nothing was refined
 };
 

@@ -1,5 +1,6 @@
 #include "pipeline/register/track/near_alignment.hpp"
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 #include <vector>
@@ -27,17 +28,16 @@ std::array<Pose, 8> turned_about_work_point(const Pose& pose, double distance_mm
 
 }  // namespace
 
-std::optional<IcpResult> NearAlignment::operator()(const SegmentMemory& segment, const PatchPyramid& pyramid,
-                                                   const ModelView& view, DeviceTime t) const {
+std::optional<IcpResult> NearAlignment::operator()(const SegmentMemory& segment, const Burst& burst) const {
   const MotionModel& motion = segment.motion;
-  const Pose predicted = motion.predict(t);
-  const Ask ask{motion, pyramid, predicted, t};
+  const Pose predicted = motion.predict(burst.t);
+  const Ask ask{segment, burst, predicted};
   std::vector<Pose> starts{predicted, motion.last_pose()};
-  if (const auto by_twist = motion.predict_by_twist(t)) starts.insert(starts.begin() + 1, *by_twist);
+  if (const auto by_twist = motion.predict_by_twist(burst.t)) starts.insert(starts.begin() + 1, *by_twist);
   // The model first: it averages many bursts. The last patch covers what the model, two bursts behind, does not show
   // yet.
-  if (!view.empty && view.segment == segment.id) {
-    if (auto found = from(starts, view, ask)) return found;
+  if (!burst.view.empty && burst.view.segment == segment.id) {
+    if (auto found = from(starts, burst.view, ask)) return found;
   }
   for (const Pose& turned :
        turned_about_work_point(motion.last_pose(), config_.motion.work_distance_mm, config_.wrist_deg)) {
@@ -51,18 +51,36 @@ std::optional<IcpResult> NearAlignment::from(std::span<const Pose> starts, const
   if (source.empty) return std::nullopt;
   const Reference reference(source, config_.icp.reference);
   for (const Pose& start : starts) {
-    const IcpResult result = align(ask.pyramid, reference, camera_, start, ask.predicted, config_.icp);
-    if (acceptable(result, ask.pyramid.levels.back().median_sigma_mm, config_.accept) &&
-        plausible(result.T_model_cam, ask)) {
-      return result;
-    }
+    const IcpResult result = align(ask.burst.pyramid, reference, camera_, start, ask.predicted, config_.icp);
+    if (!acceptable_for(result, ask)) continue;
+    return result.weak_directions == 0 ? result : held_by_texture(result, reference, ask);
   }
   return std::nullopt;
 }
 
+IcpResult NearAlignment::held_by_texture(const IcpResult& by_shape, const Reference& reference, const Ask& ask) const {
+  if (!ask.segment.texture) return by_shape;
+  const Vec3d centre = by_shape.T_model_cam * ask.burst.pyramid.levels.back().centroid;
+  const WeakDirections weak = weak_directions(by_shape.system, config_.icp.prior.weak_eigenvalue);
+  const auto hold =
+      hold_by_texture({ask.burst.texture.points(), *ask.segment.texture, lens_, centre, config_.icp.rho_mm},
+                      by_shape.T_model_cam, weak, config_.texture);
+  if (!hold) return by_shape;
+  const Pose told = apply_motion(hold->x, centre, config_.icp.rho_mm, by_shape.T_model_cam);
+  IcpResult out = align(ask.burst.pyramid, reference, camera_, told, told, config_.icp);
+  if (!acceptable_for(out, ask)) return by_shape;
+  out.undetermined = std::max(0, out.weak_directions - hold->held);
+  return out;
+}
+
+bool NearAlignment::acceptable_for(const IcpResult& result, const Ask& ask) const {
+  return acceptable(result, ask.burst.pyramid.levels.back().median_sigma_mm, config_.accept) &&
+         plausible(result.T_model_cam, ask);
+}
+
 bool NearAlignment::plausible(const Pose& T_model_cam, const Ask& ask) const {
-  const Pose& last = ask.motion.last_pose();
-  const double dt = seconds(ask.motion.last_time(), ask.t);
+  const Pose& last = ask.segment.motion.last_pose();
+  const double dt = seconds(ask.segment.motion.last_time(), ask.burst.t);
   const Vec3d work(0, 0, config_.motion.work_distance_mm);
   const double shift = (T_model_cam * work - last * work).norm();
   const Eigen::AngleAxisd turn(last.linear().transpose() * T_model_cam.linear());

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "pipeline/register/icp/icp.hpp"
+#include "pipeline/register/track/burst_texture.hpp"
 #include "pipeline/register/track/segment_memory.hpp"
 #include "pipeline/register/track/tracker_config.hpp"
 #include "protocol/base/time.hpp"
@@ -15,27 +16,37 @@ namespace enamel::pipeline {
 /// Stateless; refers to what its owner keeps.
 class NearAlignment {
  public:
-  NearAlignment(const TrackerConfig& config, const ViewCamera& camera) : config_(config), camera_(camera) {}
+  NearAlignment(const TrackerConfig& config, const calib::LensValues& lens)
+      : config_(config), lens_(lens), camera_(lens) {}
+
+  struct Burst {
+    const PatchPyramid& pyramid;
+    BurstTexture& texture;
+    const ModelView& view;
+    DeviceTime t;
+  };
 
   /// nullopt: no start leads to an alignment that may be believed and that a hand can have reached.
   /// Precondition: segment.motion and segment.last_patch hold something.
-  [[nodiscard]] std::optional<IcpResult> operator()(const SegmentMemory& segment, const PatchPyramid& pyramid,
-                                                    const ModelView& view, DeviceTime t) const;
+  [[nodiscard]] std::optional<IcpResult> operator()(const SegmentMemory& segment, const Burst& burst) const;
 
  private:
   struct Ask {
-    const MotionModel& motion;
-    const PatchPyramid& pyramid;
+    const SegmentMemory& segment;
+    const Burst& burst;
     const Pose& predicted;
-    DeviceTime t;
   };
   /// From one start after the other; the first that may be believed.
   [[nodiscard]] std::optional<IcpResult> from(std::span<const Pose> starts, const ModelView& source,
                                               const Ask& ask) const;
+  /// Where shape leaves directions free: the pose that texture asks for along them, aligned anew from there.
+  [[nodiscard]] IcpResult held_by_texture(const IcpResult& by_shape, const Reference& reference, const Ask& ask) const;
+  [[nodiscard]] bool acceptable_for(const IcpResult& result, const Ask& ask) const;
   [[nodiscard]] bool plausible(const Pose& T_model_cam, const Ask& ask) const;
 
   const TrackerConfig& config_;
-  const ViewCamera& camera_;
+  const calib::LensValues& lens_;
+  ViewCamera camera_;
 };
 
 }  // namespace enamel::pipeline

@@ -11,6 +11,8 @@ void SegmentMemory::absorb(SegmentMemory&& other, const Pose& T_this_other, bool
   if (!is_newer) return;
   motion = other.motion;
   motion.carry_into(T_this_other);
+  texture = std::move(other.texture);
+  if (texture) texture->T_model_cam = T_this_other * texture->T_model_cam;
   last_patch.reset();
   if (other.last_patch) last_patch = carried_into(T_this_other, std::move(*other.last_patch));
 }

@@ -36,17 +36,18 @@ struct Tracker::Burst {
   bool in_sequence;  ///< a moment after the last one
   const SurfacePatch& patch;
   const PatchPyramid& pyramid;
+  BurstTexture& texture;
   const ModelView& view;
   const std::optional<ProbeTwist>& twist;
+  [[nodiscard]] NearAlignment::Burst near() const { return {pyramid, texture, view, t}; }
 };
 
 Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
     : config_(with_work_distance(config, middle_depth_mm(rig, config.motion.work_distance_mm))),
       lens_(rig.camera),
-      camera_(rig.camera),
-      px_per_mm_(rig.camera.fx / config_.motion.work_distance_mm),
+      texture_{config_.features.images, config_.texture, rig.camera.fx / config_.motion.work_distance_mm},
       grid_size_(full_grid(rig.camera, config.icp.levels.back().stride_px)),
-      near_(config_, camera_),
+      near_(config_, lens_),
       votes_(config_.join) {}
 
 TrackResult Tracker::track(BurstId id, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view,
@@ -54,7 +55,8 @@ TrackResult Tracker::track(BurstId id, DeviceTime t_mid, const SurfacePatch& pat
   const bool in_sequence = last_seen_ && t_mid > *last_seen_ && seconds(*last_seen_, t_mid) <= config_.max_gap_s;
   last_seen_ = t_mid;
   const PatchPyramid pyramid = make_pyramid(patch, config_.icp);
-  const Burst burst{id, t_mid, in_sequence, patch, pyramid, view, twist};
+  BurstTexture texture(patch, texture_);
+  const Burst burst{id, t_mid, in_sequence, patch, pyramid, texture, view, twist};
   if (static_cast<double>(pyramid.levels.back().size()) < config_.start_coverage * static_cast<double>(grid_size_)) {
     TrackResult lost;
     if (!segments_.empty()) lost.T_model_cam = find(active_).motion.last_pose();
@@ -63,7 +65,7 @@ TrackResult Tracker::track(BurstId id, DeviceTime t_mid, const SurfacePatch& pat
   }
   if (segments_.empty()) return accept(start(), TrackState::kStarted, burst, as_it_lies());
   std::optional<IcpResult> here;
-  if (SegmentMemory& active = find(active_); was_here(active, burst)) here = near_(active, pyramid, view, t_mid);
+  if (SegmentMemory& active = find(active_); was_here(active, burst)) here = near_(active, burst.near());
   if (here && active_ == kModelSegment) return accept(find(active_), TrackState::kTracking, burst, *here);
   if (auto back = back_in_an_older(burst, here)) return *back;
   TrackResult out = here ? accept(find(active_), TrackState::kTracking, burst, *here)
@@ -90,7 +92,7 @@ std::optional<TrackResult> Tracker::back_in_an_older(const Burst& burst, const s
   for (SegmentMemory& older : segments_) {
     if (older.id >= active_) break;
     if (!was_here(older, burst)) continue;
-    const auto there = near_(older, burst.pyramid, burst.view, burst.t);
+    const auto there = near_(older, burst.near());
     if (!there) continue;
     if (!here) {
       active_ = older.id;
@@ -140,20 +142,31 @@ void Tracker::carry_out(const SegmentJoin& join) {
 }
 
 SegmentMemory& Tracker::start() {
-  segments_.push_back({next_id_, MotionModel(config_.motion), KeyframeStore(lens_, config_.keyframes), std::nullopt});
+  segments_.push_back({next_id_, MotionModel(config_.motion), KeyframeStore(lens_, config_.keyframes), {}, {}});
   active_ = next_id_++;
   return segments_.back();
 }
 
 SegmentMemory& Tracker::find(SegmentId id) { return *std::ranges::find(segments_, id, &SegmentMemory::id); }
 
+void Tracker::remember_texture(SegmentMemory& segment, const Burst& burst, const Pose& T_model_cam) const {
+  const Vec3d work(0, 0, config_.motion.work_distance_mm);
+  const Closeness same{config_.texture_spacing_mm, config_.texture_spacing_deg};
+  if (segment.texture && look_alike(segment.texture->T_model_cam, T_model_cam, work, same)) return;
+  segment.texture = texture_reference(*burst.texture.picture(), T_model_cam);
+}
+
 TrackResult Tracker::accept(SegmentMemory& segment, TrackState state, const Burst& burst, const IcpResult& icp) {
   segment.motion.add(burst.t, icp.T_model_cam, burst.twist);
   segment.last_patch = view_from_patch(burst.patch, icp.T_model_cam, lens_, config_.keyframes.view_stride);
   if (segment.keyframes.wants(icp.T_model_cam)) {
-    segment.keyframes.add(burst.patch, icp.T_model_cam, extract_features(burst.patch, px_per_mm_, config_.features));
+    segment.keyframes.add(burst.patch, icp.T_model_cam,
+                          extract_features(burst.patch, texture_.px_per_mm, config_.features));
   }
-  return {state, icp.T_model_cam, icp.rms_mm, icp.overlap, icp.iterations, segment.id, {}};
+  if (icp.weak_directions > 0 || state == TrackState::kStarted) remember_texture(segment, burst, icp.T_model_cam);
+  return {state,       icp.T_model_cam,  icp.rms_mm,
+          icp.overlap, icp.iterations,   segment.id,
+          {},          icp.undetermined, burst.texture.picture_if_made()};
 }
 
 }  // namespace enamel::pipeline

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pipeline/register/icp/icp.hpp"
+#include "pipeline/register/icp/texture_term.hpp"
 #include "pipeline/register/track/acceptance.hpp"
 #include "pipeline/register/track/join_votes.hpp"
 #include "pipeline/register/track/keyframes.hpp"
@@ -20,7 +21,10 @@ struct TrackerConfig {
   RelocaliseConfig relocalise;
   MotionConfig motion;
   JoinConfig join;
-  double start_coverage = 0.05;  ///< share of the image's grid that must be good surface to begin a segment
+  TextureConfig texture;
+  double texture_spacing_mm = 1;     ///< chosen: texture is held against a burst that is no farther away than this …
+  double texture_spacing_deg = 1.5;  ///< … nor turned by more: its picture looks the same
+  double start_coverage = 0.05;      ///< share of the image's grid that must be good surface to begin a segment
   double max_gap_s = 0.5;       ///< of data time without a burst, or without a placed one: found again by features only
   double max_speed_mm_s = 200;  ///< of the point at the working distance: no hand is faster, an alignment may be
   double max_turn_deg_s = 360;

@@ -56,16 +56,17 @@ MapEdge edge(const std::vector<Pose>& truth, std::size_t i, std::size_t j, std::
 }
 
 /// Edges between all that look at points nearer than 9 mm, and poses that tracking let drift.
-Scan scan() {
+Scan scan(std::uint64_t seed = 0) {
+  const std::uint64_t own = 1'000'000 * seed;
   Scan out;
   const std::vector<Pose>& truth = out.truth;
   const Vec3d work(0, 0, 48);
   out.tracked = {truth[0]};
   for (std::size_t i = 1; i < truth.size(); ++i) {
-    const Pose step = apply_motion(noise(9000 + i, 3e-4), work, 4.5, truth[i - 1].inverse() * truth[i]);
+    const Pose step = apply_motion(noise(own + 9000 + i, 3e-4), work, 4.5, truth[i - 1].inverse() * truth[i]);
     out.tracked.push_back(out.tracked.back() * step);
     for (std::size_t j = 0; j < i; ++j) {
-      if ((truth[i] * work - truth[j] * work).norm() < 9) out.edges.push_back(edge(truth, i, j, 100 * i + j));
+      if ((truth[i] * work - truth[j] * work).norm() < 9) out.edges.push_back(edge(truth, i, j, own + 100 * i + j));
     }
   }
   return out;
@@ -117,6 +118,41 @@ TEST(PoseGraph, a_direction_that_the_surface_does_not_hold_has_no_say) {
   EXPECT_LT((solved.poses[1].translation() - truth[1].translation()).norm(), 0.01) << "stays where tracking had it";
   sliding.H(3, 3) = 1e7;
   EXPECT_GT((solve_graph(truth, {sliding}, {}).poses[1].translation() - truth[1].translation()).norm(), 0.4);
+}
+
+/// Of the distance between what the first pass's ends look at: its error in its own sigmas, rms over scans.
+double error_in_sigmas(const GraphConfig& config) {
+  const Vec3d work(0, 0, 48);
+  double sum = 0;
+  constexpr int kScans = 40;
+  for (int seed = 1; seed <= kScans; ++seed) {
+    const Scan s = scan(static_cast<std::uint64_t>(seed));
+    const SolvedGraph solved = solve_graph(s.tracked, s.edges, config);
+    const std::size_t a = 0, b = kPerPass - 1;
+    const Vec3d pa = solved.poses[a] * work, pb = solved.poses[b] * work;
+    const double error = (pa - pb).norm() - (s.truth[a] * work - s.truth[b] * work).norm();
+    const double sigmas = error / solved.covariance->sigma_of_distance_mm({a, pa}, {b, pb});
+    sum += sigmas * sigmas;
+  }
+  return std::sqrt(sum / kScans);
+}
+
+TEST(PoseGraph, a_distance_is_off_by_as_much_as_its_sigma_says) {
+  GraphConfig independent;
+  independent.edges_share_errors = false;
+  const double rms = error_in_sigmas(independent);
+  EXPECT_GT(rms, 0.7) << "forty draws: 0.78 to 1.22 in 95 of 100";
+  EXPECT_LT(rms, 1.3);
+  EXPECT_LT(error_in_sigmas({}), 0.5) << "edges that may share their errors promise less";
+}
+
+TEST(PoseGraph, what_nothing_holds_has_a_sigma_to_match) {
+  const std::vector<Pose> truth{Pose::Identity(), Pose(Eigen::Translation3d(2, 0, 0))};
+  MapEdge sliding = edge(truth, 1, 0, 1);
+  const Vec3d from(0, 0, 48), to(2, 0, 48);
+  EXPECT_LT(solve_graph(truth, {sliding}, {}).covariance->sigma_of_distance_mm({0, from}, {1, to}), 0.01);
+  sliding.H(3, 3) = 1;  // along x a shift changes nothing
+  EXPECT_GT(solve_graph(truth, {sliding}, {}).covariance->sigma_of_distance_mm({0, from}, {1, to}), 1);
 }
 
 TEST(PoseGraph, what_no_edge_holds_stays_and_nothing_at_all_is_no_error) {

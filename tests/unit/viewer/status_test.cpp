@@ -44,6 +44,25 @@ TEST(StatusLine, a_segment_apart_has_words_and_a_tone_of_its_own) {
   for (const Colour& other : {kGood, kWeak, kBad}) EXPECT_NE(apart.colour, other);
 }
 
+TEST(StatusLine, a_surface_that_does_not_determine_the_motion_is_told) {
+  PreviewFrame frame = scanning(TrackState::kTracking);
+  frame.undetermined = true;
+  EXPECT_EQ(status_line(frame).title, "TOO SMOOTH");
+  EXPECT_EQ(status_line(frame).colour, kWeak);
+  EXPECT_FALSE(status_line(frame).hint.empty());
+}
+
+TEST(StatusLine, after_the_last_burst_it_says_how_far_the_refinement_is_and_then_what_is_known) {
+  PreviewFrame frame = scanning(TrackState::kTracking);
+  frame.state = ScanState::kRefining;
+  frame.refined = 0.424;
+  EXPECT_EQ(status_line(frame).title, "REFINING THE MODEL");
+  EXPECT_EQ(status_line(frame).hint, "42.4 %");
+  frame.state = ScanState::kFinished;
+  frame.result = "50.5 mm from end to end, known to +-9 um";
+  EXPECT_EQ(status_line(frame).hint, frame.result);
+}
+
 TEST(StatusLine, little_overlap_is_weak_and_unknown_overlap_is_not) {
   PreviewFrame frame = scanning(TrackState::kTracking);
   frame.track_overlap = std::nan("");

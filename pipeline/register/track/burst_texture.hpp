@@ -1,0 +1,33 @@
+// A burst's texture, made when it is first asked for: most surfaces hold themselves. Private to register/track.
+#pragma once
+
+#include <memory>
+
+#include "pipeline/register/feature/feature_images.hpp"
+#include "pipeline/register/icp/texture_term.hpp"
+
+namespace enamel::pipeline {
+
+/// Refers to the patch. Not thread-safe.
+class BurstTexture {
+ public:
+  struct Config {
+    ImageConfig images;
+    TextureConfig texture;
+    double px_per_mm = 1;
+  };
+  BurstTexture(const SurfacePatch& patch, const Config& config) : patch_(patch), config_(config) {}
+
+  [[nodiscard]] const std::shared_ptr<const TexturePicture>& picture();
+  [[nodiscard]] const TexturePoints& points();
+  /// The picture, if anybody has asked for it.
+  [[nodiscard]] const std::shared_ptr<const TexturePicture>& picture_if_made() const noexcept { return picture_; }
+
+ private:
+  const SurfacePatch& patch_;
+  const Config& config_;
+  std::shared_ptr<const TexturePicture> picture_;
+  std::unique_ptr<const TexturePoints> points_;
+};
+
+}  // namespace enamel::pipeline
