@@ -5,7 +5,6 @@
 
 #include "pipeline/types/map.hpp"
 #include "pipeline/types/patch.hpp"
-#include "pipeline/types/texture_picture.hpp"
 
 namespace enamel::pipeline {
 
@@ -14,8 +13,6 @@ struct ImageConfig {
   double lowpass_mm = 1.0;       ///< what varies over more than this (form, shading) is taken out
   double relief_range_mm = 0.5;  ///< relief of ±this fills 0 … 255
   double texture_range = 0.25;   ///< brightness of (1 ± this) times its surroundings fills 0 … 255
-  double known_around = 0.97;    ///< chosen: of the surroundings of a place, the share that must be surface for its
-                                 ///< brightness beside them to mean the place and not the border of the light
 };
 
 struct FeatureImages {
@@ -26,9 +23,5 @@ struct FeatureImages {
 
 /// px_per_mm: camera pixels a millimetre on a facing surface at mid-depth. Pure.
 [[nodiscard]] FeatureImages make_feature_images(const SurfacePatch& patch, double px_per_mm, const ImageConfig& config);
-
-/// The texture of the surface alone: unknown beside the border of what was measured, which moves with the camera. Pure.
-[[nodiscard]] TexturePicture make_texture_picture(const SurfacePatch& patch, double px_per_mm,
-                                                  const ImageConfig& config);
 
 }  // namespace enamel::pipeline

@@ -56,6 +56,11 @@ struct TextureSums {
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> g;
   std::vector<float> residuals;
   double a = 0, b = 0, aa = 0, bb = 0, ab = 0;  ///< of both greys, for their correlation
+  [[nodiscard]] double mean_square() const {
+    double sum = 0;
+    for (const float e : residuals) sum += static_cast<double>(e) * static_cast<double>(e);
+    return sum / static_cast<double>(residuals.size());
+  }
   [[nodiscard]] double correlation() const {
     const auto n = static_cast<double>(residuals.size());
     const double va = aa - a * a / n, vb = bb - b * b / n;
@@ -68,6 +73,14 @@ struct TextureSums {
     std::nth_element(residuals.begin(), middle, residuals.end());
     return 1.4826 * static_cast<double>(*middle);
   }
+};
+
+/// The step along those directions that texture holds with a residual of `sigma`; the others stay.
+struct HeldStep {
+  Vector6 x = Vector6::Zero();
+  Matrix6 H = Matrix6::Zero();
+  std::vector<Vector6> directions;  ///< unit
+  std::vector<double> curvature;    ///< of half the squared residuals, along each
 };
 
 TextureSums sum_up(const TextureAlignment& of, const Pose& T_model_cam, const WeakDirections& weak, std::size_t level,
@@ -101,13 +114,6 @@ TextureSums sum_up(const TextureAlignment& of, const Pose& T_model_cam, const We
   return out;
 }
 
-/// The step along those directions that texture holds with a residual of `sigma`; the others stay.
-struct HeldStep {
-  Vector6 x = Vector6::Zero();
-  Matrix6 H = Matrix6::Zero();
-  int held = 0;
-};
-
 HeldStep step_along(const TextureSums& sums, const WeakDirections& weak, double sigma, const TextureConfig& config) {
   const Eigen::Index k = weak.cols();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(sums.H.topRows(k)));
@@ -119,10 +125,27 @@ HeldStep step_along(const TextureSums& sums, const WeakDirections& weak, double 
     const Vector6 v = weak * eigen.eigenvectors().col(i);
     out.x -= v * (eigen.eigenvectors().col(i).dot(sums.g) / value);
     out.H += v * v.transpose() / (variance + config.bias_mm * config.bias_mm);
-    ++out.held;
+    out.directions.push_back(v);
+    out.curvature.push_back(value);
   }
   if (const double size = out.x.norm(); size > config.max_step_mm) out.x *= config.max_step_mm / size;
   return out;
+}
+
+/// Noise has gradients too: where only they hold a direction, the greys agree as well a block beside.
+bool rises_beside(const TextureAlignment& of, const Pose& best, const HeldStep& held, const WeakDirections& weak,
+                  const TextureConfig& config, double sigma) {
+  const double here = sum_up(of, best, weak, 1, sigma).mean_square();
+  for (std::size_t k = 0; k < held.directions.size(); ++k) {
+    for (const double sign : {1.0, -1.0}) {
+      const Pose beside = apply_motion(sign * config.slip_mm * held.directions[k], of.centre, of.rho_mm, best);
+      const TextureSums sums = sum_up(of, beside, weak, 1, sigma);
+      const double foretold =
+          config.slip_mm * config.slip_mm * held.curvature[k] / static_cast<double>(sums.residuals.size());
+      if (sums.mean_square() - here < config.min_rise * foretold) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace
@@ -145,12 +168,7 @@ TexturePoints texture_points(const SurfacePatch& patch, const TexturePicture& pi
   const auto levels = texture_levels(picture);
   const Map<float>& fine = levels[1];
   TexturePoints out;
-  // The middle of a block: a pixel, or between two where the step is even.
-  const int below = (picture.step - 1) / 2, above = picture.step / 2;
-  const auto point = [&](int i, int j) -> Vec3f {
-    const int u = i * picture.step, v = j * picture.step;
-    return 0.5F * (patch.points(u + below, v + below) + patch.points(u + above, v + above));
-  };
+  const auto point = [&](int i, int j) { return block_point(patch, picture.step, i, j); };
   for (int j = 1; j + 1 < fine.height(); ++j) {
     for (int i = 1; i + 1 < fine.width(); ++i) {
       const float wide = (point(i + 1, j) - point(i - 1, j)).norm(), high = (point(i, j + 1) - point(i, j - 1)).norm();
@@ -182,22 +200,24 @@ std::optional<TextureHold> hold_by_texture(const TextureAlignment& of, const Pos
                                            const WeakDirections& weak, const TextureConfig& config) {
   if (weak.cols() == 0 || of.points.p.size() < config.min_points) return std::nullopt;
   TextureHold out;
+  HeldStep step;
   double sigma = 10 * config.sigma_floor;  // until the residuals have told theirs
   const std::size_t rounds = 2 * static_cast<std::size_t>(config.rounds);
   for (std::size_t round = 0; round <= rounds; ++round) {
     const Pose now = apply_motion(out.x, of.centre, of.rho_mm, T_model_cam);
-    const std::size_t level = 2 * round < rounds ? 0 : 1;
-    TextureSums sums = sum_up(of, now, weak, level, sigma);
+    TextureSums sums = sum_up(of, now, weak, 2 * round < rounds ? 0 : 1, sigma);
     if (sums.residuals.size() < config.min_points) return std::nullopt;
     sigma = std::max(sums.scale(), config.sigma_floor);
-    const HeldStep step = step_along(sums, weak, sigma, config);
-    out.held = step.held;
-    out.H = step.H;
+    step = step_along(sums, weak, sigma, config);
+    if (step.directions.empty()) return std::nullopt;
     out.correlation = sums.correlation();
-    if (step.held == 0) return std::nullopt;
     if (round < rounds) out.x += step.x;
   }
-  if (out.correlation < config.min_correlation || out.x.norm() > config.max_move_mm) return std::nullopt;
+  out.held = static_cast<int>(step.directions.size());
+  out.H = step.H;
+  const Pose best = apply_motion(out.x, of.centre, of.rho_mm, T_model_cam);
+  const bool agrees = out.correlation >= config.min_correlation && out.x.norm() <= config.max_move_mm;
+  if (!agrees || !rises_beside(of, best, step, weak, config, sigma)) return std::nullopt;
   return out;
 }
 

@@ -20,10 +20,12 @@ struct TextureConfig {
                                  ///< 0.5 % leaves in a difference over two block means, smoothed
   std::size_t min_points = 200;  ///< chosen: fewer are a scratch or a bubble
   double min_correlation = 0.6;  ///< chosen: of the greys of both bursts, once aligned; noise has 0
-  int rounds = 4;                ///< of Gauss-Newton, on each of two levels
-  double max_step_mm = 0.15;     ///< derived: half a blurred block; a step beyond leaves what its gradient foretells
-  double max_move_mm = 0.8;      ///< chosen: prediction is not farther off; the next vessel may be
-  double sigma_floor = 0.004;    ///< of brightness; chosen: what fine shading leaves where noise leaves less
+  double slip_mm = 0.08;      ///< derived: a block. Slid by so much along a direction that texture holds, the greys …
+  double min_rise = 0.4;      ///< … must disagree by this share of what their gradients foretell: noise does not
+  int rounds = 4;             ///< of Gauss-Newton, on each of two levels
+  double max_step_mm = 0.15;  ///< derived: half a blurred block; a step beyond leaves what its gradient foretells
+  double max_move_mm = 0.8;   ///< chosen: prediction is not farther off; the next vessel may be
+  double sigma_floor = 0.004;  ///< of brightness; chosen: what fine shading leaves where noise leaves less
   double patch_px = 9;         ///< picture pixels that err alike: residuals of shading hang together over a quarter mm
   double bias_mm = 0.01;       ///< chosen: what a tie by texture is off by however many points it has
   double max_sigma_mm = 0.03;  ///< beyond, texture does not hold the direction either

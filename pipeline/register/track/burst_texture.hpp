@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "pipeline/register/feature/feature_images.hpp"
+#include "pipeline/register/feature/surface_texture.hpp"
 #include "pipeline/register/icp/texture_term.hpp"
 
 namespace enamel::pipeline {
@@ -12,9 +12,10 @@ namespace enamel::pipeline {
 class BurstTexture {
  public:
   struct Config {
-    ImageConfig images;
-    TextureConfig texture;
+    SurfaceTextureConfig picture;
+    TextureConfig term;
     double px_per_mm = 1;
+    FringePhase phase;
   };
   BurstTexture(const SurfacePatch& patch, const Config& config) : patch_(patch), config_(config) {}
 

@@ -45,7 +45,8 @@ struct Tracker::Burst {
 Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
     : config_(with_work_distance(config, middle_depth_mm(rig, config.motion.work_distance_mm))),
       lens_(rig.camera),
-      texture_{config_.features.images, config_.texture, rig.camera.fx / config_.motion.work_distance_mm},
+      texture_{config_.surface_texture, config_.texture, rig.camera.fx / config_.motion.work_distance_mm,
+               FringePhase(rig)},
       grid_size_(full_grid(rig.camera, config.icp.levels.back().stride_px)),
       near_(config_, lens_),
       votes_(config_.join) {}

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "pipeline/register/feature/surface_texture.hpp"
 #include "pipeline/register/icp/icp.hpp"
 #include "pipeline/register/icp/texture_term.hpp"
 #include "pipeline/register/track/acceptance.hpp"
@@ -21,6 +22,7 @@ struct TrackerConfig {
   RelocaliseConfig relocalise;
   MotionConfig motion;
   JoinConfig join;
+  SurfaceTextureConfig surface_texture;
   TextureConfig texture;
   double texture_spacing_mm = 1;     ///< chosen: texture is held against a burst that is no farther away than this …
   double texture_spacing_deg = 1.5;  ///< … nor turned by more: its picture looks the same

@@ -41,7 +41,7 @@ class TextureTerm : public ::testing::Test {
     centre_ = by_shape_.T_model_cam * pyramid.levels.back().centroid;
     const WeakDirections weak = weak_directions(by_shape_.system, icp_.prior.weak_eigenvalue);
     return hold_by_texture({of_second.points(), texture, rig_.camera, centre_, icp_.rho_mm}, by_shape_.T_model_cam,
-                           weak, config_.texture);
+                           weak, config_.term);
   }
   [[nodiscard]] Pose held(const TextureHold& hold) const {
     return apply_motion(hold.x, centre_, icp_.rho_mm, by_shape_.T_model_cam);
@@ -49,7 +49,7 @@ class TextureTerm : public ::testing::Test {
 
   calib::Rig rig_ = ts::test_rig(2);
   IcpConfig icp_;
-  BurstTexture::Config config_{{}, {}, ts::test_rig(2).camera.fx / 48};
+  BurstTexture::Config config_{{}, {}, ts::test_rig(2).camera.fx / 48, FringePhase(ts::test_rig(2))};
   IcpResult by_shape_;
   Vec3d centre_ = Vec3d::Zero();
 };
