@@ -20,7 +20,7 @@ std::optional<SegmentJoin> seek(stage::TrackStage& track, const pipeline::Segmen
   const std::size_t asked = std::min(bursts.size(), at_most);
   for (std::size_t i = 0; i < asked; ++i) {
     const pipeline::KeptBurst& burst = bursts[i * bursts.size() / asked];
-    const SurfacePatch patch = segments.unpack()(burst.patch);
+    const SurfacePatch patch = segments.patch_of(burst, pipeline::Texture::kKept);
     if (auto join = track.seek({burst.id, id, burst.T_segment_cam}, patch)) return join;
   }
   return std::nullopt;

@@ -1,6 +1,7 @@
 #include "host/session/final_map.hpp"
 
 #include <chrono>
+#include <functional>
 #include <future>
 #include <utility>
 
@@ -16,9 +17,9 @@ constexpr double kPosesShare = 0.6;  // of the time that it takes; the rest fuse
 /// fused.
 class ReadAhead {
  public:
-  ReadAhead(const std::vector<pipeline::KeptBurst>& bursts, const pipeline::Unpacker& unpack,
+  ReadAhead(const std::vector<pipeline::KeptBurst>& bursts, const std::function<SurfacePatch(std::size_t)>& load,
             std::shared_ptr<const pipeline::FreeSpace> free_space)
-      : bursts_(bursts), unpack_(unpack), free_space_(std::move(free_space)) {
+      : bursts_(bursts), load_(load), free_space_(std::move(free_space)) {
     ask(0);
   }
   SurfacePatch operator()(std::size_t n) {
@@ -37,13 +38,13 @@ class ReadAhead {
   void ask(std::size_t n) {
     if (n >= bursts_.size()) return;
     next_ = std::async(std::launch::async, [this, n] {
-      Cleaned out{unpack_(bursts_[n].patch), 0};
+      Cleaned out{load_(n), 0};
       if (free_space_) out.withdrawn_px = free_space_->withdraw(bursts_[n].T_segment_cam, out.patch);
       return out;
     });
   }
   const std::vector<pipeline::KeptBurst>& bursts_;
-  const pipeline::Unpacker& unpack_;
+  const std::function<SurfacePatch(std::size_t)>& load_;
   std::shared_ptr<const pipeline::FreeSpace> free_space_;
   std::uint64_t withdrawn_px_ = 0;
   std::future<Cleaned> next_;
@@ -61,10 +62,9 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
   std::vector<pipeline::KeptBurst> history = fuse.segments().take_history();
   MapFacts facts;
   if (history.size() != placed.size() || history.empty()) return facts;
-  const pipeline::Unpacker& unpack = fuse.segments().unpack();
   pipeline::MapInput map;
   for (const MeasuredBurst& burst : placed) map.bursts.push_back({burst.pose.t_mid, burst.pose.T_model_cam});
-  map.load = [&](std::size_t n) { return unpack(history[n].patch); };
+  map.load = [&](std::size_t n) { return fuse.segments().patch_of(history[n], pipeline::Texture::kDropped); };
   map.texture = [&](std::size_t n) { return history[n].texture; };
   map.for_each = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
     flow::for_each_index(count, input.threads, work);
@@ -72,6 +72,10 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
   map.progress = [&](double share) { input.progress(kPosesShare * share); };
   log::info("map", "refining the poses of {} bursts", history.size());
   const auto refined = pipeline::refine_map(map, input.rig, input.config.track.icp, input.config.map);
+  if (fuse.segments().stored().lost > 0) {
+    log::error("map", "bursts are missing; the model stays as it was scanned");
+    return facts;
+  }
   facts.refine_s = seconds_since(start, clock);
   facts.map = refined;
   facts.map.poses = {};
@@ -80,9 +84,11 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
     placed[n].pose.T_model_cam = refined.poses[n];
     history[n].T_segment_cam = refined.poses[n];
   }
-  log::info("map", "fusing {} bursts anew", history.size());
-  ReadAhead ahead(history, unpack, refined.free_space);
-  const double bursts = static_cast<double>(history.size());
+  const pipeline::PatchStore::Figures kept = fuse.segments().stored();
+  log::info("map", "fusing {} bursts anew; {} MB of them were kept in memory, {} MB in a file", history.size(),
+            kept.memory_bytes >> 20U, kept.file_bytes >> 20U);
+  ReadAhead ahead(history, map.load, refined.free_space);
+  const auto bursts = static_cast<double>(history.size());
   fuse.rebuild(history, [&](std::size_t n) {
     input.progress(kPosesShare + (1 - kPosesShare) * static_cast<double>(n) / bursts);
     return ahead(n);

@@ -76,7 +76,8 @@ void ScanPipeline::Impl::build(const std::shared_ptr<const pipeline::BurstDecode
                                            .mesh = config.mesh,
                                            .preview_model = options.preview_model,
                                            .preview_period = config.preview_period,
-                                           .keep_history = config.map.refine};
+                                           .keep_history = config.map.refine,
+                                           .store = kept_in(options.scratch_folder)};
   fuse = &graph.add<stage::FuseStage>(optics, fuse_config,
                                       pipeline::Unpacker(baked->shared_rays(), baked->config().normals));
   SinkStage& last = graph.add<SinkStage>(clock);
@@ -139,11 +140,13 @@ void ScanPipeline::Impl::conclude() {
   refined.store(0);
   join_at_end(*track, *fuse, sink.load()->segments, config.track.join);
   track->forget();
+  hand_back_free_pages();
   placed = bursts_in(kModelSegment, *sink.load());
   if (config.map.refine) {
     const auto threads = static_cast<std::size_t>(std::max(options.workers, 1));
     const auto progress = [this](double share) { refined.store(share); };
     map = refine_model({optics, config, threads, progress}, placed, *fuse, clock);
+    hand_back_free_pages();
   }
   if (options.preview_model) preview.put(fuse->final_preview());
 }

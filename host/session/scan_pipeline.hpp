@@ -17,6 +17,7 @@
 #include "host/report/report.hpp"
 #include "host/report/stage_trace.hpp"
 #include "host/session/pipeline_config.hpp"
+#include "host/session/scratch_space.hpp"
 #include "host/session/segment_ledger.hpp"
 #include "pipeline/register/map/refine_map.hpp"
 #include "pipeline/types/geometry.hpp"
@@ -80,6 +81,8 @@ struct ScanPipelineOptions {
   int workers = 2;                ///< 0: one thread, topological order
   bool preview_model = false;     ///< mesh the growing model for a window
   std::uint32_t calib_crc32 = 0;  ///< bursts that name another calibration are rejected; 0: any
+  /// Of the nameless file that kept bursts go to once 128 MB of them are in memory; on a disk.
+  std::string scratch_folder = default_scratch_folder();
 };
 
 using PreviewSlot = LatestSlot<std::shared_ptr<const BurstPreview>>;

@@ -46,7 +46,7 @@ std::shared_ptr<const Map<std::uint8_t>> grey(const Map<float>& texture) {
 FuseStage::FuseStage(const calib::Rig& rig, const FuseStageConfig& config, pipeline::Unpacker unpack)
     : Stage("fuse"),
       config_(config),
-      model_(rig, config.fuse, std::move(unpack), config.keep_history),
+      model_(rig, config.fuse, std::move(unpack), config.keep_history, config.store),
       mesher_(config.mesh),
       apart_mesher_(config.mesh),
       last_view_(std::make_shared<const ModelView>()) {}

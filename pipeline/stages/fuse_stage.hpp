@@ -22,6 +22,7 @@ struct FuseStageConfig {
   bool preview_model = false;  ///< somebody watches the surface grow: mesh it as it changes
   int preview_period = 2;      ///< … every so many bursts
   bool keep_history = false;   ///< every burst is kept, packed, so that the model can be fused anew with other poses
+  pipeline::PatchStoreConfig store;  ///< of kept bursts
 };
 
 /// Sees rejected bursts too: registration wants a view for every burst, and the person at the screen that one was lost.

@@ -6,18 +6,27 @@
 
 namespace enamel::pipeline {
 
-SegmentedModel::SegmentedModel(const calib::Rig& rig, const FuseConfig& config, Unpacker unpack, bool keep_history)
-    : rig_(rig), config_(config), unpack_(std::move(unpack)), keep_history_(keep_history), model_(rig, config) {}
+SegmentedModel::SegmentedModel(const calib::Rig& rig, const FuseConfig& config, Unpacker unpack, bool keep_history,
+                               PatchStoreConfig store)
+    : rig_(rig),
+      config_(config),
+      unpack_(std::move(unpack)),
+      keep_history_(keep_history),
+      store_(std::move(store)),
+      model_(rig, config) {}
 
 FuseStats SegmentedModel::integrate(BurstId burst, const SurfacePatch& patch, const TrackResult& placed) {
   for (const SegmentJoin& one : placed.joins) join(one);
   active_ = placed.segment;
   if (active_ == kModelSegment) {
-    if (keep_history_) history_.push_back({burst, placed.T_model_cam, pack(patch, Texture::kDropped), placed.texture});
+    if (keep_history_) {
+      history_.push_back(
+          {burst, placed.T_model_cam, store_.keep(pack(patch, Texture::kDropped)), placed.texture});
+    }
     return model_.integrate(burst, patch, placed.T_model_cam);
   }
   open(active_);
-  kept_[active_].push_back({burst, placed.T_model_cam, pack(patch, Texture::kKept), placed.texture});
+  kept_[active_].push_back({burst, placed.T_model_cam, store_.keep(pack(patch, Texture::kKept)), placed.texture});
   return apart_->model.integrate(burst, patch, placed.T_model_cam);
 }
 
@@ -45,18 +54,14 @@ void SegmentedModel::join(const SegmentJoin& join) {
 void SegmentedModel::catch_up(std::size_t bursts) {
   for (; bursts > 0 && !waiting_.empty(); --bursts) {
     KeptBurst& next = waiting_.front();
-    model_.integrate(next.id, unpack_(next.patch), next.T_segment_cam);
-    next.patch.texture = {};
+    model_.integrate(next.id, patch_of(next, Texture::kDropped), next.T_segment_cam);
     if (keep_history_) history_.push_back(std::move(next));
     waiting_.pop_front();
   }
 }
 
 std::vector<KeptBurst> SegmentedModel::take_history() {
-  for (; keep_history_ && !waiting_.empty(); waiting_.pop_front()) {
-    waiting_.front().patch.texture = {};
-    history_.push_back(std::move(waiting_.front()));
-  }
+  for (; keep_history_ && !waiting_.empty(); waiting_.pop_front()) history_.push_back(std::move(waiting_.front()));
   std::ranges::sort(history_, {}, [](const KeptBurst& b) { return b.id.value; });
   return std::exchange(history_, {});
 }
@@ -70,7 +75,8 @@ void SegmentedModel::rebuild(const std::vector<KeptBurst>& history,
 TsdfModel SegmentedModel::fuse_apart(SegmentId segment) const {
   TsdfModel out(rig_, config_);
   if (const auto found = kept_.find(segment); found != kept_.end()) {
-    for (const KeptBurst& burst : found->second) out.integrate(burst.id, unpack_(burst.patch), burst.T_segment_cam);
+    for (const KeptBurst& burst : found->second)
+      out.integrate(burst.id, patch_of(burst, Texture::kDropped), burst.T_segment_cam);
   }
   return out;
 }

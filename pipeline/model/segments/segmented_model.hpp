@@ -13,6 +13,7 @@
 
 #include "pipeline/model/fuse/tsdf_model.hpp"
 #include "pipeline/model/segments/packed_patch.hpp"
+#include "pipeline/model/segments/patch_store.hpp"
 #include "pipeline/types/track.hpp"
 
 namespace enamel::pipeline {
@@ -20,7 +21,7 @@ namespace enamel::pipeline {
 struct KeptBurst {
   BurstId id;
   Pose T_segment_cam = Pose::Identity();
-  PackedPatch patch;
+  StoredPatch patch;  ///< SegmentedModel::patch_of()
   std::shared_ptr<const TexturePicture> texture;  ///< as TrackResult::texture
 };
 
@@ -28,7 +29,8 @@ struct KeptBurst {
 class SegmentedModel {
  public:
   /// keep_history: the model's bursts are kept too, for take_history().
-  SegmentedModel(const calib::Rig& rig, const FuseConfig& config, Unpacker unpack, bool keep_history);
+  SegmentedModel(const calib::Rig& rig, const FuseConfig& config, Unpacker unpack, bool keep_history,
+                 PatchStoreConfig store = {});
 
   /// Carries out the joins of the burst, then fuses it where it was placed. Precondition: it was placed.
   FuseStats integrate(BurstId burst, const SurfacePatch& patch, const TrackResult& placed);
@@ -55,7 +57,12 @@ class SegmentedModel {
   [[nodiscard]] const std::map<SegmentId, std::vector<KeptBurst>>& kept() const noexcept { return kept_; }
   /// A segment that is apart, fused anew from its bursts.
   [[nodiscard]] TsdfModel fuse_apart(SegmentId segment) const;
-  [[nodiscard]] const Unpacker& unpack() const noexcept { return unpack_; }
+  /// What a burst was fused as, or nearly; its texture too, where it was apart and that is wanted. From any thread
+  /// while no burst is taken in.
+  [[nodiscard]] SurfacePatch patch_of(const KeptBurst& burst, Texture texture) const {
+    return unpack_(store_.load(burst.patch, texture));
+  }
+  [[nodiscard]] PatchStore::Figures stored() const noexcept { return store_.figures(); }
 
  private:
   struct Apart {
@@ -68,6 +75,7 @@ class SegmentedModel {
   FuseConfig config_;
   Unpacker unpack_;
   bool keep_history_;
+  PatchStore store_;
   TsdfModel model_;
   std::optional<Apart> apart_;  ///< the last segment that a burst was placed in apart from the model
   SegmentId active_ = kModelSegment;

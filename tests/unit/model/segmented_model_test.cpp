@@ -17,7 +17,7 @@ namespace sy = ::enamel::synthetic;
 class SegmentedModelTest : public ::testing::Test {
  protected:
   SegmentedModelTest() { rays_ = std::make_shared<const RayDepth>(RayDepth::bake(rig_, *rig_.depth_range).value()); }
-  [[nodiscard]] SegmentedModel make() const { return {rig_, {}, Unpacker(rays_, {}), keep_history_}; }
+  [[nodiscard]] SegmentedModel make() const { return {rig_, {}, Unpacker(rays_, {}), keep_history_, store_}; }
   [[nodiscard]] static Pose pose(int n) {
     return sy::looking_at(Vec3d(0.3 * n, 0.1 * n, 0), Vec3d(0.02 * n, 0, 1), 48);
   }
@@ -35,6 +35,7 @@ class SegmentedModelTest : public ::testing::Test {
     (void)model.integrate(BurstId{static_cast<std::uint64_t>(n)}, patch(n), placed);
   }
   bool keep_history_ = false;
+  PatchStoreConfig store_;
   calib::Rig rig_ = calib::load_rig(ENAMEL_SOURCE_DIR "/config/rigs/probe.json").value();
   std::shared_ptr<const RayDepth> rays_;
 };
@@ -95,7 +96,7 @@ TEST_F(SegmentedModelTest, a_joined_segment_becomes_part_of_the_model_a_few_burs
   EXPECT_GT(content(model.model()), half);
   for (const int n : {0, 5}) feed(straight, n, 0, pose(n));
   for (int n = 1; n < 5; ++n) {
-    const SurfacePatch kept = straight.unpack()(pack(patch(n), Texture::kDropped));
+    const SurfacePatch kept = Unpacker(rays_, {})(pack(patch(n), Texture::kDropped));
     (void)straight.model().integrate(BurstId{static_cast<std::uint64_t>(n)}, kept, pose(n));
   }
   EXPECT_NEAR(content(model.model()), content(straight.model()), 1e-4 * content(straight.model()))
@@ -129,13 +130,32 @@ TEST_F(SegmentedModelTest, the_model_can_be_fused_anew_from_its_history) {
     const KeptBurst& kept = history[static_cast<std::size_t>(n)];
     EXPECT_EQ(kept.id.value, static_cast<std::uint64_t>(n));
     EXPECT_TRUE(kept.T_segment_cam.isApprox(pose(n)));
-    EXPECT_TRUE(kept.patch.texture.empty());
+    EXPECT_TRUE(model.patch_of(kept, Texture::kDropped).texture_dn.empty());
   }
-  model.rebuild(history, [&](std::size_t n) { return model.unpack()(history[n].patch); });
+  model.rebuild(history, [&](std::size_t n) { return model.patch_of(history[n], Texture::kDropped); });
   SegmentedModel straight = make();
   for (int n = 0; n < 4; ++n) feed(straight, n, 0, pose(n));
   EXPECT_NEAR(content(model.model()), content(straight.model()), 0.01 * content(straight.model()));
   EXPECT_TRUE(model.take_history().empty());
+}
+
+TEST_F(SegmentedModelTest, is_the_same_whether_bursts_are_kept_in_memory_or_in_a_file) {
+  keep_history_ = true;
+  const auto scan = [&](SegmentedModel& model) {
+    feed(model, 0, 0, pose(0));
+    for (int n = 1; n < 4; ++n) feed(model, n, 1, pose(1).inverse() * pose(n));
+    feed(model, 4, 0, pose(4), {{1, 0, pose(1)}});
+    model.catch_up(2);
+    const auto history = model.take_history();
+    model.rebuild(history, [&](std::size_t n) { return model.patch_of(history[n], Texture::kDropped); });
+    return content(model.model());
+  };
+  SegmentedModel memory = make();
+  store_ = {.folder = ::testing::TempDir(), .memory_bytes = 0};
+  SegmentedModel file = make();
+  EXPECT_EQ(scan(memory), scan(file));
+  EXPECT_EQ(memory.stored().in_file, 0U);
+  EXPECT_EQ(file.stored().in_file, 5U);
 }
 
 }  // namespace
