@@ -56,6 +56,7 @@ void bind_map(ConfigReader r, pipeline::MapConfig& c) {
   r.bind("refine", c.refine, "after the scan: poses over all keyframes, every burst fused anew; --fast leaves it out");
   r.bind("spacing_mm", c.spacing_mm, {0.2, 20.0}, "a keyframe of the map every so far along the way");
   r.bind("spacing_deg", c.spacing_deg, {0.5, 45.0}, "or turned by more than this");
+  r.bind("nodes_kept", c.nodes_kept, {16U, 1000000U}, "keyframes in memory at a time, 2.5 MB each; fewer take longer");
 }
 
 }  // namespace

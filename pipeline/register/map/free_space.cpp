@@ -71,7 +71,7 @@ void spread_over_pieces(Map<Cell>& cells, float jump_mm, double share) {
 
 }  // namespace
 
-FreeSpace::FreeSpace(std::vector<MapNode> nodes, std::vector<Pose> T_model_cam, const ViewCamera& camera,
+FreeSpace::FreeSpace(std::shared_ptr<const MapNodes> nodes, std::vector<Pose> T_model_cam, const ViewCamera& camera,
                      double work_distance_mm, const FreeSpaceConfig& config)
     : nodes_(std::move(nodes)),
       T_model_cam_(std::move(T_model_cam)),
@@ -85,29 +85,29 @@ FreeSpace::FreeSpace(std::vector<MapNode> nodes, std::vector<Pose> T_model_cam, 
   }
 }
 
-std::vector<std::size_t> FreeSpace::keyframes_near(const Pose& T_model_cam) const {
+std::vector<FreeSpace::Asked> FreeSpace::keyframes_near(const Pose& T_model_cam) const {
   const Vec3d at = T_model_cam * work_;
   std::vector<std::pair<double, std::size_t>> near;
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+  for (std::size_t k = 0; k < T_model_cam_.size(); ++k) {
     const double apart = (T_model_cam_[k] * work_ - at).norm();
     if (apart <= config_.reach_mm) near.emplace_back(apart, k);
   }
   std::ranges::sort(near);
-  std::vector<std::size_t> out;
+  std::vector<Asked> out;
   for (const auto& [apart, k] : near) {
     if (out.size() == config_.asked) break;
     const Pose& T = T_model_cam_[k];
-    const bool alike = std::ranges::any_of(out, [&](std::size_t other) {
-      return look_alike(T, T_model_cam_[other], work_, {config_.apart_mm, config_.apart_deg});
+    const bool alike = std::ranges::any_of(out, [&](const Asked& other) {
+      return look_alike(T, T_model_cam_[other.k], work_, {config_.apart_mm, config_.apart_deg});
     });
-    if (!alike) out.push_back(k);
+    if (!alike) out.push_back({k, nodes_->get(k)});
   }
   return out;
 }
 
-FreeSpace::Verdict FreeSpace::ask(std::size_t node, const Vec3f& p_model) const {
-  const Reference& reference = nodes_[node].reference;
-  const Vec3f p = R_cam_model_[node] * p_model + t_cam_model_[node];
+FreeSpace::Verdict FreeSpace::ask(const Asked& keyframe, const Vec3f& p_model) const {
+  const Reference& reference = keyframe.node->reference;
+  const Vec3f p = R_cam_model_[keyframe.k] * p_model + t_cam_model_[keyframe.k];
   if (!(p.z() > 1.0F)) return Verdict::kNothing;
   const Vec2f px = camera_.project(p);
   const float scale = reference.pixels_per_camera_pixel();
@@ -122,10 +122,10 @@ FreeSpace::Verdict FreeSpace::ask(std::size_t node, const Vec3f& p_model) const 
   return seen.point.z() - p.z() > static_cast<float>(config_.through_mm) ? Verdict::kThrough : Verdict::kNothing;
 }
 
-bool FreeSpace::is_empty_space(const std::vector<std::size_t>& asked, const Vec3f& p_model) const {
+bool FreeSpace::is_empty_space(const std::vector<Asked>& asked, const Vec3f& p_model) const {
   int through = 0, seen = 0;
-  for (const std::size_t node : asked) {
-    const Verdict verdict = ask(node, p_model);
+  for (const Asked& keyframe : asked) {
+    const Verdict verdict = ask(keyframe, p_model);
     through += verdict == Verdict::kThrough ? 1 : 0;
     seen += verdict == Verdict::kSeen ? 1 : 0;
   }
@@ -133,7 +133,7 @@ bool FreeSpace::is_empty_space(const std::vector<std::size_t>& asked, const Vec3
 }
 
 std::size_t FreeSpace::withdraw(const Pose& T_model_cam, SurfacePatch& patch) const {
-  const std::vector<std::size_t> asked = keyframes_near(T_model_cam);
+  const std::vector<Asked> asked = keyframes_near(T_model_cam);
   const Eigen::Matrix3f R = T_model_cam.linear().cast<float>();
   const Vec3f t = T_model_cam.translation().cast<float>();
   const int block = config_.block_px;

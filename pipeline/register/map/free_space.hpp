@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "pipeline/register/map/map_edge.hpp"
 #include "pipeline/types/patch.hpp"
+#include "protocol/base/recent.hpp"
 
 namespace enamel::pipeline {
 
@@ -22,23 +24,30 @@ struct FreeSpaceConfig {
   double whole_share = 0.5;  ///< chosen: of a piece of surface that hangs together; beyond, all of it goes
 };
 
+/// Keyframes of a map, by number.
+using MapNodes = Recent<MapNode>;
+
 /// Immutable, thread-safe.
 class FreeSpace {
  public:
   /// T_model_cam: of each node.
-  FreeSpace(std::vector<MapNode> nodes, std::vector<Pose> T_model_cam, const ViewCamera& camera,
+  FreeSpace(std::shared_ptr<const MapNodes> nodes, std::vector<Pose> T_model_cam, const ViewCamera& camera,
             double work_distance_mm, const FreeSpaceConfig& config);
 
   /// Takes out of the patch what more keyframes looked through than saw. Returns the number of pixels.
   std::size_t withdraw(const Pose& T_model_cam, SurfacePatch& patch) const;
 
  private:
+  struct Asked {
+    std::size_t k;
+    std::shared_ptr<const MapNode> node;
+  };
   enum class Verdict : signed char { kNothing = 0, kSeen, kThrough };
-  [[nodiscard]] std::vector<std::size_t> keyframes_near(const Pose& T_model_cam) const;
-  [[nodiscard]] Verdict ask(std::size_t node, const Vec3f& p_model) const;
-  [[nodiscard]] bool is_empty_space(const std::vector<std::size_t>& asked, const Vec3f& p_model) const;
+  [[nodiscard]] std::vector<Asked> keyframes_near(const Pose& T_model_cam) const;
+  [[nodiscard]] Verdict ask(const Asked& keyframe, const Vec3f& p_model) const;
+  [[nodiscard]] bool is_empty_space(const std::vector<Asked>& asked, const Vec3f& p_model) const;
 
-  std::vector<MapNode> nodes_;
+  std::shared_ptr<const MapNodes> nodes_;
   std::vector<Pose> T_model_cam_;
   std::vector<Eigen::Matrix3f> R_cam_model_;
   std::vector<Vec3f> t_cam_model_;

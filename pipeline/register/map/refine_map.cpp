@@ -5,6 +5,7 @@
 
 #include "pipeline/register/icp/viewpoint.hpp"
 #include "pipeline/register/map/keyframe_choice.hpp"
+#include "protocol/base/recent.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -15,19 +16,23 @@ constexpr double kNodesShare = 0.15;
 constexpr double kEdgesShare = 0.83;
 constexpr std::size_t kParts = 20;  // told one after the other
 
-std::vector<MapNode> make_nodes(const MapInput& input, const std::vector<std::size_t>& keyframes, const calib::Rig& rig,
-                                const IcpConfig& icp, const MapConfig& config) {
-  std::vector<MapNode> nodes(keyframes.size());
-  input.for_each(keyframes.size(), [&](std::size_t k) {
-    const SurfacePatch patch = input.load(keyframes[k]);
-    nodes[k].samples = sample_patch(patch, config.sample_stride_px, icp.samples);
-    nodes[k].reference =
-        Reference(view_from_patch(patch, Pose::Identity(), rig.camera, config.view_stride_px), icp.reference);
-    if (const auto picture = input.texture(keyframes[k])) {
-      nodes[k].texture_points = texture_points(patch, *picture, config.edge.texture);
-      nodes[k].texture = texture_reference(*picture, Pose::Identity());
+/// The store holds copies of all that it makes nodes of: it outlives the call.
+std::shared_ptr<const MapNodes> make_nodes(const MapInput& input, const std::vector<std::size_t>& keyframes,
+                                           const calib::Rig& rig, const IcpConfig& icp, const MapConfig& config) {
+  const auto make = [load = input.load, texture = input.texture, keyframes, lens = rig.camera, icp,
+                     config](std::size_t k) {
+    const SurfacePatch patch = load(keyframes[k]);
+    MapNode node;
+    node.samples = sample_patch(patch, config.sample_stride_px, icp.samples);
+    node.reference = Reference(view_from_patch(patch, Pose::Identity(), lens, config.view_stride_px), icp.reference);
+    if (const auto picture = texture(keyframes[k])) {
+      node.texture_points = texture_points(patch, *picture, config.edge.texture);
+      node.texture = texture_reference(*picture, Pose::Identity());
     }
-  });
+    return node;
+  };
+  auto nodes = std::make_shared<const MapNodes>(keyframes.size(), config.nodes_kept, make);
+  input.for_each(std::min(nodes->size(), nodes->most_kept()), [&](std::size_t k) { (void)nodes->get(k); });
   return nodes;
 }
 
@@ -39,7 +44,7 @@ struct Measuring {
 
 /// Both ways round: what one-sided association leaves of a bias has the other sign in the other.
 std::vector<MapEdge> measure_edges(const MapInput& input, const std::vector<std::size_t>& keyframes,
-                                   const std::vector<KeyframePair>& pairs, const std::vector<MapNode>& nodes,
+                                   const std::vector<KeyframePair>& pairs, const MapNodes& nodes,
                                    const Measuring& with) {
   std::vector<std::optional<MapEdge>> found(2 * pairs.size());
   const auto measure = [&](std::size_t n) {
@@ -47,7 +52,8 @@ std::vector<MapEdge> measure_edges(const MapInput& input, const std::vector<std:
     if (n % 2 == 1) std::swap(pair.i, pair.j);
     const Pose start =
         input.bursts[keyframes[pair.j]].T_model_cam.inverse() * input.bursts[keyframes[pair.i]].T_model_cam;
-    found[n] = measure_edge(nodes[pair.i], nodes[pair.j], with.lens, start, with.icp, with.edge);
+    const auto node_i = nodes.get(pair.i), node_j = nodes.get(pair.j);
+    found[n] = measure_edge(*node_i, *node_j, with.lens, start, with.icp, with.edge);
     if (!found[n]) return;
     found[n]->i = pair.i;
     found[n]->j = pair.j;
@@ -99,9 +105,9 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   const auto keyframes = choose_keyframes(input.bursts, work_distance_mm, config);
   if (!config.refine || keyframes.size() < 2) return out;
   const auto pairs = choose_pairs(input.bursts, keyframes, work_distance_mm, config);
-  auto nodes = make_nodes(input, keyframes, rig, icp, config);
+  const auto nodes = make_nodes(input, keyframes, rig, icp, config);
   input.progress(kNodesShare);
-  const auto edges = measure_edges(input, keyframes, pairs, nodes, {rig.camera, icp, config.edge});
+  const auto edges = measure_edges(input, keyframes, pairs, *nodes, {rig.camera, icp, config.edge});
   std::vector<Pose> start;
   start.reserve(keyframes.size());
   for (const std::size_t k : keyframes) start.push_back(input.bursts[k].T_model_cam);
@@ -118,9 +124,8 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
     const double moved = (out.poses[n] * work - input.bursts[n].T_model_cam * work).norm();
     out.largest_move_mm = std::max(out.largest_move_mm, moved);
   }
-  for (MapNode& node : nodes) node.samples = {};
-  out.free_space = std::make_shared<const FreeSpace>(std::move(nodes), solved.poses, ViewCamera(rig.camera),
-                                                     work_distance_mm, config.free_space);
+  out.free_space = std::make_shared<const FreeSpace>(nodes, solved.poses, ViewCamera(rig.camera), work_distance_mm,
+                                                     config.free_space);
   input.progress(1);
   return out;
 }

@@ -32,8 +32,9 @@ struct MapConfig {
   int sample_stride_px = 4;  ///< derived: 5 000 to 19 000 samples; an edge's error is not that of their number
   int view_stride_px = 2;    ///< derived: 56 um; the nearest pixel is off a bent surface by 0.4 um at R = 1 mm at most.
                              ///< Measured: with 84 um whole arches come out 3 to 4 um worse
-  double max_gap_s = 0.5;    ///< as TrackerConfig: across it two keyframes do not follow each other
-  double least_way_mm = 15;  ///< chosen: shorter scans are told no station distances
+  std::size_t nodes_kept = 320;  ///< chosen: keyframes that are in memory at a time, 2.5 MB each; an arch has 260
+  double max_gap_s = 0.5;        ///< as TrackerConfig: across it two keyframes do not follow each other
+  double least_way_mm = 15;      ///< chosen: shorter scans are told no station distances
   EdgeConfig edge;
   GraphConfig graph;
   FreeSpaceConfig free_space;
@@ -47,8 +48,9 @@ struct MapBurst {
 
 struct MapInput {
   std::vector<MapBurst> bursts;                   ///< in order of burst
-  std::function<SurfacePatch(std::size_t)> load;  ///< patch of a burst; from several threads at once
-  /// Of a burst whose motion shape did not determine, else null; from several threads at once.
+  std::function<SurfacePatch(std::size_t)> load;  ///< patch of a burst, always the same; from several threads at once,
+                                                  ///< and until RefinedMap::free_space is gone
+  /// Of a burst whose motion shape did not determine, else null; as `load`.
   std::function<std::shared_ptr<const TexturePicture>(std::size_t)> texture = [](std::size_t) { return nullptr; };
   /// Calls work(n) for each n below count, once, on as many threads as it likes: they never change the result.
   std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)> for_each =

@@ -22,10 +22,14 @@ class FreeSpaceTest : public ::testing::Test {
     return ts::make_patch(surface_, rig_.camera, T, {0.01, 0.03, 5});
   }
   void add(const Pose& T, const SurfacePatch& patch) {
-    nodes_.push_back({{}, Reference(view_from_patch(patch, Pose::Identity(), rig_.camera, 1), {}), {}, {}});
+    nodes_.push_back(
+        MapNode{{}, Reference(view_from_patch(patch, Pose::Identity(), rig_.camera, 1), {}), {}, {}});
     poses_.push_back(T);
   }
-  [[nodiscard]] FreeSpace made() const { return {nodes_, poses_, ViewCamera(rig_.camera), 48, {}}; }
+  [[nodiscard]] FreeSpace made() const {
+    const auto node = [nodes = nodes_](std::size_t k) { return nodes[k]; };
+    return {std::make_shared<const MapNodes>(nodes_.size(), 3, node), poses_, ViewCamera(rig_.camera), 48, {}};
+  }
   /// Lifts what is right of column `from` towards the camera, as one order too few does; a gap lies between.
   static std::size_t lift(SurfacePatch& patch, int from, float by_mm) {
     std::size_t lifted = 0;

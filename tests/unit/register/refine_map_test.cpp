@@ -42,7 +42,7 @@ class RefineMap : public ::testing::Test {
     input_.for_each = [threads](std::size_t count, const std::function<void(std::size_t)>& work) {
       flow::for_each_index(count, threads, work);
     };
-    return refine_map(input_, rig_, {}, {});
+    return refine_map(input_, rig_, {}, config_);
   }
   [[nodiscard]] static double error_mm(const Pose& T_model_cam, int n) {
     return ts::point_error_mm(truth(0) * T_model_cam, truth(n));
@@ -51,6 +51,7 @@ class RefineMap : public ::testing::Test {
   ts::SyntheticSurface surface_{61};
   std::vector<SurfacePatch> patches_;
   MapInput input_;
+  MapConfig config_;
 };
 
 TEST_F(RefineMap, takes_out_what_tracking_let_drift) {
@@ -74,6 +75,16 @@ TEST_F(RefineMap, gives_the_same_bits_on_any_number_of_threads) {
     const RefinedMap more = refine(threads);
     for (std::size_t n = 0; n < one.poses.size(); ++n) EXPECT_EQ(one.poses[n].matrix(), more.poses[n].matrix());
   }
+}
+
+TEST_F(RefineMap, gives_the_same_bits_with_few_keyframes_in_memory) {
+  const RefinedMap all = refine();
+  config_.nodes_kept = 3;
+  const RefinedMap few = refine();
+  EXPECT_EQ(all.edges, few.edges);
+  for (std::size_t n = 0; n < all.poses.size(); ++n) EXPECT_EQ(all.poses[n].matrix(), few.poses[n].matrix());
+  SurfacePatch a = patches_[5], b = patches_[5];
+  EXPECT_EQ(all.free_space->withdraw(all.poses[5], a), few.free_space->withdraw(few.poses[5], b));
 }
 
 TEST_F(RefineMap, leaves_poses_alone_where_it_is_not_wanted_or_has_nothing_to_go_by) {
