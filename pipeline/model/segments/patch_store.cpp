@@ -60,10 +60,12 @@ class PatchStore::File {
     end_ = at;
     return 0;
   }
+  /// All, or false with errno.
   [[nodiscard]] bool read(std::span<std::byte> into, std::uint64_t at) const {
     while (!into.empty()) {
       const ssize_t n = ::pread(fd_, into.data(), into.size(), static_cast<off_t>(at));
       if (n < 0 && errno == EINTR) continue;
+      if (n == 0) errno = EIO;  // shorter than it was
       if (n <= 0) return false;
       into = into.subspan(static_cast<std::size_t>(n));
       at += static_cast<std::uint64_t>(n);

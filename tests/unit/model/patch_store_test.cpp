@@ -138,6 +138,24 @@ TEST_F(PatchStoreTest, a_disk_that_fills_up_loses_nothing) {
   expect_all_there(store, stored);
 }
 
+TEST_F(PatchStoreTest, what_cannot_be_read_back_has_no_surface_and_is_counted) {
+  int told = 0;
+  PatchStore store({.folder = folder_, .memory_bytes = 100'000, .on_lost = [&](const std::string&) { ++told; }});
+  const auto stored = keep(store, 4);
+  for (const auto& fd : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;  // the folder's own descriptor is among them
+    if (std::filesystem::read_symlink(fd, gone).string().starts_with(folder_)) std::filesystem::resize_file(fd, 0);
+  }
+  EXPECT_TRUE(same(store.load(stored[0], Texture::kKept), patch(0))) << "in memory";
+  for (unsigned n = 1; n < 4; ++n) {
+    const PackedPatch lost = store.load(stored[n], Texture::kKept);
+    EXPECT_EQ(lost.width, 160) << "of the camera's size: whoever goes on with it needs no special case";
+    EXPECT_TRUE(lost.runs.empty() && lost.depth.empty() && lost.sigma.empty());
+  }
+  EXPECT_EQ(store.figures().lost, 3U);
+  EXPECT_EQ(told, 1);
+}
+
 TEST_F(PatchStoreTest, a_folder_that_is_not_there_costs_memory_alone) {
   PatchStore store({.folder = folder_ + "/no/such", .memory_bytes = 100'000});
   const auto stored = keep(store, 5);
