@@ -36,7 +36,7 @@ struct TwinSource::Impl {
   SensorConfig sensor;
   Tremor tremor;
   std::unique_ptr<Trajectory> path;
-  std::string scene_json;
+  std::string scene_json, certificate_json;
   std::uint64_t total = 0, next = 0;
   BurstTruth truth;
 
@@ -50,7 +50,8 @@ struct TwinSource::Impl {
         sensor(effective_sensor(c, *rig.noise)),
         tremor(effective_tremor(c), c.seed),
         path(make_path(c, body.arch)),
-        scene_json(std::move(body.description_json)) {
+        scene_json(std::move(body.description_json)),
+        certificate_json(std::move(body.certificate_json)) {
     total = static_cast<std::uint64_t>(c.timing.bursts > 0 ? c.timing.bursts : path->bursts());
   }
 
@@ -93,6 +94,7 @@ const BurstTruth& TwinSource::truth() const { return impl_->truth; }
 const TriSurface& TwinSource::surface() const { return impl_->truth_surface; }
 std::span<const std::uint8_t> TwinSource::seen() const { return impl_->seen.counts(); }
 const std::string& TwinSource::scene_json() const { return impl_->scene_json; }
+const std::string& TwinSource::certificate_json() const { return impl_->certificate_json; }
 const calib::Rig& TwinSource::rig() const { return impl_->instrument.rig; }
 
 BurstPoses TwinSource::poses(std::uint64_t n) const {

@@ -46,6 +46,8 @@ class TwinSource final : public fw::BurstSource {
   [[nodiscard]] const TriSurface& surface() const;
   [[nodiscard]] std::span<const std::uint8_t> seen() const;
   [[nodiscard]] const std::string& scene_json() const;
+  /// Of the known artefact (docs/registration.md); empty without one.
+  [[nodiscard]] const std::string& certificate_json() const;
   [[nodiscard]] const calib::Rig& rig() const;
 
   /// Mean light of burst n, full-well fractions, without noise: for validation.

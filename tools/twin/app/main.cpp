@@ -93,6 +93,7 @@ Result<void> render(const Options& o) {
   ENAMEL_TRY(sink->file("truth/poses.csv", poses));
   ENAMEL_TRY(sink->file("truth/surface.ply", twin::write_ply(source->surface(), source->seen())));
   ENAMEL_TRY(sink->file("truth/scene.json", source->scene_json()));
+  if (!source->certificate_json().empty()) ENAMEL_TRY(sink->file("artefact.json", source->certificate_json()));
   ENAMEL_TRY(sink->finish());
   std::printf("%llu bursts -> %s\n", static_cast<unsigned long long>(total), o.out.c_str());
   return {};

@@ -10,6 +10,7 @@
 #include "protocol/base/config.hpp"
 #include "tools/twin/jaw/jaw.hpp"
 #include "tools/twin/jaw/ridge.hpp"
+#include "tools/twin/jaw/sphere_bar.hpp"
 #include "tools/twin/optics/projector.hpp"
 #include "tools/twin/path/trajectory.hpp"
 #include "tools/twin/render/optics_model.hpp"
@@ -63,6 +64,7 @@ struct SceneConfig {
   StepsConfig steps;
   JawConfig jaw;
   RidgeConfig ridge;
+  SphereBarConfig bar;  ///< beside a jaw or ridge
   FileObjectConfig file;
   DotBoardConfig board;
   CalibrationConfig calibration;
@@ -93,6 +95,7 @@ struct Body {
   Surroundings surroundings;
   ArchShape arch;  ///< of a jaw or ridge
   std::string description_json;
+  std::string certificate_json;  ///< of the known artefact; empty without one
 };
 [[nodiscard]] Result<Body> make_body(const SceneConfig& config);
 

@@ -46,6 +46,16 @@ Body make_ridge_body(const SceneConfig& config, SortedJson& objects) {
   return body;
 }
 
+/// The known artefact beside teeth or ridge.
+void add_bar(const SceneConfig& config, Body& body, SortedJson& objects) {
+  if (config.bar.arc_mm.empty()) return;
+  SphereBar bar = make_sphere_bar(config.bar, body.arch, config.seed);
+  for (const Ball& ball : bar.balls) objects.push_back(describe(ball));
+  append(body.surroundings.mesh, bar.rods);
+  body.surroundings.balls = std::move(bar.balls);
+  body.certificate_json = std::move(bar.certificate_json);
+}
+
 }  // namespace
 
 ProjectorConfig effective_projector(const SceneConfig& c) {
@@ -114,6 +124,7 @@ Result<Body> make_body(const SceneConfig& config) {
   if (config.effects.texture && config.object != ObjectKind::kBoard) {
     apply_texture(body.surroundings.mesh, config.texture, config.seed);
   }
+  add_bar(config, body, objects);
   const SortedJson scene{{"frame", "model"}, {"units", "mm"}, {"seed", config.seed}, {"objects", objects}};
   body.description_json = scene.dump(1) + "\n";
   return body;

@@ -99,6 +99,25 @@ void bind_object(ConfigReader r, SceneConfig& c) {
   r.bind("file.albedo", c.file.albedo, {0, 1}, "reflectance");
 }
 
+void bind_bar(ConfigReader r, SphereBarConfig& b) {
+  r.bind("arc_mm", b.arc_mm, {-70, 70}, "where along the arch the balls lie, from the midline; none: no artefact");
+  r.bind("diameters_mm", b.diameters_mm, {0.1, 20}, "one a ball, or one for all");
+  r.bind("offset_mm", b.offset_mm, {-25, 15}, "of the centres from the arch, outwards");
+  r.bind("height_mm", b.height_mm, {-20, 20}, "of the centres above the gum margin");
+  r.bind("rod_diameter_mm", b.rod_diameter_mm, {0, 10}, "straight from each ball to the next; 0: none");
+  r.bind("albedo", b.albedo, {0, 1}, "reflectance");
+  r.bind("sigma_um", b.sigma_um, {0.01, 1000}, "standard deviation of a certified distance, drawn by the seed");
+}
+
+void check_bar(ConfigReader& r, const SceneConfig& c) {
+  const std::size_t balls = c.bar.arc_mm.size(), diameters = c.bar.diameters_mm.size();
+  if (balls == 0) return;
+  if (c.object != ObjectKind::kJaw && c.object != ObjectKind::kRidge) {
+    r.reject("artefact.arc_mm", "the artefact lies beside a jaw or a ridge");
+  }
+  if (diameters != 1 && diameters != balls) r.reject("artefact.diameters_mm", "neither one nor as many as balls");
+}
+
 void bind_board(ConfigReader r, DotBoardConfig& b) {
   r.bind("cols", b.cols, {3, 100}, "dots along x");
   r.bind("rows", b.rows, {3, 100}, "dots along y");
@@ -129,6 +148,7 @@ void check(ConfigReader& r, const SceneConfig& c) {
   if (3 * c.timing.frame_period_ms + c.timing.exposure_ms > 1000.0 / c.timing.burst_rate_hz) {
     r.reject("timing.burst_rate_hz", "four frames take longer than a burst period");
   }
+  check_bar(r, c);
 }
 
 }  // namespace
@@ -141,6 +161,7 @@ void bind_scene(ConfigReader& reader, SceneConfig& config) {
   bind_projector(reader.table("projector"), config.projector);
   bind_render(reader, config);
   bind_object(reader.table("object"), config);
+  bind_bar(reader.table("artefact"), config.bar);
   bind_board(reader.table("board"), config.board);
   bind_calibration(reader.table("calibration"), config.calibration);
   bind_path(reader, config);
