@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/app/artefact_report.hpp"
 #include "host/app/run_options.hpp"
 #include "host/compare/compare.hpp"
 #include "host/compare/deviation_picture.hpp"
@@ -91,17 +92,18 @@ nlohmann::json stations_json(const pipeline::Stations& of, const std::vector<hos
 std::string map_json(const host::ScanResult& scan) {
   const host::MapFacts& facts = *scan.map;
   const pipeline::RefinedMap& m = facts.map;
-  return nlohmann::json{{"keyframes", m.keyframes},
-                        {"edges", m.edges},
-                        {"loops", m.loops},
-                        {"switched_off", m.switched_off},
-                        {"sigma0", m.sigma0},
-                        {"largest_move_um", 1e3 * m.largest_move_mm},
-                        {"stations", stations_json(m.stations, scan.poses)},
-                        {"seen_through_px", facts.seen_through_px},
-                        {"refine_s", facts.refine_s},
-                        {"seconds", facts.seconds}}
-      .dump();
+  nlohmann::json out{{"keyframes", m.keyframes},
+                     {"edges", m.edges},
+                     {"loops", m.loops},
+                     {"switched_off", m.switched_off},
+                     {"sigma0", m.sigma0},
+                     {"largest_move_um", 1e3 * m.largest_move_mm},
+                     {"stations", stations_json(m.stations, scan.poses)},
+                     {"seen_through_px", facts.seen_through_px},
+                     {"refine_s", facts.refine_s},
+                     {"seconds", facts.seconds}};
+  if (m.artefact) out["artefact"] = artefact_json(*m.artefact);
+  return out.dump();
 }
 
 }  // namespace

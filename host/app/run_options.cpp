@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "host/app/artefact_report.hpp"
+#include "host/session/artefact_file.hpp"
 #include "protocol/base/config.hpp"
 
 namespace enamel::app {
@@ -38,6 +40,7 @@ void print_map(const nlohmann::json& m) {
   row("map", std::to_string(m.value("keyframes", 0)) + " keyframes, " + std::to_string(m.value("edges", 0)) +
                  " edges, moved by " + number(m.value("largest_move_um", 0.0), "%.0f", " um at most in ") +
                  number(m.value("seconds", 0.0), "%.1f", " s"));
+  if (m.contains("artefact")) row("artefact", artefact_line(m["artefact"]));
 }
 
 void print_accuracy(const nlohmann::json& a) {
@@ -69,6 +72,9 @@ void add_run_options(CLI::App& app, RunOptions& o) {
       ->capture_default_str();
   app.add_flag("--headless", o.headless, "no window");
   app.add_flag("--fast", o.fast, "the model as it grew: poses are not refined and nothing is fused anew at the end");
+  app.add_option(
+      "--artefact", o.artefact_file,
+      "certificate (JSON) of a clip or bar with balls in the field of view: the map is tied to its distances");
   app.add_flag("--json", o.json, "the report on stdout instead of the table");
 }
 
@@ -84,6 +90,10 @@ Result<LoadedConfig> load_config(const RunOptions& o) {
   bind(reader, config.calibration);
   ENAMEL_TRY(reader.finish());
   config.text = reader.dump();
+  if (o.artefact_file.empty()) return config;
+  if (!config.pipeline.map.refine)
+    return fail(ErrorCode::kUsage, "--artefact ties the refined map: leave out --fast and map.refine=false");
+  ENAMEL_TRY_ASSIGN(config.pipeline.map.known, host::load_artefact(o.artefact_file));
   return config;
 }
 

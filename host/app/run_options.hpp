@@ -17,6 +17,7 @@ struct RunOptions {
   std::string out;
   std::string config_file;
   std::vector<std::string> settings;  ///< a.b=value
+  std::string artefact_file;          ///< certificate of a known artefact in the field of view; empty: none
   int workers = 2;
   bool headless = false;
   bool fast = false;  ///< no refinement after the scan

@@ -64,8 +64,13 @@ std::vector<Vec3d> centres_of(const std::vector<Pose>& poses, const std::vector<
 
 class Solver {
  public:
-  Solver(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config)
-      : poses_(std::move(poses)), edges_(edges), config_(config), switches_(edges.size(), 1.0) {
+  Solver(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config, Landmarks landmarks)
+      : poses_(std::move(poses)),
+        edges_(edges),
+        config_(config),
+        switches_(edges.size(), 1.0),
+        landmarks_(std::move(landmarks)),
+        distance_variances_(landmarks_.asked(), 0.0) {
     for (const MapEdge& edge : edges) information_.push_back(information(edge, config));
   }
 
@@ -76,7 +81,7 @@ class Solver {
     }
     judge();
     const Normal at_end = normal_equations();
-    SolvedGraph out{poses_, switches_, sigma0_, 0, nullptr};
+    SolvedGraph out{poses_, switches_, sigma0_, 0, landmarks_.at(), distance_variances_, nullptr};
     for (std::size_t e = 0; e < edges_.size(); ++e) out.switched_off += switches_[e] < 0.5 ? 1 : 0;
     out.covariance =
         std::make_shared<const GraphCovariance>(at_end.H / variance_of_unit_weight(), at_end.centres, config_.rho_mm);
@@ -108,6 +113,7 @@ class Solver {
       const double s = std::min(1.0, 2 * phi / (phi + chi2[e] / variance));
       switches_[e] = s * s;
     }
+    landmarks_.judge(poses_, config_.switch_sigmas);
   }
 
   struct Normal {
@@ -117,7 +123,7 @@ class Solver {
   };
 
   [[nodiscard]] Normal normal_equations() const {
-    const auto unknowns = static_cast<Eigen::Index>(6 * (poses_.size() - 1));
+    const auto unknowns = static_cast<Eigen::Index>(6 * (poses_.size() - 1)) + landmarks_.unknowns();
     Normal out{centres_of(poses_, edges_), {unknowns, unknowns}, Eigen::VectorXd::Zero(unknowns)};
     std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t e = 0; e < edges_.size(); ++e) {
@@ -135,6 +141,7 @@ class Solver {
       if (edge.i > 0) out.g.segment<6>(at(edge.i)) += A.transpose() * W * x;
       if (edge.j > 0) out.g.segment<6>(at(edge.j)) += B.transpose() * W * x;
     }
+    landmarks_.add_to({entries, out.g}, {poses_, out.centres, config_.rho_mm}, sigma0_ * sigma0_);
     out.H.setFromTriplets(entries.begin(), entries.end());
     for (Eigen::Index k = 0; k < unknowns; ++k) out.H.coeffRef(k, k) += kHold;
     return out;
@@ -156,6 +163,9 @@ class Solver {
     for (std::size_t k = 1; k < poses_.size(); ++k) {
       poses_[k] = apply_motion(move.segment<6>(at(k)), normal.centres[k], config_.rho_mm, poses_[k]);
     }
+    const auto by_graph = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return factor.solve(v); };
+    distance_variances_ = landmarks_.variances(by_graph, normal.g.size(), sigma0_ * sigma0_);
+    landmarks_.move(move);
   }
 
   static Eigen::Index at(std::size_t node) { return static_cast<Eigen::Index>(6 * (node - 1)); }
@@ -175,14 +185,18 @@ class Solver {
   std::vector<Matrix6> information_;
   std::vector<double> switches_;
   double sigma0_ = 1;
+  LandmarkFactors landmarks_;
+  std::vector<double> distance_variances_;
 };
 
 }  // namespace
 
-SolvedGraph solve_graph(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config) {
-  if (poses.size() < 2 || edges.empty())
-    return {std::move(poses), std::vector<double>(edges.size(), 1.0), 1, 0, nullptr};
-  return Solver(std::move(poses), edges, config).run();
+SolvedGraph solve_graph(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config,
+                        Landmarks landmarks) {
+  if (poses.size() < 2 || edges.empty()) {
+    return {std::move(poses), std::vector<double>(edges.size(), 1.0), 1, 0, std::move(landmarks.at), {}, nullptr};
+  }
+  return Solver(std::move(poses), edges, config, std::move(landmarks)).run();
 }
 
 }  // namespace enamel::pipeline

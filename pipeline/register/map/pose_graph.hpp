@@ -10,6 +10,7 @@
 
 #include "pipeline/register/icp/normal_system.hpp"
 #include "pipeline/register/map/graph_covariance.hpp"
+#include "pipeline/register/map/landmark_factors.hpp"
 #include "pipeline/types/geometry.hpp"
 
 namespace enamel::pipeline {
@@ -39,12 +40,14 @@ struct SolvedGraph {
   std::vector<double> switches;                       ///< of each edge: 1 trusted … 0 off
   double sigma0 = 1;                                  ///< residuals beside what the edges' information foretells
   int switched_off = 0;                               ///< loop edges below one half
+  std::vector<Vec3d> landmarks;                       ///< model frame
+  std::vector<double> distance_variances;             ///< mm^2, of each distance between them
   std::shared_ptr<const GraphCovariance> covariance;  ///< null where there was nothing to solve
 };
 
 /// Node 0 stays. `poses`: where the nodes are believed to be, near enough for one linearisation a round; every node is
 /// connected to node 0. Deterministic.
 [[nodiscard]] SolvedGraph solve_graph(std::vector<Pose> poses, const std::vector<MapEdge>& edges,
-                                      const GraphConfig& config);
+                                      const GraphConfig& config, Landmarks landmarks = {});
 
 }  // namespace enamel::pipeline

@@ -71,6 +71,16 @@ std::vector<MapEdge> measure_edges(const MapInput& input, const std::vector<std:
   return edges;
 }
 
+/// What of the known artefact each keyframe shows.
+std::vector<std::vector<FoundSphere>> find_in(const MapInput& input, const std::vector<std::size_t>& keyframes,
+                                              const calib::Rig& rig, const MapConfig& config) {
+  std::vector<std::vector<FoundSphere>> out(keyframes.size());
+  input.for_each(keyframes.size(), [&](std::size_t k) {
+    out[k] = find_artefact(input.load(keyframes[k]), rig.camera, *config.known, config.artefact.find);
+  });
+  return out;
+}
+
 /// Bursts between two keyframes follow both, by how near they are in time.
 std::vector<Pose> carry_bursts(const std::vector<MapBurst>& bursts, const std::vector<std::size_t>& keyframes,
                                const std::vector<Pose>& solved, double work_distance_mm) {
@@ -111,7 +121,11 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   std::vector<Pose> start;
   start.reserve(keyframes.size());
   for (const std::size_t k : keyframes) start.push_back(input.bursts[k].T_model_cam);
-  const SolvedGraph solved = solve_graph(std::move(start), edges, config.graph);
+  SolvedGraph solved = solve_graph(std::move(start), edges, config.graph);
+  if (config.known) {
+    const MapTie tie{*config.known, config.artefact, config.graph};
+    out.artefact = tie_to_artefact(find_in(input, keyframes, rig, config), edges, tie, solved);
+  }
   out.poses = carry_bursts(input.bursts, keyframes, solved.poses, work_distance_mm);
   out.keyframes = keyframes.size();
   out.edges = edges.size();

@@ -6,10 +6,12 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "calib/model/rig.hpp"
 #include "pipeline/register/icp/icp.hpp"
+#include "pipeline/register/map/artefact_tie.hpp"
 #include "pipeline/register/map/free_space.hpp"
 #include "pipeline/register/map/map_edge.hpp"
 #include "pipeline/register/map/pose_graph.hpp"
@@ -38,6 +40,8 @@ struct MapConfig {
   EdgeConfig edge;
   GraphConfig graph;
   FreeSpaceConfig free_space;
+  ArtefactConfig artefact;
+  std::optional<KnownArtefact> known;  ///< lies in the field of view; fault_of() it is empty
 };
 
 /// A placed burst. Its pose is in the model's frame.
@@ -67,6 +71,7 @@ struct RefinedMap {
   double sigma0 = 0;
   double largest_move_mm = 0;                   ///< at the point looked at
   Stations stations;                            ///< empty where nothing was refined or the way is short
+  std::optional<ArtefactFacts> artefact;        ///< where one is known
   std::shared_ptr<const FreeSpace> free_space;  ///< of the keyframes where they are now; null where nothing was refined
 };
 

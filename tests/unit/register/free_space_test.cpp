@@ -22,8 +22,7 @@ class FreeSpaceTest : public ::testing::Test {
     return ts::make_patch(surface_, rig_.camera, T, {0.01, 0.03, 5});
   }
   void add(const Pose& T, const SurfacePatch& patch) {
-    nodes_.push_back(
-        MapNode{{}, Reference(view_from_patch(patch, Pose::Identity(), rig_.camera, 1), {}), {}, {}});
+    nodes_.push_back(MapNode{{}, Reference(view_from_patch(patch, Pose::Identity(), rig_.camera, 1), {}), {}, {}});
     poses_.push_back(T);
   }
   [[nodiscard]] FreeSpace made() const {

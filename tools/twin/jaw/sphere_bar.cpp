@@ -63,7 +63,8 @@ SphereBar make_sphere_bar(const SphereBarConfig& config, const ArchShape& shape,
     const double diameter = config.diameters_mm[config.diameters_mm.size() == 1 ? 0 : i];
     out.balls.push_back({Vec3d(at.x(), at.y(), config.height_mm), diameter / 2, static_cast<float>(config.albedo)});
     if (i == 0 || config.rod_diameter_mm == 0) continue;
-    append(out.rods, rod(out.balls[i - 1].centre, out.balls[i].centre, config.rod_diameter_mm / 2, out.balls[i].albedo));
+    append(out.rods,
+           rod(out.balls[i - 1].centre, out.balls[i].centre, config.rod_diameter_mm / 2, out.balls[i].albedo));
   }
   constexpr double kMmPerUm = 1e-3;
   out.certificate_json = certificate(out.balls, kMmPerUm * config.sigma_um, seed);
