@@ -77,6 +77,14 @@ std::vector<host::SegmentFacts> segment_facts(const std::vector<host::SegmentRow
   return out;
 }
 
+std::string clock_note(const std::vector<BurstId>& at) {
+  return fmt::format(
+      "the probe's clock went back {} time(s), first at burst {}: what followed was placed by what it shows; nothing "
+      "is "
+      "missing",
+      at.size(), at.front().value);
+}
+
 nlohmann::json stations_json(const pipeline::Stations& of, const std::vector<host::PlacedPose>& poses) {
   nlohmann::json out{{"way_mm", of.way_mm}, {"at", nlohmann::json::array()}, {"distances", nlohmann::json::array()}};
   for (const pipeline::Station& s : of.stations) {
@@ -125,6 +133,7 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   report.hash = scan.trace.hash(RollingHash().update(ply).update(apart).hex());
   report.segments = segment_facts(scan.segments);
   for (const BurstId id : scan.undetermined) report.undetermined.push_back(id.value);
+  if (!scan.clock_went_back.empty()) report.notes["clock"] = clock_note(scan.clock_went_back);
   if (scan.map) report.map_json = map_json(scan);
   report.known_line = known_line(scan);
   report.stage_ms = scan.stage_ms;

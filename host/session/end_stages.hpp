@@ -78,6 +78,8 @@ class SinkStage final : public flow::Stage {
   Result<void> step() override {
     const auto item = fused.take();
     measure_latency(item.id);
+    if (last_captured_ && item.captured <= *last_captured_) clock_went_back.push_back(item.id);
+    last_captured_ = item.captured;
     TraceRow row{item.id.value, {}, item.ok() ? "fused" : item.rejected};
     if (item.ok()) {
       const stage::Digests& d = item->digests;
@@ -104,6 +106,7 @@ class SinkStage final : public flow::Stage {
   std::vector<Placed> placed;                 ///< the fused bursts, in order …
   std::vector<pipeline::MeasuredPose> poses;  ///< … and where they were in the frames of their segments
   std::vector<BurstId> undetermined;          ///< of these, those whose motion neither shape nor texture told
+  std::vector<BurstId> clock_went_back;       ///< bursts that are no younger than the one before them
   SegmentLedger segments;
   OrderTotals orders;
   std::map<std::string, std::uint64_t> rejected;
@@ -127,6 +130,7 @@ class SinkStage final : public flow::Stage {
   }
 
   const Clock& clock_;
+  std::optional<DeviceTime> last_captured_;
   std::mutex mutex_;  // guards exposed_
   std::map<std::uint64_t, HostTime> exposed_;
 };

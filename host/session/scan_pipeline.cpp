@@ -218,6 +218,7 @@ ScanResult ScanPipeline::take_result() {
   for (const auto& [id, bursts] : impl_->fuse->segments().kept())
     result.apart.push_back({id, at_mid_burst(bursts_in(id, sink)), impl_->fuse->extract_apart(id)});
   result.undetermined = std::move(sink.undetermined);
+  result.clock_went_back = std::move(sink.clock_went_back);
   result.rejected = std::move(sink.rejected);
   result.orders = sink.orders;
   result.accepted = impl_->pushed.load();

@@ -1,5 +1,6 @@
 // A pause in a scan, with the real program: no burst is thrown away because of where it is, the books balance, the bits
 // are the same on any number of workers.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -73,6 +74,71 @@ TEST(SegmentsEndToEnd, a_pause_on_the_way_loses_no_burst_and_gives_the_same_bits
   }
   EXPECT_NE(replay(folder, tmp / "fast", "2", "--fast")["hash"], report["hash"])
       << "negative control: without the refinement the poses are others";
+}
+
+/// The four times of a row, moved.
+std::string moved_in_time(const std::string& row, std::int64_t by_ns) {
+  std::istringstream in(row);
+  std::string field, out;
+  for (int k = 0; std::getline(in, field, ','); ++k) {
+    const bool is_time = k >= 1 && k <= 4;
+    out += (k == 0 ? "" : ",") + (is_time ? std::to_string(std::stoll(field) + by_ns) : field);
+  }
+  return out;
+}
+
+TEST(SegmentsEndToEnd, a_clock_that_runs_backwards_is_told_and_nothing_is_lost) {
+  const TempFolder tmp;
+  const std::string folder = edited_folder(tmp, [](std::vector<std::string>& rows) {
+    for (std::size_t n = 20; n < rows.size(); ++n) rows[n] = moved_in_time(rows[n], -900'000'000);
+  });
+  const auto report = replay(folder, tmp / "out");
+  EXPECT_EQ(report["bursts"]["fused"], 40) << report["bursts"];
+  ASSERT_EQ(report["segments"].size(), 1U) << report["segments"];
+  EXPECT_EQ(report["segments"][0]["first_burst"], 20);
+  EXPECT_EQ(report["segments"][0]["state"], "joined");
+  EXPECT_THAT(report["notes"].value("clock", ""), testing::HasSubstr("first at burst 20"));
+  expect_complete(report, tmp / "out");
+}
+
+TEST(SegmentsEndToEnd, a_burst_that_comes_twice_is_counted_once) {
+  const TempFolder tmp;
+  const std::string folder = edited_folder(tmp, [](std::vector<std::string>& rows) { rows.resize(12); });
+  for (int k = 0; k < 4; ++k) {
+    const std::string end = "_" + std::to_string(k) + ".png";
+    fs::copy_file(folder + "/frames/000007" + end, folder + "/frames/000008" + end,
+                  fs::copy_options::overwrite_existing);
+  }
+  const auto report = replay(folder, tmp / "out");
+  EXPECT_EQ(report["bursts"]["fused"], 11) << report["bursts"];
+  EXPECT_EQ(report["bursts"]["rejected"].value("pattern_mismatch", 0), 1) << report["bursts"];
+}
+
+TEST(SegmentsEndToEnd, a_smooth_ball_determines_no_motion_and_that_is_said) {
+  const TempFolder tmp;
+  const std::string scene = tmp / "ball.toml", capture = tmp / "ball.mcap";
+  ASSERT_TRUE(write_file(scene, "rig = \"" ENAMEL_SOURCE_DIR R"(/config/rigs/probe.json"
+seed = 5
+[object]
+type = "spheres"
+spheres.diameters_mm = [14]
+[texture]
+amplitude = 0.0
+[timing]
+burst_rate_hz = 15.0
+[path]
+type = "views"
+[[path.view]]
+tilt_x_deg = -12
+turn_deg_s = [20, 0, 0]
+velocity_mm_s = [3, 0, 0]
+bursts = 10
+)"));
+  ASSERT_EQ(run({program("enamel-twin"), "render", scene, "--out", capture}, std::chrono::seconds(200)).code, 0);
+  const auto report = replay(capture, tmp / "out");
+  EXPECT_EQ(report["bursts"]["fused"], 10) << "nothing is thrown away";
+  EXPECT_GE(report["undetermined"].value("bursts", 0), 8) << report["undetermined"];
+  for (const auto& segment : report["segments"]) EXPECT_EQ(segment["state"], "apart") << "no false join";
 }
 
 TEST(SegmentsEndToEnd, a_minute_of_rest_and_the_hand_is_found_where_it_was) {
