@@ -85,6 +85,11 @@ std::string clock_note(const std::vector<BurstId>& at) {
       at.size(), at.front().value);
 }
 
+std::string repeated_note(const std::vector<BurstId>& at) {
+  return fmt::format("{} burst(s) came twice, first burst {}: measured and fused again where they lie", at.size(),
+                     at.front().value);
+}
+
 nlohmann::json stations_json(const pipeline::Stations& of, const std::vector<host::PlacedPose>& poses) {
   nlohmann::json out{{"way_mm", of.way_mm}, {"at", nlohmann::json::array()}, {"distances", nlohmann::json::array()}};
   for (const pipeline::Station& s : of.stations) {
@@ -133,6 +138,7 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   report.hash = scan.trace.hash(RollingHash().update(ply).update(apart).hex());
   report.segments = segment_facts(scan.segments);
   for (const BurstId id : scan.undetermined) report.undetermined.push_back(id.value);
+  if (!scan.repeated.empty()) report.notes["repeated"] = repeated_note(scan.repeated);
   if (!scan.clock_went_back.empty()) report.notes["clock"] = clock_note(scan.clock_went_back);
   if (scan.map) report.map_json = map_json(scan);
   report.known_line = known_line(scan);

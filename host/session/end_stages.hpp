@@ -43,17 +43,26 @@ class SourceStage final : public flow::Source {
     if (is_stale(*next->burst)) {
       burst.emit_rejected(head, pipeline::name_of(pipeline::BurstVerdict::kPatternMismatch).data());
     } else {
+      if (came_before(*next->burst)) repeated.push_back(head.id);
       burst.emit(flow::make_item<proto::Burst>(head, next->burst));
     }
     before_[pulled_++ % before_.size()] = next->burst;
     return flow::Pull::kItem;
   }
 
+  std::vector<BurstId> repeated;  ///< byte for byte a burst before; they are measured again. Read after the run
+
  private:
   /// Here, where bursts are in order: what decodes them may be replicated.
   [[nodiscard]] bool is_stale(const proto::Burst& now) const {
     return std::ranges::any_of(before_, [&](const std::shared_ptr<const proto::Burst>& was) {
       return was != nullptr && pipeline::has_stale_frame(stage::view_of(now), stage::view_of(*was));
+    });
+  }
+
+  [[nodiscard]] bool came_before(const proto::Burst& now) const {
+    return std::ranges::any_of(before_, [&](const std::shared_ptr<const proto::Burst>& was) {
+      return was != nullptr && pipeline::is_repeated(stage::view_of(now), stage::view_of(*was));
     });
   }
 

@@ -50,6 +50,7 @@ struct ScanPipeline::Impl {
   flow::Graph graph;
   PreviewSlot preview;
   std::atomic<SinkStage*> sink{nullptr};  ///< of the graph, once started
+  SourceStage* source = nullptr;
   stage::TrackStage* track = nullptr;
   stage::FuseStage* fuse = nullptr;
   std::atomic<std::uint64_t> pushed{0};
@@ -65,7 +66,8 @@ struct ScanPipeline::Impl {
 };
 
 void ScanPipeline::Impl::build(const std::shared_ptr<const pipeline::BurstDecoder>& baked) {
-  auto& source = graph.add<SourceStage>(gate);
+  auto& entrance = graph.add<SourceStage>(gate);
+  source = &entrance;
   std::array<stage::DecodeStage*, kDecoders> decoders{};
   for (std::size_t i = 0; i < kDecoders; ++i) {
     decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), baked, options.calib_crc32);
@@ -87,7 +89,7 @@ void ScanPipeline::Impl::build(const std::shared_ptr<const pipeline::BurstDecode
   const std::array<flow::In<pipeline::WaveKnowledge>*, kDecoders> waves{&decoders[0]->wave, &decoders[1]->wave};
   const std::array<flow::Out<stage::Decoded>*, kDecoders> outs{&decoders[0]->patch, &decoders[1]->patch};
   const flow::EdgeSpec one{.capacity = 1};
-  graph.connect_split<proto::Burst>(source.burst, ins, one);
+  graph.connect_split<proto::Burst>(entrance.burst, ins, one);
   graph.connect_merge<stage::Decoded>(outs, track->patch, one);
   graph.connect_merge<stage::Decoded>(outs, learner.decoded, one);
   graph.connect(track->tracked, fuse->tracked, one);
@@ -218,6 +220,7 @@ ScanResult ScanPipeline::take_result() {
   for (const auto& [id, bursts] : impl_->fuse->segments().kept())
     result.apart.push_back({id, at_mid_burst(bursts_in(id, sink)), impl_->fuse->extract_apart(id)});
   result.undetermined = std::move(sink.undetermined);
+  result.repeated = std::move(impl_->source->repeated);
   result.clock_went_back = std::move(sink.clock_went_back);
   result.rejected = std::move(sink.rejected);
   result.orders = sink.orders;

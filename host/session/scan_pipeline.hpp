@@ -62,10 +62,11 @@ struct ScanResult {
   StageTrace trace;
   std::vector<PlacedPose> poses;  ///< of the bursts fused into the model, in order
   Mesh mesh;
-  std::vector<ApartSegment> apart;    ///< ascending id
-  std::vector<SegmentRow> segments;   ///< as they were scanned, ascending id
-  std::optional<MapFacts> map;        ///< where the poses were refined
-  std::vector<BurstId> undetermined;  ///< fused, but where they lie neither shape nor texture told
+  std::vector<ApartSegment> apart;       ///< ascending id
+  std::vector<SegmentRow> segments;      ///< as they were scanned, ascending id
+  std::optional<MapFacts> map;           ///< where the poses were refined
+  std::vector<BurstId> undetermined;     ///< fused, but where they lie neither shape nor texture told
+  std::vector<BurstId> repeated;         ///< byte for byte a burst a moment before
   std::vector<BurstId> clock_went_back;  ///< no younger than the burst before, by the probe's clock
   std::uint64_t accepted = 0, fused = 0;
   std::map<std::string, std::uint64_t> rejected;

@@ -98,10 +98,11 @@ TEST(SegmentsEndToEnd, a_clock_that_runs_backwards_is_told_and_nothing_is_lost) 
   EXPECT_EQ(report["segments"][0]["first_burst"], 20);
   EXPECT_EQ(report["segments"][0]["state"], "joined");
   EXPECT_THAT(report["notes"].value("clock", ""), testing::HasSubstr("first at burst 20"));
+  EXPECT_FALSE(report["notes"].contains("repeated")) << "negative control";
   expect_complete(report, tmp / "out");
 }
 
-TEST(SegmentsEndToEnd, a_burst_that_comes_twice_is_counted_once) {
+TEST(SegmentsEndToEnd, a_burst_that_comes_twice_is_told) {
   const TempFolder tmp;
   const std::string folder = edited_folder(tmp, [](std::vector<std::string>& rows) { rows.resize(12); });
   for (int k = 0; k < 4; ++k) {
@@ -110,8 +111,9 @@ TEST(SegmentsEndToEnd, a_burst_that_comes_twice_is_counted_once) {
                   fs::copy_options::overwrite_existing);
   }
   const auto report = replay(folder, tmp / "out");
-  EXPECT_EQ(report["bursts"]["fused"], 11) << report["bursts"];
-  EXPECT_EQ(report["bursts"]["rejected"].value("pattern_mismatch", 0), 1) << report["bursts"];
+  EXPECT_EQ(report["bursts"]["fused"], 12) << report["bursts"];
+  EXPECT_THAT(report["notes"].value("repeated", ""), testing::HasSubstr("1 burst(s) came twice, first burst 8"));
+  expect_complete(report, tmp / "out");
 }
 
 TEST(SegmentsEndToEnd, a_smooth_ball_determines_no_motion_and_that_is_said) {

@@ -56,6 +56,12 @@ bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept {
   return stale > 0 && stale < burst.frames.size();
 }
 
+bool is_repeated(const BurstView& burst, const BurstView& before) noexcept {
+  return std::ranges::equal(burst.frames, before.frames, [](const auto& now, const auto& was) {
+    return now.size() == was.size() && !now.empty() && std::memcmp(now.data(), was.data(), now.size()) == 0;
+  });
+}
+
 bool has_blank_frame(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise) {
   const auto width = static_cast<std::size_t>(view.width);
   FrameRows rows;

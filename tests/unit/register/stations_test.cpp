@@ -67,9 +67,9 @@ TEST(Stations, lie_at_their_shares_of_the_way_from_end_to_end) {
 /// Once along a half circle of 20 mm radius; its ends are 40 mm apart, 63 mm along the way.
 Line bent_line() {
   Line out;
-  constexpr std::size_t kNodes = 33;
-  for (std::size_t k = 0; k < kNodes; ++k) {
-    const double angle = std::numbers::pi * static_cast<double>(k) / (kNodes - 1);
+  constexpr std::size_t kBent = 33;
+  for (std::size_t k = 0; k < kBent; ++k) {
+    const double angle = std::numbers::pi * static_cast<double>(k) / (kBent - 1);
     out.poses.emplace_back(Eigen::Translation3d(20 * std::cos(angle), 20 * std::sin(angle), 0));
     if (k == 0) continue;
     MapEdge edge;
@@ -79,7 +79,7 @@ Line bent_line() {
     edge.H = 1e7 * Matrix6::Identity();
     out.edges.push_back(edge);
   }
-  out.bursts.resize(kNodes);
+  out.bursts.resize(kBent);
   return out;
 }
 
