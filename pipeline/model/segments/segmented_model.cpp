@@ -20,8 +20,7 @@ FuseStats SegmentedModel::integrate(BurstId burst, const SurfacePatch& patch, co
   active_ = placed.segment;
   if (active_ == kModelSegment) {
     if (keep_history_) {
-      history_.push_back(
-          {burst, placed.T_model_cam, store_.keep(pack(patch, Texture::kDropped)), placed.texture});
+      history_.push_back({burst, placed.T_model_cam, store_.keep(pack(patch, Texture::kDropped)), placed.texture});
     }
     return model_.integrate(burst, patch, placed.T_model_cam);
   }

@@ -21,7 +21,7 @@ namespace enamel::pipeline {
 struct KeptBurst {
   BurstId id;
   Pose T_segment_cam = Pose::Identity();
-  StoredPatch patch;  ///< SegmentedModel::patch_of()
+  StoredPatch patch;                              ///< SegmentedModel::patch_of()
   std::shared_ptr<const TexturePicture> texture;  ///< as TrackResult::texture
 };
 
