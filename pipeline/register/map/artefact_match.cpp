@@ -101,10 +101,11 @@ BallMatch match_balls(const std::vector<BallCluster>& clusters, const KnownArtef
     return {{}, seen + ", more than certified: the artefact has moved, or is another one"};
   const Search search(clusters, artefact, tolerance_mm);
   if (search.best().empty()) return {{}, seen + " whose diameters fit no choice of certified ones"};
-  if (search.worst_mm() > tolerance_mm)
+  if (search.worst_mm() > tolerance_mm) {
     return {{},
             seen + " whose distances contradict the certificate by " + mm_text(search.worst_mm()) +
                 " mm: the artefact has moved, or is another one"};
+  }
   if (search.is_ambiguous())
     return {{}, seen + " that could be named in more than one way: show more of them, or use one without symmetry"};
   const Names& names = search.best();
