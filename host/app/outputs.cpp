@@ -79,10 +79,8 @@ std::vector<host::SegmentFacts> segment_facts(const std::vector<host::SegmentRow
 
 std::string clock_note(const std::vector<BurstId>& at) {
   return fmt::format(
-      "the probe's clock went back {} time(s), first at burst {}: what followed was placed by what it shows; nothing "
-      "is "
-      "missing",
-      at.size(), at.front().value);
+      "the probe's clock went back {} time(s), first at burst {}: placed by what is seen, none is missing", at.size(),
+      at.front().value);
 }
 
 std::string repeated_note(const std::vector<BurstId>& at) {
