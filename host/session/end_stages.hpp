@@ -40,10 +40,10 @@ class SourceStage final : public flow::Source {
     flow::ItemHead head;
     head.id = next->id;
     head.captured = proto::mid_burst(*next->burst);
-    if (is_stale(*next->burst)) {
+    if (any_before(*next->burst, pipeline::has_stale_frame)) {
       burst.emit_rejected(head, pipeline::name_of(pipeline::BurstVerdict::kPatternMismatch).data());
     } else {
-      if (came_before(*next->burst)) repeated.push_back(head.id);
+      if (any_before(*next->burst, pipeline::is_repeated)) repeated.push_back(head.id);
       burst.emit(flow::make_item<proto::Burst>(head, next->burst));
     }
     before_[pulled_++ % before_.size()] = next->burst;
@@ -53,16 +53,11 @@ class SourceStage final : public flow::Source {
   std::vector<BurstId> repeated;  ///< byte for byte a burst before; they are measured again. Read after the run
 
  private:
+  using Beside = bool (*)(const pipeline::BurstView&, const pipeline::BurstView&) noexcept;
   /// Here, where bursts are in order: what decodes them may be replicated.
-  [[nodiscard]] bool is_stale(const proto::Burst& now) const {
+  [[nodiscard]] bool any_before(const proto::Burst& now, Beside is) const {
     return std::ranges::any_of(before_, [&](const std::shared_ptr<const proto::Burst>& was) {
-      return was != nullptr && pipeline::has_stale_frame(stage::view_of(now), stage::view_of(*was));
-    });
-  }
-
-  [[nodiscard]] bool came_before(const proto::Burst& now) const {
-    return std::ranges::any_of(before_, [&](const std::shared_ptr<const proto::Burst>& was) {
-      return was != nullptr && pipeline::is_repeated(stage::view_of(now), stage::view_of(*was));
+      return was != nullptr && is(stage::view_of(now), stage::view_of(*was));
     });
   }
 

@@ -41,7 +41,10 @@ double repeated_share(const BurstView& view, const PhaseMaps& maps, const NoiseM
   return seen > 0 ? static_cast<double>(most) / static_cast<double>(seen) / kSameShare : 0;
 }
 
-bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept {
+namespace {
+
+/// Frames of a burst that are one of another's, byte for byte; those of one level tell nothing.
+std::size_t frames_shared(const BurstView& burst, const BurstView& before) noexcept {
   const auto is_flat = [](std::span<const std::uint8_t> f, std::size_t pixel) {
     return f.size() > pixel && std::memcmp(f.data(), f.data() + pixel, f.size() - pixel) == 0;
   };
@@ -53,13 +56,18 @@ bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept {
     });
     stale += seen && !is_flat(frame, pixel) ? 1U : 0U;
   }
-  return stale > 0 && stale < burst.frames.size();
+  return stale;
+}
+
+}  // namespace
+
+bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept {
+  const std::size_t shared = frames_shared(burst, before);
+  return shared > 0 && shared < burst.frames.size();
 }
 
 bool is_repeated(const BurstView& burst, const BurstView& before) noexcept {
-  return std::ranges::equal(burst.frames, before.frames, [](const auto& now, const auto& was) {
-    return now.size() == was.size() && !now.empty() && std::memcmp(now.data(), was.data(), now.size()) == 0;
-  });
+  return frames_shared(burst, before) == burst.frames.size();
 }
 
 bool has_blank_frame(const BurstView& view, const PhaseMaps& maps, const NoiseModel& noise) {

@@ -23,7 +23,7 @@ inline constexpr std::size_t kBurstsRemembered = 8;
 /// buffer. Noise lets no two exposures be alike. All four are alike where a burst was sent twice, or is drawn without
 /// noise; frames of one level tell nothing. Views consistent; another size is another picture.
 [[nodiscard]] bool has_stale_frame(const BurstView& burst, const BurstView& before) noexcept;
-/// Whether all frames are those of a burst before it, byte for byte: it came twice.
+/// Whether all frames are those of a burst before it, byte for byte: it came twice. Frames of one level tell nothing.
 [[nodiscard]] bool is_repeated(const BurstView& burst, const BurstView& before) noexcept;
 
 /// Whether one frame of the burst shows no picture where the others show one: over the valid pixels its level varies by

@@ -1,11 +1,9 @@
 #include "pipeline/register/feature/feature_images.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "pipeline/register/feature/masked_means.hpp"
 
 namespace enamel::pipeline {
+
 FeatureImages make_feature_images(const SurfacePatch& patch, double px_per_mm, const ImageConfig& config) {
   FeatureImages out;
   out.step = block_px(patch, config);

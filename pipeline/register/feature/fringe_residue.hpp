@@ -3,8 +3,6 @@
 // pictures say that nothing moved.
 #pragma once
 
-#include <vector>
-
 #include "calib/model/rig.hpp"
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/map.hpp"

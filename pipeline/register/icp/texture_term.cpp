@@ -52,7 +52,7 @@ std::optional<Look> look_at(const Map<float>& picture, int step, const calib::Le
 
 /// The sums of one round, along the weak directions alone.
 struct TextureSums {
-  WeakDirections H;  ///< k x k in its upper rows
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6> H;
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> g;
   std::vector<float> residuals;
   double a = 0, b = 0, aa = 0, bb = 0, ab = 0;  ///< of both greys, for their correlation
@@ -75,7 +75,7 @@ struct TextureSums {
   }
 };
 
-/// The step along those directions that texture holds with a residual of `sigma`; the others stay.
+/// What texture holds, and where it would move that.
 struct HeldStep {
   Vector6 x = Vector6::Zero();
   Matrix6 H = Matrix6::Zero();
@@ -87,10 +87,8 @@ TextureSums sum_up(const TextureAlignment& of, const Pose& T_model_cam, const We
                    double sigma) {
   const Eigen::Index k = weak.cols();
   TextureSums out;
-  out.H.resize(6, k);
-  out.H.setZero();
-  out.g.resize(k);
-  out.g.setZero();
+  out.H.setZero(k, k);
+  out.g.setZero(k);
   const Pose T_ref_model = of.reference.T_model_cam.inverse();
   const Eigen::Matrix3d R_model_ref = of.reference.T_model_cam.linear();
   for (std::size_t n = 0; n < of.points.p.size(); ++n) {
@@ -105,7 +103,7 @@ TextureSums sum_up(const TextureAlignment& of, const Pose& T_model_cam, const We
     const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> along = weak.transpose() * J;
     const double r = e / (2 * sigma);
     const double w = 1 / ((1 + r * r) * (1 + r * r));
-    out.H.topRows(k) += w * along * along.transpose();
+    out.H += w * along * along.transpose();
     out.g += w * e * along;
     out.residuals.push_back(static_cast<float>(std::abs(e)));
     const auto seen = static_cast<double>(look->brightness), had = static_cast<double>(own);
@@ -114,9 +112,10 @@ TextureSums sum_up(const TextureAlignment& of, const Pose& T_model_cam, const We
   return out;
 }
 
+/// Along those directions that texture holds with a residual of `sigma`; the others stay.
 HeldStep step_along(const TextureSums& sums, const WeakDirections& weak, double sigma, const TextureConfig& config) {
   const Eigen::Index k = weak.cols();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(sums.H.topRows(k)));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(sums.H));
   HeldStep out;
   for (Eigen::Index i = 0; i < k; ++i) {
     const double value = eigen.eigenvalues()[i];
@@ -150,7 +149,7 @@ bool rises_beside(const TextureAlignment& of, const Pose& best, const HeldStep& 
 
 }  // namespace
 
-std::array<Map<float>, 2> texture_levels(const TexturePicture& picture) {
+TextureReference texture_reference(const TexturePicture& picture, const Pose& T_model_cam) {
   Map<float> brightness(picture.grey.width(), picture.grey.height());
   const auto unit = static_cast<float>(picture.range / 127);
   for (std::size_t i = 0; i < brightness.size(); ++i) {
@@ -161,32 +160,27 @@ std::array<Map<float>, 2> texture_levels(const TexturePicture& picture) {
   Map<float> fine = smoothed(brightness);
   Map<float> blurred = fine;
   for (int pass = 0; pass < 4; ++pass) blurred = smoothed(blurred);
-  return {std::move(blurred), std::move(fine)};
+  return {T_model_cam, picture.step, {std::move(blurred), std::move(fine)}};
 }
 
-TexturePoints texture_points(const SurfacePatch& patch, const TexturePicture& picture, const TextureConfig& config) {
-  const auto levels = texture_levels(picture);
-  const Map<float>& fine = levels[1];
+TexturePoints texture_points(const SurfacePatch& patch, const TextureReference& own, const TextureConfig& config) {
+  const auto& [blurred, fine] = own.brightness;
   TexturePoints out;
-  const auto point = [&](int i, int j) { return block_point(patch, picture.step, i, j); };
+  const auto point = [&](int i, int j) { return block_point(patch, own.step, i, j); };
   for (int j = 1; j + 1 < fine.height(); ++j) {
     for (int i = 1; i + 1 < fine.width(); ++i) {
       const float wide = (point(i + 1, j) - point(i - 1, j)).norm(), high = (point(i, j + 1) - point(i, j - 1)).norm();
       const float gradient =
           std::hypot((fine(i + 1, j) - fine(i - 1, j)) / wide, (fine(i, j + 1) - fine(i, j - 1)) / high);
       if (!(gradient >= static_cast<float>(config.min_gradient)) || !std::isfinite(point(i, j).x()) ||
-          !std::isfinite(levels[0](i, j))) {
+          !std::isfinite(blurred(i, j))) {
         continue;
       }
       out.p.push_back(point(i, j));
-      out.brightness.push_back({levels[0](i, j), fine(i, j)});
+      out.brightness.push_back({blurred(i, j), fine(i, j)});
     }
   }
   return out;
-}
-
-TextureReference texture_reference(const TexturePicture& picture, const Pose& T_model_cam) {
-  return {T_model_cam, picture.step, texture_levels(picture)};
 }
 
 WeakDirections weak_directions(const NormalSystem& system, double weak_eigenvalue) {

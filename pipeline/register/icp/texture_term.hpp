@@ -37,18 +37,17 @@ struct TexturePoints {
   std::vector<std::array<float, 2>> brightness;  ///< blurred, fine
 };
 
-/// Both levels of a picture as brightness, NaN where unknown: blurred first. Pure.
-[[nodiscard]] std::array<Map<float>, 2> texture_levels(const TexturePicture& picture);
-[[nodiscard]] TexturePoints texture_points(const SurfacePatch& patch, const TexturePicture& picture,
-                                           const TextureConfig& config);
-
 /// What a burst's texture is held against. Immutable.
 struct TextureReference {
   Pose T_model_cam = Pose::Identity();
   int step = 1;
-  std::array<Map<float>, 2> brightness;
+  std::array<Map<float>, 2> brightness;  ///< blurred, fine; NaN where unknown
 };
 [[nodiscard]] TextureReference texture_reference(const TexturePicture& picture, const Pose& T_model_cam);
+
+/// own: of the patch itself. Pure.
+[[nodiscard]] TexturePoints texture_points(const SurfacePatch& patch, const TextureReference& own,
+                                           const TextureConfig& config);
 
 /// Directions of small motions (columns, orthonormal) along which a surface slides on itself.
 using WeakDirections = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;

@@ -4,14 +4,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipeline/register/map/graph_terms.hpp"
+
 namespace enamel::pipeline {
 namespace {
-
-Eigen::Matrix3d skew(const Vec3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 /// Columns of a system that a term depends on, and the term's derivative by them.
 struct Part {
@@ -52,16 +48,9 @@ void LandmarkFactors::judge(const std::vector<Pose>& poses, double switch_sigmas
     const Vec3d r = poses[s.node].inverse() * landmarks_.at[s.landmark] - s.at;
     chi2.push_back(r.dot(information_[n] * r) / 3);
   }
-  std::vector<double> sorted = chi2;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::ranges::nth_element(sorted, middle);
-  constexpr double kMedianOfChi2 = 0.789;                          // of chi^2 with three degrees of freedom over three
-  const double variance = std::max(1.0, *middle / kMedianOfChi2);  // never surer than the fits say
-  const double phi = switch_sigmas * switch_sigmas;
-  for (std::size_t n = 0; n < chi2.size(); ++n) {
-    const double s = std::min(1.0, 2 * phi / (phi + chi2[n] / variance));
-    trust_[n] = s * s / variance;
-  }
+  constexpr double kMedianOfChi2 = 0.789;  // of chi^2 with three degrees of freedom over three
+  const double variance = std::max(1.0, middle_of(chi2) / kMedianOfChi2);  // never surer than the fits say
+  for (std::size_t n = 0; n < chi2.size(); ++n) trust_[n] = switch_of(chi2[n] / variance, switch_sigmas) / variance;
 }
 
 void LandmarkFactors::add_sighting(std::size_t n, System system, const Nodes& nodes, double variance) const {
@@ -72,7 +61,7 @@ void LandmarkFactors::add_sighting(std::size_t n, System system, const Nodes& no
   std::vector<Part> parts{{column(s.landmark, system.g), Eigen::Matrix3d::Identity()}};
   if (s.node > 0) {  // a motion (rho*omega, tau) takes what the node saw to seen + omega x (seen - centre) + tau
     Eigen::MatrixXd J(3, 6);
-    J << skew(seen - nodes.centres[s.node]) / nodes.rho_mm, -Eigen::Matrix3d::Identity();
+    J << cross_matrix(seen - nodes.centres[s.node]) / nodes.rho_mm, -Eigen::Matrix3d::Identity();
     parts.push_back({static_cast<Eigen::Index>(6 * (s.node - 1)), J});
   }
   add_term(system, parts, W, landmarks_.at[s.landmark] - seen);

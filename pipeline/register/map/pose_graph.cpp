@@ -6,14 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/register/map/graph_terms.hpp"
+
 namespace enamel::pipeline {
 namespace {
-
-Eigen::Matrix3d cross(const Vec3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 /// Information of an edge in units of mm^-2: no direction surer than the bias allows; where the surface says
 /// nothing, what texture says.
@@ -42,7 +38,7 @@ Matrix6 carry(const Eigen::Matrix3d& R_j_model, const Vec3d& from_own_centre, do
   Matrix6 out = Matrix6::Zero();
   out.topLeftCorner<3, 3>() = R_j_model;
   out.bottomRightCorner<3, 3>() = R_j_model;
-  out.bottomLeftCorner<3, 3>() = -R_j_model * cross(from_own_centre) / rho_mm;
+  out.bottomLeftCorner<3, 3>() = -R_j_model * cross_matrix(from_own_centre) / rho_mm;
   return out;
 }
 
@@ -101,17 +97,11 @@ class Solver {
       const Vector6 x = residual(edges_[e]);
       chi2.push_back(x.dot(information_[e] * x) / 6);
     }
-    std::vector<double> sorted = chi2;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
     constexpr double kMedianOfChi2 = 0.891;  // of chi^2 with six degrees of freedom over six
-    const double variance = std::max(*middle / kMedianOfChi2, 1e-12);
+    const double variance = std::max(middle_of(chi2) / kMedianOfChi2, 1e-12);
     sigma0_ = std::sqrt(variance);
-    const double phi = config_.switch_sigmas * config_.switch_sigmas;
     for (std::size_t e = 0; e < edges_.size(); ++e) {
-      if (!edges_[e].loop) continue;
-      const double s = std::min(1.0, 2 * phi / (phi + chi2[e] / variance));
-      switches_[e] = s * s;
+      if (edges_[e].loop) switches_[e] = switch_of(chi2[e] / variance, config_.switch_sigmas);
     }
     landmarks_.judge(poses_, config_.switch_sigmas);
   }

@@ -26,8 +26,8 @@ std::shared_ptr<const MapNodes> make_nodes(const MapInput& input, const std::vec
     node.samples = sample_patch(patch, config.sample_stride_px, icp.samples);
     node.reference = Reference(view_from_patch(patch, Pose::Identity(), lens, config.view_stride_px), icp.reference);
     if (const auto picture = texture(keyframes[k])) {
-      node.texture_points = texture_points(patch, *picture, config.edge.texture);
       node.texture = texture_reference(*picture, Pose::Identity());
+      node.texture_points = texture_points(patch, *node.texture, config.edge.texture);
     }
     return node;
   };

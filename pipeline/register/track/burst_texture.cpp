@@ -10,8 +10,13 @@ const std::shared_ptr<const TexturePicture>& BurstTexture::picture() {
   return picture_;
 }
 
+const TextureReference& BurstTexture::reference() {
+  if (!reference_) reference_ = texture_reference(*picture(), Pose::Identity());
+  return *reference_;
+}
+
 const TexturePoints& BurstTexture::points() {
-  if (!points_) points_ = std::make_unique<const TexturePoints>(texture_points(patch_, *picture(), config_.term));
+  if (!points_) points_ = texture_points(patch_, reference(), config_.term);
   return *points_;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "pipeline/register/feature/surface_texture.hpp"
 #include "pipeline/register/icp/texture_term.hpp"
@@ -21,6 +22,8 @@ class BurstTexture {
 
   [[nodiscard]] const std::shared_ptr<const TexturePicture>& picture();
   [[nodiscard]] const TexturePoints& points();
+  /// For bursts to come, in the frame of the burst's own camera.
+  [[nodiscard]] const TextureReference& reference();
   /// The picture, if anybody has asked for it.
   [[nodiscard]] const std::shared_ptr<const TexturePicture>& picture_if_made() const noexcept { return picture_; }
 
@@ -28,7 +31,8 @@ class BurstTexture {
   const SurfacePatch& patch_;
   const Config& config_;
   std::shared_ptr<const TexturePicture> picture_;
-  std::unique_ptr<const TexturePoints> points_;
+  std::optional<TextureReference> reference_;
+  std::optional<TexturePoints> points_;
 };
 
 }  // namespace enamel::pipeline

@@ -154,7 +154,8 @@ void Tracker::remember_texture(SegmentMemory& segment, const Burst& burst, const
   const Vec3d work(0, 0, config_.motion.work_distance_mm);
   const Closeness same{config_.texture_spacing_mm, config_.texture_spacing_deg};
   if (segment.texture && look_alike(segment.texture->T_model_cam, T_model_cam, work, same)) return;
-  segment.texture = texture_reference(*burst.texture.picture(), T_model_cam);
+  segment.texture = burst.texture.reference();
+  segment.texture->T_model_cam = T_model_cam;
 }
 
 TrackResult Tracker::accept(SegmentMemory& segment, TrackState state, const Burst& burst, const IcpResult& icp) {
