@@ -88,15 +88,17 @@ void BurstAssembler::open_gates(DeviceTime until) {
 }
 
 void BurstAssembler::check_sequence(const CameraFrame& frame) {
+  // Exposures begin at the frame rate, whatever their length.
+  const DeviceTime begin = frame.t_sensor - Nanoseconds{std::int64_t{frame.exposure_us} * 1000};
   if (previous_) {
-    const Nanoseconds distance = frame.t_sensor - previous_->t_sensor;
+    const Nanoseconds distance = begin - previous_->begin;
     if (frame.sensor_seq != previous_->seq + 1) {
       fault(DropReason::kSeqGap);
     } else if (std::chrono::abs(distance - config_.frame_period) > config_.tol_period) {
       fault(DropReason::kPeriod);
     }
   }
-  previous_ = FrameSeen{frame.sensor_seq, frame.t_sensor};
+  previous_ = FrameSeen{frame.sensor_seq, begin};
 }
 
 tl::expected<BurstAssembler::Window, DropReason> BurstAssembler::window_of(const CameraFrame& frame) {

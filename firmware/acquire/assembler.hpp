@@ -63,7 +63,7 @@ struct BurstInProgress {
 
 struct FrameSeen {
   std::uint32_t seq = 0;
-  DeviceTime t_sensor{};
+  DeviceTime begin{};  ///< of its exposure
 };
 
 using BurstOutcome = std::variant<AssembledBurst, GivenUpBurst>;

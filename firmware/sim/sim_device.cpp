@@ -27,6 +27,16 @@ std::vector<std::uint8_t> blank_frame(const CameraMode& mode, std::uint8_t dn8) 
   return pixels;
 }
 
+std::int64_t frame_period_ns(const SimBurst& burst) { return (burst.t_exposure_ns[3] - burst.t_exposure_ns[0]) / 3; }
+
+Result<void> check_exposure(const SimBurst& burst) {
+  const std::int64_t period = frame_period_ns(burst), exposure = std::int64_t{burst.exposure_us} * 1000;
+  if (period > 0 && period <= 1'000'000'000 && exposure > 0 && exposure <= period) return {};
+  return fail(ErrorCode::kConfigValue, "burst " + std::to_string(burst.burst_index) + ": frame period " +
+                                           std::to_string(period) + " ns, exposure " + std::to_string(exposure) +
+                                           " ns");
+}
+
 }  // namespace
 
 SimDevice::SimDevice(std::unique_ptr<BurstFeed> feed, Clock& clock, const SimConfig& config)
@@ -46,18 +56,17 @@ Result<std::unique_ptr<SimDevice>> SimDevice::create(std::unique_ptr<BurstSource
 
 Result<void> SimDevice::set_mode() {
   const SimBurst& first = feed_->first();
-  const std::int64_t period = (first.t_exposure_ns[3] - first.t_exposure_ns[0]) / 3;
-  const std::int64_t exposure = std::int64_t{first.exposure_us} * 1000;
-  if (period <= 0 || period > 1'000'000'000 || exposure <= 0 || exposure > period) {
-    return fail(ErrorCode::kConfigValue, "burst " + std::to_string(first.burst_index) + ": frame period " +
-                                             std::to_string(period) + " ns, exposure " + std::to_string(exposure) +
-                                             " ns");
-  }
-  exposure_ = timeline_.scale(exposure);
-  const auto exposure_us = static_cast<std::uint32_t>(std::max<std::int64_t>(1, exposure_.count() / 1000));
-  mode_ = {first.width, first.height, first.bit_depth, timeline_.scale(period), exposure_us};
-  exposure_ = Nanoseconds{std::int64_t{exposure_us} * 1000};
+  ENAMEL_TRY(check_exposure(first));
+  set_exposure(first.exposure_us);
+  mode_ = {first.width, first.height, first.bit_depth, timeline_.scale(frame_period_ns(first)),
+           static_cast<std::uint32_t>(exposure_.count() / 1000)};
   return {};
+}
+
+/// Whole microseconds, as frames tell them.
+void SimDevice::set_exposure(std::uint32_t source_us) {
+  const Nanoseconds scaled = timeline_.scale(std::int64_t{source_us} * 1000);
+  exposure_ = Nanoseconds{std::max<std::int64_t>(1, scaled.count() / 1000) * 1000};
 }
 
 StretchCount SimDevice::stretched() const {
@@ -142,6 +151,7 @@ Result<SimDevice::Plan> SimDevice::plan() {
         const SimBurst odd = *std::exchange(burst_, std::nullopt);
         return fail(ErrorCode::kImageInvalid, "burst " + std::to_string(odd.burst_index) + " has another frame size");
       }
+      ENAMEL_TRY(check_exposure(*burst_));
     }
   }
   if (armed_ && burst_) {
@@ -164,6 +174,7 @@ void SimDevice::perform(const Plan& plan) {
   SimStep step;
   step.position = plan.position;
   if (step.position == SimStep::kSentinel && !armed_) step.position = SimStep::kFreeRunning;  // taken back meanwhile
+  if (step.position == SimStep::kSentinel) set_exposure(burst_->exposure_us);
   expose(plan, step);
   if (step.position == SimStep::kSentinel) {
     armed_ = false;
@@ -195,7 +206,7 @@ void SimDevice::expose(const Plan& plan, SimStep& step) {
   frame.status = startup_left_ > 0 ? FrameStatus::kStartup : FrameStatus::kSuccess;
   startup_left_ = std::max(0, startup_left_ - 1);
   frame.t_sensor = plan.t + exposure_ + config_.stamp_delay;
-  frame.exposure_us = mode_.exposure_us;
+  frame.exposure_us = static_cast<std::uint32_t>(exposure_.count() / 1000);
   frame.width = mode_.width;
   frame.height = mode_.height;
   frame.bit_depth = mode_.bit_depth;

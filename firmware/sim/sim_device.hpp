@@ -95,6 +95,7 @@ class SimDevice final : public Camera, public Projector, public EdgeStream, publ
   [[nodiscard]] Result<Plan> plan();
   [[nodiscard]] DeviceTime burst_start(DeviceTime earliest);
   [[nodiscard]] bool wait_until(DeviceTime t);
+  void set_exposure(std::uint32_t source_us);
   void perform(const Plan& plan);
   void expose(const Plan& plan, SimStep& step);
   [[nodiscard]] bool lit() const noexcept;
@@ -103,9 +104,9 @@ class SimDevice final : public Camera, public Projector, public EdgeStream, publ
   Clock& clock_;
   SimConfig config_;
   CameraMode mode_;
-  Nanoseconds exposure_{};
 
   mutable std::mutex mutex_;  ///< all below
+  Nanoseconds exposure_{};    ///< of the burst that is played, or was last
   SimFaults faults_;
   PlayTimeline timeline_;
   bool running_ = false;

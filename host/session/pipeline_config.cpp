@@ -10,6 +10,7 @@ void bind_decode(ConfigReader r, pipeline::DecodeConfig& c) {
   r.bind("max_sigma_rad", c.phase.max_sigma_rad, {0.01F, 1.0F}, "largest predicted phase noise of a pixel");
   r.bind("correct_closure", c.correct_closure, "undo in-burst motion and the second harmonic seen in the closure");
   r.bind("correct_ripple", c.correct_ripple, "undo the self-calibrated ripple of the waveform's harmonics");
+  r.bind("correct_translucency", c.translucency.correct, "undo the apparent depth of light from inside tooth and gum");
   r.bind("min_points", c.light.min_points, {100U, 1000000U}, "bursts with fewer points are rejected");
   calib::DepthRange range = c.depth_range_mm.value_or(calib::DepthRange{});
   r.bind("near_mm", range.near_mm, {0.0, 1000.0}, "depth range when the calibration states none; 0: not given");

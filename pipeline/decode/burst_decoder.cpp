@@ -32,6 +32,12 @@ Carrier carrier_of(const calib::Rig& rig, const RayDepth& rays, double near_mm, 
   return make_carrier(rays.phase_mid_rad.data(), slopes, near_mm, max_slope_deg);
 }
 
+PatternOptics optics_of(const calib::Rig& rig) {
+  const calib::PatternValues& p = rig.patterns;
+  const double focal_px = p.axis_v ? rig.projector.fy : rig.projector.fx;
+  return {static_cast<float>(p.amplitude / p.mean), static_cast<float>(p.period_px / focal_px)};
+}
+
 }  // namespace
 
 /// One burst on its way: what it is, the memory it is worked in, and what becomes of it.
@@ -60,6 +66,7 @@ Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfi
   d.carrier_ = carrier_of(rig, *d.rays_, range->near_mm, config.links.max_slope_deg);
   d.strategy_ = make_strategy(std::move(code), {d.rays_, d.carrier_}, config);
   d.noise_ = rig.noise;
+  d.optics_ = optics_of(rig);
   d.wave_priors_ = priors_of(rig, config.wave);
   d.config_ = config;
   return d;
@@ -179,6 +186,7 @@ BurstVerdict BurstDecoder::find_surface(const Burst& burst) const {
     return mismatch(phase, config_.light);
   if (std::abs(static_cast<double>(diagnostics.motion_rad)) > config_.motion.max_motion_rad)
     return BurstVerdict::kTooFast;
+  undo_translucency(*rays_, optics_, config_.translucency, refined, diagnostics, phase);
   take_phase(phase, diagnostics.ripple, out.relative);
   make_surface(refined, *rays_, diagnostics.ripple, config_.normals, burst.steps.scratch, out);
   tell(burst.hook, "surface");

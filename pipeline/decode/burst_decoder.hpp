@@ -82,6 +82,7 @@ class BurstDecoder {
   std::shared_ptr<const RayDepth> rays_;
   Carrier carrier_;
   std::shared_ptr<const PatternStrategy> strategy_;
+  PatternOptics optics_;
   std::optional<calib::NoiseValues> noise_;
   std::vector<WavePrior> wave_priors_;  ///< of a scan's first burst
   DecodeConfig config_;

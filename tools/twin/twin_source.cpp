@@ -88,7 +88,7 @@ Result<std::unique_ptr<TwinSource>> TwinSource::create(const SceneConfig& config
 const std::string& TwinSource::rig_text() const { return impl_->instrument.rig.text; }
 std::optional<std::uint64_t> TwinSource::count() const { return impl_->total; }
 std::int64_t TwinSource::t_mid_ns(std::uint64_t n) const {
-  return mid_burst_ns(impl_->config.timing, impl_->path->slot(n));
+  return mid_burst_ns(impl_->config.timing, impl_->path->slot(n), n);
 }
 const BurstTruth& TwinSource::truth() const { return impl_->truth; }
 const TriSurface& TwinSource::surface() const { return impl_->truth_surface; }
@@ -108,7 +108,7 @@ BurstPoses TwinSource::poses(std::uint64_t n) const {
     const double start = 1e-9 * static_cast<double>(exposure_start_ns(c.timing, slot, k));
     for (int i = 0; i < instants; ++i) {
       const double share = c.effects.exposure ? (i + 0.5) / instants : 0.5;
-      const Pose pose = c.effects.motion ? impl_->pose_at(start + share * 1e-3 * c.timing.exposure_ms) : out.mid;
+      const Pose pose = c.effects.motion ? impl_->pose_at(start + share * 1e-3 * exposure_ms(c.timing, n)) : out.mid;
       out.is_static = out.is_static && pose.matrix() == out.mid.matrix();
       out.frames[static_cast<std::size_t>(k)].push_back(pose);
     }
@@ -130,12 +130,14 @@ Result<std::optional<fw::SimBurst>> TwinSource::next() {
   auto light = mean_light(n);
   fw::SimBurst burst;
   burst.burst_index = n;
-  burst.exposure_us = static_cast<std::uint32_t>(std::lround(1e3 * m.config.timing.exposure_ms));
+  burst.exposure_us = static_cast<std::uint32_t>(std::lround(1e3 * exposure_ms(m.config.timing, n)));
   burst.temp_c = m.config.temp_c;
   burst.width = m.instrument.rig.camera.width;
   burst.height = m.instrument.rig.camera.height;
   burst.bit_depth = m.sensor.bits;
-  const auto full_well = static_cast<float>(m.sensor.full_well_e);
+  // Light is told as full-well fraction at the scene's exposure.
+  const double share_of_exposure = exposure_ms(m.config.timing, n) / m.config.timing.exposure_ms;
+  const auto full_well = static_cast<float>(m.sensor.full_well_e * share_of_exposure);
   for (int k = 0; k < 4; ++k) {
     auto& image = light[static_cast<std::size_t>(k)];
     for (float& e : image) e *= full_well;

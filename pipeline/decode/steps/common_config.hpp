@@ -8,6 +8,7 @@
 #include "pipeline/decode/phase/phase.hpp"
 #include "pipeline/decode/phase/waveform_fit.hpp"
 #include "pipeline/decode/steps/decode_gates.hpp"
+#include "pipeline/decode/steps/translucency.hpp"
 #include "pipeline/decode/triangulate/normals.hpp"
 #include "pipeline/decode/unwrap/links.hpp"
 #include "pipeline/decode/unwrap/order.hpp"
@@ -26,6 +27,7 @@ struct CommonConfig {
   bool correct_closure = true;
   /// Undo the ripple that the projector's harmonics leave, self-calibrated per burst: sin 4phi, in mode M sin 3phi.
   bool correct_ripple = true;
+  TranslucencyConfig translucency;
   /// Used when the rig states none. A depth range is never assumed.
   std::optional<calib::DepthRange> depth_range_mm;
 

@@ -70,9 +70,13 @@ std::int64_t exposure_start_ns(const TimingConfig& timing, std::uint64_t slot, i
          std::llround(1e6 * timing.frame_period_ms * frame);
 }
 
-std::int64_t mid_burst_ns(const TimingConfig& timing, std::uint64_t slot) {
+double exposure_ms(const TimingConfig& timing, std::uint64_t n) {
+  return n % 2 == 0 ? timing.exposure_ms : timing.exposure_ms / timing.exposure_ratio;
+}
+
+std::int64_t mid_burst_ns(const TimingConfig& timing, std::uint64_t slot, std::uint64_t n) {
   return (exposure_start_ns(timing, slot, 0) + exposure_start_ns(timing, slot, 3) +
-          std::llround(1e6 * timing.exposure_ms)) /
+          std::llround(1e6 * exposure_ms(timing, n))) /
          2;
 }
 

@@ -18,14 +18,18 @@ struct TimingConfig {
   double burst_rate_hz = 30;
   double frame_period_ms = 4.004;
   double exposure_ms = 3.7;
+  double exposure_ratio =
+      1;                 ///< every second burst is exposed so many times shorter: what glares in one, the other shows
   double start_s = 1.0;  ///< device clock at the first exposure of burst 0
   int bursts = 0;        ///< 0: as many as the path takes
 };
 
 /// Start of exposure of frame k of the burst in a slot of the rhythm (Trajectory::slot), device clock.
 [[nodiscard]] std::int64_t exposure_start_ns(const TimingConfig& timing, std::uint64_t slot, int frame);
-/// Middle between the start of the first and the end of the last exposure.
-[[nodiscard]] std::int64_t mid_burst_ns(const TimingConfig& timing, std::uint64_t slot);
+/// Length of the exposures of burst n.
+[[nodiscard]] double exposure_ms(const TimingConfig& timing, std::uint64_t n);
+/// Middle between the start of the first and the end of the last exposure of burst n, which lies in `slot`.
+[[nodiscard]] std::int64_t mid_burst_ns(const TimingConfig& timing, std::uint64_t slot, std::uint64_t n);
 
 /// Shake of a hand, smooth in time. Frequencies of tremor 8–12 Hz, of wander 0.2–1 Hz; amplitudes are peaks per axis.
 struct TremorConfig {

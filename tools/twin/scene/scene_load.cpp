@@ -42,6 +42,7 @@ void bind_timing(ConfigReader r, TimingConfig& t) {
   r.bind("burst_rate_hz", t.burst_rate_hz, {0.1, 200}, "bursts a second");
   r.bind("frame_period_ms", t.frame_period_ms, {0.1, 1000}, "start of one exposure to the next");
   r.bind("exposure_ms", t.exposure_ms, {0.01, 1000}, "length of an exposure");
+  r.bind("exposure_ratio", t.exposure_ratio, {1, 16}, "every second burst is exposed so many times shorter");
   r.bind("start_s", t.start_s, {0, 1e6}, "device clock at the first exposure");
   r.bind("bursts", t.bursts, {0, 1000000}, "0: as many as the path takes");
 }
