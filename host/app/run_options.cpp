@@ -112,6 +112,8 @@ void print_summary(const host::Report& report, bool json) {
   if (!report.known_line.empty()) row("distances", report.known_line);
   if (!report.undetermined.empty()) row("undetermined", host::undetermined_line(report.undetermined));
   if (!report.segments.empty()) row("segments", host::segments_line(report.segments));
+  if (const std::string line = host::sight_line(report.sight); !line.empty()) row("sight", line);
+  if (const std::string line = host::translucency_line(report.sight); !line.empty()) row("translucency", line);
   const host::OrderTotals& o = report.orders;
   row("fringe orders", std::to_string(o.guided_px) + " px by the model, " + std::to_string(o.withdrawn_px) +
                            " px withdrawn, " + std::to_string(o.suspect_bursts) + " bursts in doubt");

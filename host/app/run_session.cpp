@@ -114,6 +114,7 @@ host::Report report_of(const SessionRun& run, const host::Session& session, cons
   host::Report report;
   report.bursts = outcome.counts;
   report.orders = outcome.scan.orders;
+  report.sight = outcome.scan.sight;
   report.notes = run.notes;
   report.simulated = outcome.simulated;
   report.config_toml = run.config_text;

@@ -96,6 +96,7 @@ std::string to_json(const Report& r) {
                         {"segments", segments(r.segments)},
                         {"undetermined", {{"bursts", r.undetermined.size()}, {"runs", runs_of(r.undetermined)}}},
                         {"orders", orders(r.orders)},
+                        {"sight", nlohmann::json::parse(sight_json(r.sight))},
                         {"rate_hz", r.rate_hz},
                         {"latency_ms", percentiles(r.latency_ms)},
                         {"stage_ms", stages},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/report/accounting.hpp"
+#include "host/report/sight_report.hpp"
 #include "protocol/base/result.hpp"
 
 namespace enamel::host {
@@ -40,6 +41,7 @@ struct Report {
   std::vector<std::uint64_t> undetermined;  ///< bursts, ascending: neither shape nor texture told where they lie
   std::string known_line;                   ///< for people: how surely distances are known, or empty
   OrderTotals orders;
+  SightTotals sight;
   double rate_hz = 0;      ///< accepted bursts by the time the run took; wall time, so not part of the hash
   Percentiles latency_ms;  ///< last exposure to fused, live runs only
   std::map<std::string, Percentiles> stage_ms;

@@ -93,6 +93,7 @@ class SinkStage final : public flow::Stage {
       placed.push_back({item.id, item->track.segment});
       poses.push_back({item.captured, item->track.T_model_cam, item->motion});
       add(item->orders);
+      sight.add(item->sight);
       fused_count.add();
     } else {
       ++rejected[item.rejected];
@@ -113,6 +114,7 @@ class SinkStage final : public flow::Stage {
   std::vector<BurstId> clock_went_back;       ///< bursts that are no younger than the one before them
   SegmentLedger segments;
   OrderTotals orders;
+  SightTotals sight;
   std::map<std::string, std::uint64_t> rejected;
   Counter fused_count, rejected_count;  ///< readable from any thread
   LogHistogram latency_ns;              ///< last exposure to fused; live only

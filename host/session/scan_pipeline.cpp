@@ -224,6 +224,7 @@ ScanResult ScanPipeline::take_result() {
   result.clock_went_back = std::move(sink.clock_went_back);
   result.rejected = std::move(sink.rejected);
   result.orders = sink.orders;
+  result.sight = sink.sight;
   result.accepted = impl_->pushed.load();
   result.fused = sink.fused_count.value();
   result.mesh = impl_->fuse->extract_mesh();

@@ -71,6 +71,7 @@ struct ScanResult {
   std::uint64_t accepted = 0, fused = 0;
   std::map<std::string, std::uint64_t> rejected;
   OrderTotals orders;
+  SightTotals sight;
   std::map<std::string, Percentiles> stage_ms;
   Percentiles latency_ms;
   double seconds = 0;                           ///< from the first burst in to the last burst out

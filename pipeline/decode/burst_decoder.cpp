@@ -8,6 +8,7 @@
 #include "pipeline/decode/phase/poly_trig.hpp"
 #include "pipeline/decode/steps/burst_output.hpp"
 #include "pipeline/decode/steps/relative_regions.hpp"
+#include "pipeline/decode/steps/sight.hpp"
 #include "pipeline/decode/steps/surface.hpp"
 
 namespace enamel::pipeline {
@@ -118,6 +119,7 @@ BurstVerdict BurstDecoder::find_phase(const Burst& burst) const {
   diagnostics.noise = noise_ ? noise_from_rig(*noise_, burst.view.bit_depth) : noise_from_closure(burst.view);
   strategy_->solve_phase(burst.view, diagnostics.noise, burst.work, phase);
   copy_images(phase, diagnostics.noise, burst.out);
+  burst.out.sight = look_at(diagnostics.noise, phase);
   tell(burst.hook, "phase");
   if (const auto why = too_few_valid(phase, config_.light)) return *why;
   if (!frames_go_together(burst.view, burst.before.views, phase, config_.frames, diagnostics))
@@ -186,7 +188,7 @@ BurstVerdict BurstDecoder::find_surface(const Burst& burst) const {
     return mismatch(phase, config_.light);
   if (std::abs(static_cast<double>(diagnostics.motion_rad)) > config_.motion.max_motion_rad)
     return BurstVerdict::kTooFast;
-  undo_translucency(*rays_, optics_, config_.translucency, refined, diagnostics, phase);
+  undo_translucency({*rays_, optics_, diagnostics.noise.black_dn}, config_.translucency, refined, out.sight, phase);
   take_phase(phase, diagnostics.ripple, out.relative);
   make_surface(refined, *rays_, diagnostics.ripple, config_.normals, burst.steps.scratch, out);
   tell(burst.hook, "surface");

@@ -58,6 +58,19 @@ std::string figure_json(const Figure& figure) {
   return fmt::format("\"{}\": {}", figure.name, values);
 }
 
+std::string sight_json(const Sight& s) {
+  const std::vector<Figure> all = {
+      {"spoilt_share", 5, {static_cast<double>(s.spoilt_share)}},
+      {"veil_dn", 2, {static_cast<double>(s.veil_dn)}},
+      {"translucent_share", 4, {static_cast<double>(s.translucent_share)}},
+      {"apparent_depth_um", 2, {1e3 * static_cast<double>(s.apparent_depth_mm)}},
+      {"at_px", 1, {static_cast<double>(s.x_px), static_cast<double>(s.y_px)}, true},
+  };
+  std::string out = fmt::format("\"trouble\": \"{}\"", name_of(s.trouble));
+  for (const Figure& figure : all) out += ", " + figure_json(figure);
+  return out;
+}
+
 /// Figures that the verdict rests on: of every mode, then of the burst's.
 std::string diagnostics_json(const DecodeDiagnostics& d, const std::vector<Figure>& of_mode) {
   std::vector<Figure> all = {
@@ -115,10 +128,10 @@ std::string decode_json(const DecodedBurst& burst, const DecodeReport& report) {
   return fmt::format(
       "{{\"burst\": {}, \"mode\": \"{}\", \"verdict\": \"{}\", \"valid_px\": {}, \"undecided_px\": {},\n"
       " \"rejected_px\": {{{}}},\n \"sigma_um_median\": {:.3f},\n \"diagnostics\": {{{}}},\n"
-      " \"stage_ms\": {{{}}}}}\n",
+      " \"sight\": {{{}}},\n \"stage_ms\": {{{}}}}}\n",
       report.burst, report.mode, name_of(burst.verdict), burst.patch.valid_px,
       burst.counts[static_cast<std::size_t>(PixelReject::kRelative)], rejected, median_sigma_um(burst.patch),
-      diagnostics_json(burst.diagnostics, report.figures), stages);
+      diagnostics_json(burst.diagnostics, report.figures), sight_json(burst.sight), stages);
 }
 
 Result<void> write_decode_maps(const DecodedBurst& burst, const DecodeReport& report, const std::string& folder) {

@@ -37,7 +37,8 @@ Result<void> DecodeStage::step() {
               std::move(decoded.relative),
               motion_of(*item, decoded.diagnostics.rigid),
               decoded.diagnostics.wave_shown,
-              {}};
+              {},
+              decoded.sight};
   out.digests.input = Digest().add(std::span<const std::uint8_t>(item->payload)).value();
   // Normals follow from depth; registration, which uses them, is digested next.
   out.digests.decode = Digest().add(out.patch.depth_mm).add(out.patch.sigma_mm).add(out.patch.texture_dn).value();

@@ -63,7 +63,7 @@ Result<void> FuseStage::step() {
   model_.catch_up(kCatchUp);
   last_view_ = std::make_shared<const ModelView>(model_.view(T_model_cam, patch));
 
-  Fused out{item->result, item->orders, item->motion, item->digests};
+  Fused out{item->result, item->orders, item->motion, item->digests, item->sight};
   out.digests.fuse = Digest()
                          .add(stats.surfels_used)
                          .add(stats.voxels_updated)
@@ -85,6 +85,7 @@ void FuseStage::pass_rejected(const flow::Item<Tracked>& item) {
   last_preview_.burst = item.id;
   last_preview_.placed = true;
   last_preview_.track = TrackState::kLost;
+  last_preview_.rejected = item.rejected;
   preview.emit(flow::make_item<BurstPreview>(head, last_preview_));
 }
 
@@ -96,6 +97,8 @@ std::shared_ptr<const BurstPreview> FuseStage::make_preview(const flow::Item<Tra
   last_preview_.T_model_cam = item->result.T_model_cam;
   last_preview_.segment = item->result.segment;
   last_preview_.undetermined = item->result.undetermined > 0;
+  last_preview_.rejected.clear();
+  last_preview_.sight = sight_.add(item->sight);
   if (item->result.segment == kModelSegment) {
     last_preview_.whole = nullptr;
     last_preview_.T_model_return = item->result.T_model_cam;

@@ -13,6 +13,7 @@
 #include "pipeline/types/mesh.hpp"
 #include "pipeline/types/model_view.hpp"
 #include "pipeline/types/preview.hpp"
+#include "pipeline/types/sight_votes.hpp"
 
 namespace enamel::stage {
 
@@ -61,6 +62,7 @@ class FuseStage final : public flow::Stage {
   std::uint64_t apart_meshed_ = 0;            ///< … SegmentedModel::openings() of it
   std::shared_ptr<const ModelView> last_view_;
   BurstPreview last_preview_;
+  SightVotes sight_;
   int until_preview_ = 0;
 };
 

@@ -10,6 +10,7 @@
 #include "pipeline/types/patch.hpp"
 #include "pipeline/types/probe_motion.hpp"
 #include "pipeline/types/relative_surface.hpp"
+#include "pipeline/types/sight.hpp"
 #include "pipeline/types/track.hpp"
 #include "protocol/types/burst.hpp"
 
@@ -26,6 +27,7 @@ struct Decoded {
   BurstMotion motion;
   std::optional<pipeline::Waveform> wave_shown;  ///< what the burst alone shows of the projector's waveform
   Digests digests;
+  Sight sight;
 };
 
 struct Tracked {
@@ -34,6 +36,7 @@ struct Tracked {
   TrackResult result;
   OrderCheck orders;
   Digests digests;
+  Sight sight;
 };
 
 struct Fused {
@@ -41,6 +44,7 @@ struct Fused {
   OrderCheck orders;
   BurstMotion motion;
   Digests digests;
+  Sight sight;
 };
 
 }  // namespace enamel::stage

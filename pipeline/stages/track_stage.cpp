@@ -26,7 +26,7 @@ Result<void> TrackStage::step() {
   OrderCheck orders;
   std::shared_ptr<const SurfacePatch> completed{decoded.value, &decoded->patch};
   if (view->segment == result.segment) completed = complete(decoded.value, *view, result.T_model_cam, orders);
-  Tracked out{std::move(completed), decoded->motion, result, orders, decoded->digests};
+  Tracked out{std::move(completed), decoded->motion, result, orders, decoded->digests, decoded->sight};
   out.digests.track = Digest()
                           .add(result.T_model_cam)
                           .add(result.rms_mm)

@@ -10,6 +10,7 @@
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/map.hpp"
 #include "pipeline/types/model_snapshot.hpp"
+#include "pipeline/types/sight.hpp"
 #include "pipeline/types/track.hpp"
 #include "protocol/base/append_log.hpp"
 #include "protocol/base/ids.hpp"
@@ -52,6 +53,8 @@ struct BurstPreview {
   double track_overlap = std::numeric_limits<double>::quiet_NaN();  ///< TrackResult::overlap, 0…1; NaN = unknown
   Pose T_model_cam = Pose::Identity();  ///< in the frame of `segment`, at mid-burst; last known when lost
   bool undetermined = false;            ///< neither shape nor texture told the motion: TrackResult::undetermined
+  std::string rejected;                 ///< why this burst was, or empty
+  Sight sight;                          ///< of the newest placed burst, its trouble as the last ones agree on
   SegmentId segment = kModelSegment;    ///< that `T_model_cam` and `model` are of: another than 0 stands apart
   double surface_distance_mm =
       std::numeric_limits<double>::quiet_NaN();   ///< median depth of this burst, NaN = none seen

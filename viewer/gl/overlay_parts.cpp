@@ -62,6 +62,22 @@ std::string distance_words(const OverlayInput& in) {
   return words;
 }
 
+/// A ring where glare or metal is, in the live picture, with its name.
+void draw_trouble(const OverlayInput& in, const Pen& pen, ImVec2 from, ImVec2 to) {
+  const Sight& sight = in.frame->sight;
+  const bool has_place = sight.trouble == SightTrouble::kGlare || sight.trouble == SightTrouble::kMetal;
+  if (!has_place || in.frame->track == TrackState::kLost) return;
+  const ImVec2 at(from.x + (to.x - from.x) * sight.x_px / static_cast<float>(in.live_width),
+                  from.y + (to.y - from.y) * sight.y_px / static_cast<float>(in.live_height));
+  pen.list->AddCircle(at, pen.px(17), packed({0, 0, 0}, 0.7F), 32, pen.px(5));
+  pen.list->AddCircle(at, pen.px(17), packed(kWeak), 32, pen.px(2.2F));
+  const std::string_view name = name_of(sight.trouble);
+  const ImVec2 size = pen.size(pen.fonts->small, name);
+  const float x = std::clamp(at.x - size.x / 2, from.x, to.x - size.x);
+  const bool above = at.y + pen.px(20) + size.y > to.y;
+  pen.text(ImVec2(x, above ? at.y - pen.px(20) - size.y : at.y + pen.px(20)), pen.fonts->small, kText, name);
+}
+
 }  // namespace
 
 void draw_live_corner(const OverlayInput& in, const Pen& pen) {
@@ -79,6 +95,7 @@ void draw_live_corner(const OverlayInput& in, const Pen& pen) {
   if (has_image) {
     pen.list->AddImageRounded(texture_id(in.live_texture), from, to, ImVec2(0, 0), ImVec2(1, 1), IM_COL32_WHITE,
                               pen.px(6));
+    draw_trouble(in, pen, from, to);
   } else {
     pen.list->AddRectFilled(from, to, packed({0.03F, 0.035F, 0.045F}), pen.px(6));
     const ImVec2 words = pen.size(pen.fonts->small, "No live image");

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <string_view>
 
 namespace enamel::view {
 namespace {
@@ -15,6 +17,31 @@ std::string three_digits(double value) {
   return text.data();
 }
 
+/// Of a burst from which no surface came.
+StatusLine rejected_line(std::string_view why) {
+  if (why == "too_fast") return {kBad, "TOO FAST", "Move slower"};
+  if (why == "saturated") return {kBad, "TOO BRIGHT", "Dry here, turn the lamp away, or turn the probe"};
+  if (why == "no_fringes") return {kBad, "NO FRINGES", "Turn the lamp away, wipe the window"};
+  return {kBad, "NO SURFACE", "Hold the probe over a tooth"};
+}
+
+/// What is in the way of a surface that is tracked all the same; nothing where nothing is.
+std::optional<StatusLine> sight_line(SightTrouble trouble) {
+  switch (trouble) {
+    case SightTrouble::kGlare:
+      return StatusLine{kWeak, "GLARE", "Dry here, or turn the probe"};
+    case SightTrouble::kMetal:
+      return StatusLine{kWeak, "METAL", "Turn the probe, or expose twice"};
+    case SightTrouble::kLamp:
+      return StatusLine{kWeak, "OTHER LIGHT", "Turn the lamp away"};
+    case SightTrouble::kFog:
+      return StatusLine{kWeak, "FOGGED", "Warm or wipe the window"};
+    case SightTrouble::kNone:
+      break;
+  }
+  return std::nullopt;
+}
+
 StatusLine tracking_line(const PreviewFrame& frame) {
   if (!frame.placed) {
     return {kIdle, "READY", "Hold the probe over a tooth"};
@@ -24,7 +51,7 @@ StatusLine tracking_line(const PreviewFrame& frame) {
   }
   switch (frame.track) {
     case TrackState::kLost:
-      return {kBad, "NO SURFACE", "Hold the probe over a tooth"};
+      return rejected_line(frame.rejected);
     case TrackState::kRelocalised:
       return {kWeak, "JOINED TO THE MODEL", "Stay here for a moment"};
     case TrackState::kStarted:
@@ -37,7 +64,7 @@ StatusLine tracking_line(const PreviewFrame& frame) {
   if (frame.track_overlap < kWeakOverlap) {  // false for NaN: unknown is not weak
     return {kWeak, "TRACKING WEAK", "Move slower, keep the model in view"};
   }
-  return {kGood, "TRACKING", ""};
+  return sight_line(frame.sight.trouble).value_or(StatusLine{kGood, "TRACKING", ""});
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "pipeline/types/map.hpp"
 #include "pipeline/types/patch.hpp"
 #include "pipeline/types/relative_surface.hpp"
+#include "pipeline/types/sight.hpp"
 
 namespace enamel::pipeline {
 
@@ -65,8 +66,6 @@ struct DecodeDiagnostics {
   float third_rad = 0;              ///< mode M: a1 of the sin 3phi correction that was subtracted
   float code_shift_rad = 0;  ///< mode M: phase by which the code frame alone is off the other three, motion undone
   float code_turn_rad = 0;   ///< mode M: mean angle of the code against its orders
-  double translucent_share = 0;  ///< of measured pixels: contrast so low that light comes back from inside
-  double apparent_depth_mm = 0;  ///< mean of what such pixels were lifted by
   Waveform wave;             ///< of the projector, as it was undone before the code was read; no harmonics: nothing was
   std::optional<Waveform> wave_shown;  ///< what the burst alone shows of it, however weak: to be learned from
   NoiseModel noise;
@@ -90,6 +89,7 @@ struct DecodedBurst {
   /// What is kRelative and large enough for the model to judge. Empty unless accepted; of a pattern without a code also
   /// filled with kNoCode, by three frames: all that such a burst can tell.
   RelativeSurface relative;
+  Sight sight;
   DecodeDiagnostics diagnostics;
 
   [[nodiscard]] bool accepted() const noexcept { return verdict == BurstVerdict::kAccepted; }

@@ -18,9 +18,6 @@ constexpr float kPlasterContrast = 0.92F;
 constexpr float kTranslucent = 0.5F, kOpaque = 0.75F;
 /// k of enamel at a period of 1 mm. derived: M = 0.155, d = 0.106 mm by photon Monte Carlo.
 constexpr float kEnamel_mm = 0.106F * 0.155F / (1 - 0.155F);
-/// Of the apparent depth: one standard deviation of what it is off by. chosen: enamel, dentine and gum differ by 1.4
-/// either way.
-constexpr float kUncertain = 0.35F;
 /// chosen: by judgement. Half the window that contrast is averaged over: the noise of one pixel's would be half of it.
 constexpr int kHalf_px = 2;
 
@@ -88,8 +85,9 @@ struct RowSum {
 
 /// One row: apparent depth to phase by the ray's own slope, where the pixel lies or, while its order is open, at the
 /// middle of the range.
-RowSum undo_row(const RayDepth& rays, const PatternOptics& optics, const RefinedPhase& refined,
-                const std::vector<float>& ratio, std::size_t at, bool correct, PhaseMaps& phase) {
+RowSum undo_row(const SeenPattern& seen, const RefinedPhase& refined, const std::vector<float>& ratio, std::size_t at,
+                bool correct, PhaseMaps& phase) {
+  const RayDepth& rays = seen.rays;
   RowSum sum;
   for (std::size_t u = 0; u < ratio.size(); ++u) {
     const std::size_t i = at + u;
@@ -99,8 +97,8 @@ RowSum undo_row(const RayDepth& rays, const PatternOptics& optics, const Refined
     const float at_rad = placed ? absolute : rays.phase_mid_rad[i];
     const float q = rays.inverse_depth(i, at_rad), slope = rays.inverse_depth_slope(i, at_rad);
     if (!(q > 0)) continue;
-    const float depth_mm = apparent_depth_at_1mm(ratio[u]) * apparent_depth_growth(optics.period_per_mm / q);
-    const float shift_rad = depth_mm * q * q / slope, unsure_rad = kUncertain * shift_rad;
+    const float depth_mm = apparent_depth_at_1mm(ratio[u]) * apparent_depth_growth(seen.optics.period_per_mm / q);
+    const float shift_rad = depth_mm * q * q / slope, unsure_rad = static_cast<float>(kApparentDepthUnsure) * shift_rad;
     if (correct) phase.phase_rad[i] += shift_rad;
     if (correct) phase.sigma_rad[i] = std::sqrt(phase.sigma_rad[i] * phase.sigma_rad[i] + unsure_rad * unsure_rad);
     sum.depth_mm += static_cast<double>(depth_mm), ++sum.count;
@@ -120,20 +118,21 @@ float apparent_depth_growth(float period_mm) noexcept {
   return period_mm * period_mm / std::sqrt(std::sqrt(period_mm));
 }
 
-void undo_translucency(const RayDepth& rays, const PatternOptics& optics, const TranslucencyConfig& config,
-                       const RefinedPhase& refined, DecodeDiagnostics& diagnostics, PhaseMaps& phase) {
-  std::vector<float> ratio(static_cast<std::size_t>(rays.width));
-  ContrastRows contrast(phase, diagnostics.noise.black_dn, optics.contrast);
-  diagnostics.translucent_share = translucent_share(phase, contrast, ratio);
-  diagnostics.apparent_depth_mm = 0;
-  if (diagnostics.translucent_share < config.least_share) return;
+void undo_translucency(const SeenPattern& seen, const TranslucencyConfig& config, const RefinedPhase& refined,
+                       Sight& sight, PhaseMaps& phase) {
+  std::vector<float> ratio(static_cast<std::size_t>(seen.rays.width));
+  ContrastRows contrast(phase, seen.black_dn + sight.veil_dn, seen.optics.contrast);
+  const double share = translucent_share(phase, contrast, ratio);
+  sight.translucent_share = static_cast<float>(share);
+  sight.apparent_depth_mm = 0;
+  if (share < config.least_share) return;
   RowSum all;
-  for (int v = 0; v < rays.height; ++v) {
+  for (int v = 0; v < seen.rays.height; ++v) {
     contrast.row(v, ratio);
-    const RowSum sum = undo_row(rays, optics, refined, ratio, phase.phase_rad.index(0, v), config.correct, phase);
+    const RowSum sum = undo_row(seen, refined, ratio, phase.phase_rad.index(0, v), config.correct, phase);
     all.depth_mm += sum.depth_mm, all.count += sum.count;
   }
-  if (all.count > 0) diagnostics.apparent_depth_mm = all.depth_mm / static_cast<double>(all.count);
+  if (all.count > 0) sight.apparent_depth_mm = static_cast<float>(all.depth_mm / static_cast<double>(all.count));
 }
 
 }  // namespace enamel::pipeline

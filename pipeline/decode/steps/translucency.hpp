@@ -10,9 +10,9 @@
 
 #include "pipeline/decode/phase/noise_model.hpp"
 #include "pipeline/decode/phase/phase.hpp"
-#include "pipeline/decode/steps/decoded_burst.hpp"
 #include "pipeline/decode/steps/refined_phase.hpp"
 #include "pipeline/decode/triangulate/ray_depth.hpp"
+#include "pipeline/types/sight.hpp"
 
 namespace enamel::pipeline {
 
@@ -20,7 +20,7 @@ struct TranslucencyConfig {
   /// Undo the apparent depth. Off: it is told all the same.
   bool correct = true;
   /// Of the measured pixels: fewer that look translucent are edges and slopes of something opaque, where a pixel sees
-  /// more than one phase. chosen: bursts of plaster show up to 0.05, of teeth and gum more than 0.9.
+  /// more than one phase. chosen: bursts of plaster show up to 0.002, of teeth and gum more than 0.9.
   double least_share = 0.15;
 };
 
@@ -30,10 +30,17 @@ struct PatternOptics {
   float period_per_mm{};  ///< the fringes' period on a facing surface, mm, over its distance, mm
 };
 
+struct SeenPattern {
+  const RayDepth& rays;
+  const PatternOptics& optics;
+  float black_dn = 0;  ///< the sensor's
+};
+
 /// Takes the apparent depth off the phase, in place, of pixels that are kNone or kRelative, and adds its uncertainty to
-/// their sigma. Fills diagnostics.translucent_share and apparent_depth_mm.
-void undo_translucency(const RayDepth& rays, const PatternOptics& optics, const TranslucencyConfig& config,
-                       const RefinedPhase& refined, DecodeDiagnostics& diagnostics, PhaseMaps& phase);
+/// their sigma. Of sight, veil_dn is light that no contrast is asked of; fills
+/// translucent_share and apparent_depth_mm.
+void undo_translucency(const SeenPattern& seen, const TranslucencyConfig& config, const RefinedPhase& refined,
+                       Sight& sight, PhaseMaps& phase);
 
 /// Apparent depth, mm, of a surface whose contrast is `ratio` of what was projected, at a period of 1 mm; it grows with
 /// apparent_depth_growth(period). 0 for what is as opaque as plaster.
