@@ -36,11 +36,15 @@ Jaw make_jaw(const JawConfig& config, std::uint64_t seed) {
   jaw.mesh =
       mesh_strip(strip_of(config, jaw.dentition, arch), arch, field.coordinates(),
                  {config.max_edge_mm, JawField::kLipschitz}, [&](const Eigen::Vector3d& p) { return field.value(p); });
+  jaw.mesh.material.resize(jaw.mesh.vertices.size());
   tbb::parallel_for(std::size_t{0}, jaw.mesh.vertices.size(), [&](std::size_t i) {
     const auto sample = field.sample(jaw.mesh.vertices[i].cast<double>());
     constexpr double kStain = 0.22;
     const double tooth = config.enamel_albedo * (1.0 - kStain * sample.groove);
     jaw.mesh.albedo[i] = static_cast<float>(sample.enamel * tooth + (1.0 - sample.enamel) * config.gum_albedo);
+    constexpr double kMostlyTooth = 0.5;
+    const MaterialId id = sample.enamel >= kMostlyTooth ? MaterialId::kEnamel : MaterialId::kGum;
+    jaw.mesh.material[i] = static_cast<std::uint8_t>(id);
   });
   refine_edges(jaw.mesh, config.max_edge_mm);
   return jaw;

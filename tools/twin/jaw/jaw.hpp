@@ -22,7 +22,7 @@ struct JawConfig {
 
 struct Jaw {
   Dentition dentition;
-  TriSurface mesh;  ///< jaw coordinates (path/arch.hpp)
+  TriSurface mesh;  ///< jaw coordinates (path/arch.hpp); material: enamel and gum
 };
 
 [[nodiscard]] Jaw make_jaw(const JawConfig& config, std::uint64_t seed);

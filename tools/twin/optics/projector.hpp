@@ -17,6 +17,7 @@ struct ProjectorConfig {
   double blur_sigma_px = 0.7;       ///< Gaussian at best focus
   double defocus_px_per_mm = 0.25;  ///< added in quadrature: slope * (z_p - focus)
   double focus_mm = 49.0;           ///< in projector coordinates
+  double spread_mm = 0;             ///< widest spread of its light inside a body; 0: bodies scatter at their surface
 };
 
 /// Emission 0…1 of a commanded level, through table and response.
@@ -24,7 +25,9 @@ struct ProjectorConfig {
 
 class ProjectorLight {
  public:
-  ProjectorLight(const calib::PatternLevels& levels, const ProjectorConfig& config, double near_mm, double far_mm);
+  /// spread_px: widest spread inside a body that wide_tap() is asked for; 0: it is not.
+  ProjectorLight(const calib::PatternLevels& levels, const ProjectorConfig& config, double near_mm, double far_mm,
+                 double spread_px = 0);
 
   [[nodiscard]] double sigma2_at(double z_p) const {
     const double d = config_.defocus_px_per_mm * (z_p - config_.focus_mm);
@@ -46,6 +49,9 @@ class ProjectorLight {
     return {ib * stride_ + ix, static_cast<float>(x - static_cast<double>(ix)),
             static_cast<float>(b - static_cast<double>(ib))};
   }
+  /// Emission relative to level 255 in the four frames for any variance up to the spread's and any coordinate; outside
+  /// the frame there is no light but what blurs over its border.
+  [[nodiscard]] std::array<float, 4> blurred(double p, double sigma2) const;
   /// Emission relative to level 255 in frame `frame`.
   [[nodiscard]] float emission(int frame, const Tap& t) const {
     const float* a = tables_[static_cast<std::size_t>(frame)].data() + t.index;
@@ -62,11 +68,23 @@ class ProjectorLight {
   static constexpr double kFine =
       64;  ///< table points a projector pixel: linear interpolation to 1e-5 of the amplitude
   static constexpr double kMargin = 2;  ///< px before the frame
+  static constexpr double kWideFine = 8, kWideMargin = 16;
   ProjectorConfig config_;
   bool axis_v_;
   double sigma2_min_ = 0, bins_per_unit_ = 0, bin_limit_ = 0;
   std::size_t stride_ = 0, bins_ = 0;
   std::array<std::vector<float>, 4> tables_;
+
+  /// Tables of wide blurs: bins in equal ratios of the variance, coarse in place.
+  struct Wide {
+    double sigma2_min = 0, per_log = 0, bin_limit = 0;
+    std::size_t stride = 0, bins = 0;
+    std::vector<std::array<float, 4>> table;  // [bin][place]
+  };
+  void fill_wide(double sigma2_max, const std::array<std::vector<double>, 4>& emission);
+  std::size_t pixels_ = 0;
+  double sigma2_top_ = 0;  // of the fine tables
+  Wide wide_;
 };
 
 }  // namespace enamel::twin

@@ -57,6 +57,13 @@ void BurstRenderer::add_light(const Lanes8& lights, std::size_t x0, std::size_t 
       const float e = shines ? instrument_.light.emission(static_cast<int>(k), tap) : 0.0F;
       sums[k][x0 + i] += lane.weight * static_cast<double>(e) + lane.ambient;
     }
+    for (std::size_t part = 0; part < lane.parts; ++part) {
+      const LightPart& from = lane.part[part];
+      const auto e = instrument_.light.blurred(from.coordinate, static_cast<double>(from.sigma2));
+      for (std::size_t k = frame; k < (all_frames ? 4 : frame + 1); ++k) {
+        sums[k][x0 + i] += static_cast<double>(from.weight * e[k]);
+      }
+    }
   }
 }
 

@@ -2,7 +2,10 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
+
+#include "tools/twin/render/body_light.hpp"
 
 namespace enamel::twin {
 namespace {
@@ -25,6 +28,7 @@ void set_lane(RayPacket& rays, std::size_t i, const Vec3d& origin, const Vec3d& 
 void darken(Lane& lane) {
   lane.lit = false;
   lane.weight = 0;
+  lane.parts = 0;
 }
 
 }  // namespace
@@ -56,6 +60,9 @@ View::View(const Instrument& instrument, const Pose& T_model_cam)
 LightTracer::LightTracer(const Instrument& instrument, const RayScene& scene, const LightConfig& light)
     : instrument_(instrument), scene_(scene), light_(light) {
   constexpr double kReferenceAlbedo = 0.8;
+  const auto& m = scene.surroundings().materials;
+  has_materials_ = !scene.surroundings().mesh.film.empty() ||
+                   std::any_of(m.begin(), m.end(), [](const Material& each) { return !each.is_plain(); });
   gain_ = light.reference_fraction / kReferenceAlbedo * (light.falloff ? light.reference_mm * light.reference_mm : 1.0);
 }
 
@@ -75,12 +82,19 @@ void LightTracer::light(const View& view, const Vec3d& ray_cam, const RayScene::
   lane.faces = lane.lit = s.facet.dot(to_light) > 0;
   if (!lane.lit || cosine <= 0) return;
   lane.weight = gain_ * static_cast<double>(s.albedo) * cosine;
+  double fall = 1;
   if (light_.falloff) {
     const double cp2 = p.z() * p.z() / r2;
     const double cc2 = 1.0 / ray_cam.squaredNorm();
-    lane.weight *= cp2 * cp2 * cc2 * cc2 / r2;
+    fall = cp2 * cp2 * cc2 * cc2 / r2;
+    lane.weight *= fall;
     lane.ambient *= cc2 * cc2;
   }
+  if (!has_materials_) return;
+  const Material& material = scene_.surroundings().materials[s.material];
+  if (material.is_plain() && s.film_mm <= 0) return;
+  const Struck struck{s.t * (view.R_model_cam * ray_cam), p, to_light / r, gain_ * fall};
+  split_light(instrument_, view, struck, {s, material}, lane);
 }
 
 void LightTracer::trace(const View& view, const double* directions, std::size_t n, const Shade* known,

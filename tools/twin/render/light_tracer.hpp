@@ -18,6 +18,15 @@ struct View {
   Vec3d camera, projector, t_proj_cam;  ///< centres in model coordinates
 };
 
+/// A share of a sample's light that shows the pattern elsewhere, or more blurred, than at the point hit.
+struct LightPart {
+  double coordinate = 0;  ///< along the pattern axis, projector px
+  float weight = 0;       ///< full-well fraction at emission 1
+  float sigma2 = 0;       ///< blur, px²
+};
+/// Lobes inside, light of the surface, its mirror light, that of the film.
+inline constexpr std::size_t kMaxParts = kMaxLobes + 3;
+
 /// What one camera ray brings back.
 struct Lane {
   bool hit = false, in_projector = false;
@@ -29,6 +38,8 @@ struct Lane {
   double ambient = 0;   ///< full-well fraction
   double sigma2 = 0;    ///< projector blur, px²
   float albedo = 0;
+  std::uint8_t parts = 0;  ///< of `part` in use: all the light then, and `weight` is 0
+  std::array<LightPart, kMaxParts> part{};
 };
 using Lanes8 = std::array<Lane, kPacket>;
 
@@ -50,6 +61,7 @@ class LightTracer {
   const Instrument& instrument_;
   const RayScene& scene_;
   LightConfig light_;
+  bool has_materials_ = false;
   double gain_ = 0;  ///< full-well fraction per albedo * cos / r^2
 };
 

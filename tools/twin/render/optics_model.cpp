@@ -1,5 +1,7 @@
 #include "tools/twin/render/optics_model.hpp"
 
+#include <algorithm>
+
 namespace enamel::twin {
 namespace {
 
@@ -22,6 +24,9 @@ Instrument::Instrument(const calib::Rig& rig_values, const ProjectorConfig& proj
       T_proj_cam(to_pose(rig_values.T_proj_cam)),
       light(calib::pattern_levels(rig_values), projector_config,
             rig_values.depth_range.value_or(kDepthWhenUnstated).near_mm,
-            rig_values.depth_range.value_or(kDepthWhenUnstated).far_mm) {}
+            rig_values.depth_range.value_or(kDepthWhenUnstated).far_mm,
+            // Nearer bodies are blurred by more pixels: half as many again are kept.
+            1.5 * projector_config.spread_mm * std::max(rig_values.projector.fx, rig_values.projector.fy) /
+                rig_values.depth_range.value_or(kDepthWhenUnstated).near_mm) {}
 
 }  // namespace enamel::twin

@@ -9,6 +9,7 @@
 #include "calib/model/rig.hpp"
 #include "protocol/base/config.hpp"
 #include "tools/twin/jaw/jaw.hpp"
+#include "tools/twin/jaw/mouth.hpp"
 #include "tools/twin/jaw/ridge.hpp"
 #include "tools/twin/jaw/sphere_bar.hpp"
 #include "tools/twin/optics/projector.hpp"
@@ -16,6 +17,7 @@
 #include "tools/twin/render/optics_model.hpp"
 #include "tools/twin/surface/artefacts.hpp"
 #include "tools/twin/surface/dot_board.hpp"
+#include "tools/twin/surface/film.hpp"
 #include "tools/twin/surface/texture.hpp"
 
 namespace enamel::twin {
@@ -45,7 +47,19 @@ struct Effects {
   bool motion = true;    ///< off: the probe stands still during a burst, at its mid-burst pose
   bool exposure = true;  ///< off: an exposure is an instant, in its middle
   bool tremor = true, shot_noise = true, read_noise = true;
-  bool adc = true;  ///< off: 16-bit samples, 256 to one step of the rig's converter
+  bool adc = true;           ///< off: 16-bit samples, 256 to one step of the rig's converter
+  bool translucency = true;  ///< off: all light returns from the surface
+  bool gloss = true;         ///< off: no mirror light of the solid surface
+  bool film = true;          ///< off: dry
+};
+
+/// What a body is made of.
+struct LookConfig {
+  int material = 0;  ///< MaterialId of the whole body, or kMouth
+  static constexpr int kMouth = static_cast<int>(kMaterials);
+  MaterialTable materials = default_materials();
+  MouthConfig mouth;
+  FilmConfig film;
 };
 
 struct SceneConfig {
@@ -56,6 +70,7 @@ struct SceneConfig {
   ProjectorConfig projector;
   double psf_sigma_px = 0.6;
   TextureConfig texture;
+  LookConfig look;
   double temp_c = 32.0;
   RenderConfig render;
   ObjectKind object = ObjectKind::kPlane;
@@ -93,7 +108,8 @@ void bind_scene(ConfigReader& reader, SceneConfig& config);
 /// Body in model coordinates, texture applied. Errors of mesh files.
 struct Body {
   Surroundings surroundings;
-  ArchShape arch;  ///< of a jaw or ridge
+  ArchShape arch;       ///< of a jaw or ridge
+  Dentition dentition;  ///< of a jaw
   std::string description_json;
   std::string certificate_json;  ///< of the known artefact; empty without one
 };

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "tools/twin/scene/looks.hpp"
 #include "tools/twin/scene/scene.hpp"
 #include "tools/twin/surface/mesh_file.hpp"
 
@@ -15,7 +16,7 @@ SortedJson describe(const Ball& b) {
 
 Body make_jaw_body(const SceneConfig& config, SortedJson& objects) {
   Body body;
-  Jaw jaw = make_jaw(config.jaw, config.seed);
+  Jaw jaw = make_jaw(jaw_of_look(config), config.seed);
   body.arch = jaw.dentition.shape;
   SortedJson teeth = SortedJson::array();
   for (const auto& t : jaw.dentition.teeth) {
@@ -31,6 +32,7 @@ Body make_jaw_body(const SceneConfig& config, SortedJson& objects) {
                      {"arch", {body.arch.half_width_mm, body.arch.depth_mm, body.arch.exponent}},
                      {"teeth", teeth}});
   body.surroundings.mesh = std::move(jaw.mesh);
+  body.dentition = std::move(jaw.dentition);
   return body;
 }
 
@@ -63,6 +65,7 @@ ProjectorConfig effective_projector(const SceneConfig& c) {
   p.round_levels = c.effects.round_levels;
   if (!c.effects.gamma) p.gamma = p.lut_gamma = 1.0;
   if (!c.effects.defocus) p.defocus_px_per_mm = 0;
+  p.spread_mm = widest_spread_mm(effective_materials(c));
   return p;
 }
 
@@ -121,11 +124,13 @@ Result<Body> make_body(const SceneConfig& config) {
       break;
     }
   }
+  apply_look(config, body);
   if (config.effects.texture && config.object != ObjectKind::kBoard) {
     apply_texture(body.surroundings.mesh, config.texture, config.seed);
   }
   add_bar(config, body, objects);
-  const SortedJson scene{{"frame", "model"}, {"units", "mm"}, {"seed", config.seed}, {"objects", objects}};
+  SortedJson scene{{"frame", "model"}, {"units", "mm"}, {"seed", config.seed}, {"objects", objects}};
+  describe_look(config, body, scene);
   body.description_json = scene.dump(1) + "\n";
   return body;
 }

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "tools/twin/scene/look_keys.hpp"
 #include "tools/twin/scene/path_keys.hpp"
 #include "tools/twin/scene/scene.hpp"
 
@@ -36,6 +37,9 @@ void bind_effects(ConfigReader r, Effects& e) {
   r.bind("shot_noise", e.shot_noise, "photon noise");
   r.bind("read_noise", e.read_noise, "noise of the read-out");
   r.bind("adc", e.adc, "rounding to the rig's bits; off: 16-bit samples, 256 to one step");
+  r.bind("translucency", e.translucency, "light inside the materials; off: all of it returns from the surface");
+  r.bind("gloss", e.gloss, "mirror light of the materials");
+  r.bind("film", e.film, "saliva; off: dry");
 }
 
 void bind_timing(ConfigReader r, TimingConfig& t) {
@@ -162,6 +166,7 @@ void bind_scene(ConfigReader& reader, SceneConfig& config) {
   bind_projector(reader.table("projector"), config.projector);
   bind_render(reader, config);
   bind_object(reader.table("object"), config);
+  bind_look(reader, config);
   bind_bar(reader.table("artefact"), config.bar);
   bind_board(reader.table("board"), config.board);
   bind_calibration(reader.table("calibration"), config.calibration);

@@ -19,7 +19,24 @@ constexpr unsigned kBallGeometry = 1;
 struct alignas(32) ShadeVertex {
   Vec3f position, normal;
   float albedo;
+  std::uint16_t film;  // thickness in kFilmStepMm
+  std::uint8_t level;  // 255: level
+  std::uint8_t material;
 };
+static_assert(sizeof(ShadeVertex) == 32);
+constexpr float kFilmStepMm = 1e-4F;  // 6.5 mm at most
+constexpr float kLevelSteps = 255;
+
+ShadeVertex shade_vertex(const TriSurface& mesh, std::size_t i) {
+  ShadeVertex v{mesh.vertices[i], mesh.normals[i], mesh.albedo[i], 0, 0, 0};
+  if (!mesh.material.empty()) v.material = mesh.material[i];
+  if (!mesh.film.empty()) {
+    constexpr float kMost = 65535;
+    v.film = static_cast<std::uint16_t>(std::lround(std::clamp(mesh.film[i].thickness_mm / kFilmStepMm, 0.0F, kMost)));
+    v.level = static_cast<std::uint8_t>(std::lround(kLevelSteps * std::clamp(mesh.film[i].level, 0.0F, 1.0F)));
+  }
+  return v;
+}
 
 void copy(const Lanes& from, float* to) { std::memcpy(to, from.data(), sizeof(Lanes)); }
 
@@ -63,7 +80,7 @@ struct RayScene::Backend {
     if (mesh.triangles.empty()) return;
     vertices.reserve(mesh.vertices.size());
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-      vertices.push_back({mesh.vertices[i], mesh.normals[i], mesh.albedo[i]});
+      vertices.push_back(shade_vertex(mesh, i));
     }
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -145,6 +162,7 @@ bool RayScene::resolve(const HitPacket& hits, std::size_t i, const Vec3d& origin
     out.facet = (oc + out.t * direction) / ball.radius;
     out.normal = out.facet;
     out.albedo = ball.albedo;
+    out.material = ball.material;
     return true;
   }
   const auto& t = surroundings_.mesh.triangles[hits.index[i]];
@@ -160,6 +178,15 @@ bool RayScene::resolve(const HitPacket& hits, std::size_t i, const Vec3d& origin
   const Vec3f s = w * v0.normal + u * v1.normal + v * v2.normal;
   out.normal = s.cast<double>() / static_cast<double>(s.norm());
   out.albedo = w * v0.albedo + u * v1.albedo + v * v2.albedo;
+  // Materials meet at the middle between vertices.
+  out.material = (w >= u && w >= v ? v0 : (u >= v ? v1 : v2)).material;
+  if ((v0.film | v1.film | v2.film) != 0) {
+    const auto mixed = [&](auto a0, auto a1, auto a2) {
+      return w * static_cast<float>(a0) + u * static_cast<float>(a1) + v * static_cast<float>(a2);
+    };
+    out.film_mm = kFilmStepMm * mixed(v0.film, v1.film, v2.film);
+    out.level = mixed(v0.level, v1.level, v2.level) / kLevelSteps;
+  }
   if (surroundings_.print) out.albedo = surroundings_.print->albedo(origin + out.t * direction);
   return true;
 }

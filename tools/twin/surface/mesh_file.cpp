@@ -160,6 +160,7 @@ std::string write_ply(const TriSurface& mesh, std::span<const std::uint8_t> seen
   std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
                     "\nproperty float x\nproperty float y\nproperty float z\n";
   if (!seen.empty()) out += "property uchar seen\n";
+  if (!mesh.material.empty()) out += "property uchar material\n";
   out += "element face " + std::to_string(mesh.triangles.size()) +
          "\nproperty list uchar int vertex_indices\nend_header\n";
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -167,6 +168,7 @@ std::string write_ply(const TriSurface& mesh, std::span<const std::uint8_t> seen
     std::memcpy(v.data(), mesh.vertices[i].data(), v.size());
     out.append(v.data(), v.size());
     if (!seen.empty()) out.push_back(static_cast<char>(seen[i]));
+    if (!mesh.material.empty()) out.push_back(static_cast<char>(mesh.material[i]));
   }
   for (const auto& t : mesh.triangles) {
     std::array<char, 13> f{};

@@ -48,6 +48,9 @@ class RayScene {
     Vec3d facet = Vec3d::Zero();   ///< geometric normal, unit, outwards
     Vec3d normal = Vec3d::Zero();  ///< interpolated, unit
     float albedo = 0;
+    float film_mm = 0;          ///< saliva over the point
+    float level = 0;            ///< Film::level
+    std::uint8_t material = 0;  ///< MaterialId
   };
   /// The hit of lane i, with origin and direction in double. False when the surface is met from behind.
   [[nodiscard]] bool resolve(const HitPacket& hits, std::size_t i, const Vec3d& origin, const Vec3d& direction,

@@ -56,6 +56,7 @@ class EdgeSplitter {
       surface_.normals.emplace_back((surface_.normals[e.a] + surface_.normals[e.b]).normalized());
     }
     if (!surface_.albedo.empty()) surface_.albedo.push_back(0.5F * (surface_.albedo[e.a] + surface_.albedo[e.b]));
+    if (!surface_.material.empty()) surface_.material.push_back(surface_.material[e.a]);
   }
 
   [[nodiscard]] std::int64_t midpoint(std::uint32_t a, std::uint32_t b) const {
@@ -159,11 +160,31 @@ std::size_t smooth_folds(TriSurface& surface) {
   }
 }
 
+namespace {
+
+/// Materials and film of `extra` behind those of `surface`, whose first `count` vertices may have none.
+void append_looks(TriSurface& surface, const TriSurface& extra, std::size_t count) {
+  const std::size_t all = surface.vertices.size();
+  if (!surface.material.empty() || !extra.material.empty()) {
+    surface.material.resize(count, 0);
+    surface.material.insert(surface.material.end(), extra.material.begin(), extra.material.end());
+    surface.material.resize(all, 0);
+  }
+  if (!surface.film.empty() || !extra.film.empty()) {
+    surface.film.resize(count);
+    surface.film.insert(surface.film.end(), extra.film.begin(), extra.film.end());
+    surface.film.resize(all);
+  }
+}
+
+}  // namespace
+
 void append(TriSurface& surface, const TriSurface& extra) {
   const auto offset = static_cast<std::uint32_t>(surface.vertices.size());
   surface.vertices.insert(surface.vertices.end(), extra.vertices.begin(), extra.vertices.end());
   surface.normals.insert(surface.normals.end(), extra.normals.begin(), extra.normals.end());
   surface.albedo.insert(surface.albedo.end(), extra.albedo.begin(), extra.albedo.end());
+  append_looks(surface, extra, offset);
   for (const auto& t : extra.triangles) surface.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
 }
 
@@ -179,6 +200,7 @@ TriSurface tessellate(const Ball& ball, double edge_mm) {
   }
   out.normals = out.vertices;
   out.albedo.assign(out.vertices.size(), ball.albedo);
+  if (ball.material != 0) out.material.assign(out.vertices.size(), ball.material);
   for (auto& v : out.vertices) v = (v.cast<double>().normalized() * ball.radius + ball.centre).cast<float>();
   return out;
 }

@@ -8,17 +8,26 @@
 #include <vector>
 
 #include "tools/twin/surface/dot_print.hpp"
+#include "tools/twin/surface/material.hpp"
 
 namespace enamel::twin {
 
 using Vec3f = Eigen::Vector3f;
 using Vec3d = Eigen::Vector3d;
 
+/// Saliva over a place.
+struct Film {
+  float thickness_mm = 0;
+  float level = 0;  ///< 1: its upper side lies level (a pool), 0: it follows the surface
+};
+
 /// Triangles wind counter-clockwise seen from outside. normals and albedo have one entry a vertex.
 struct TriSurface {
   std::vector<Vec3f> vertices;
-  std::vector<Vec3f> normals;  ///< unit, outwards: shading only, geometry is the flat facet
-  std::vector<float> albedo;   ///< Lambert reflectance 0…1, texture included
+  std::vector<Vec3f> normals;            ///< unit, outwards: shading only, geometry is the flat facet
+  std::vector<float> albedo;             ///< diffuse reflectance 0…1, texture included
+  std::vector<std::uint8_t> material{};  ///< MaterialId; empty: plaster
+  std::vector<Film> film{};              ///< empty: dry
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
@@ -26,6 +35,7 @@ struct Ball {
   Vec3d centre = Vec3d::Zero();
   double radius = 1;
   float albedo = 0.8F;
+  std::uint8_t material = 0;  ///< MaterialId
 };
 
 /// What stands before the probe.
@@ -33,6 +43,7 @@ struct Surroundings {
   TriSurface mesh;
   std::vector<Ball> balls;          ///< traced as exact spheres
   std::optional<DotPrint> print{};  ///< overrides the mesh's albedo
+  MaterialTable materials{};        ///< by MaterialId
 };
 
 /// Area-weighted vertex normals from the facets.
