@@ -19,6 +19,18 @@ std::string poses_row(const BurstTruth& truth) {
                      t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
 }
 
+std::string movers_header() { return "burst_id,mover,kind,seen_px,seen_share\n"; }
+
+std::string movers_rows(const BurstTruth& truth, const std::vector<MoverConfig>& movers) {
+  std::string out;
+  for (const auto& m : truth.movers) {
+    const double share = static_cast<double>(m.seen_px) / static_cast<double>(truth.maps.mover.size());
+    out += fmt::format("{},{},{},{},{:.5f}\n", truth.burst_index, m.index, name_of(movers[m.index].kind), m.seen_px,
+                       share);
+  }
+  return out;
+}
+
 std::string pfm(const std::vector<float>& values, int width, int height) {
   std::string out = fmt::format("Pf\n{} {}\n-1.0\n", width, height);
   const std::size_t header = out.size(), row = static_cast<std::size_t>(width) * sizeof(float);

@@ -1,5 +1,6 @@
 #include "tools/twin/twin_source.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -36,6 +37,7 @@ struct TwinSource::Impl {
   SensorConfig sensor;
   Tremor tremor;
   std::unique_ptr<Trajectory> path;
+  MoverStage movers;
   std::string scene_json, certificate_json;
   std::uint64_t total = 0, next = 0;
   BurstTruth truth;
@@ -50,14 +52,62 @@ struct TwinSource::Impl {
         sensor(effective_sensor(c, *rig.noise)),
         tremor(effective_tremor(c), c.seed),
         path(make_path(c, body.arch)),
+        movers(c.effects.movers ? c.movers : std::vector<MoverConfig>{}, c.seed, scene, *path, scan_s()),
         scene_json(std::move(body.description_json)),
         certificate_json(std::move(body.certificate_json)) {
-    total = static_cast<std::uint64_t>(c.timing.bursts > 0 ? c.timing.bursts : path->bursts());
+    total = bursts();
+  }
+
+  [[nodiscard]] std::uint64_t bursts() const {
+    return static_cast<std::uint64_t>(config.timing.bursts > 0 ? config.timing.bursts : path->bursts());
+  }
+  /// From the start of the hand's way to the last burst.
+  [[nodiscard]] double scan_s() const {
+    return static_cast<double>(path->slot(bursts())) / config.timing.burst_rate_hz;
   }
 
   [[nodiscard]] Pose pose_at(double device_s) const {
     const double t = device_s - config.timing.start_s;
     return path->pose_at(t) * tremor.displacement(t);
+  }
+
+  /// Seconds of the scan; what the effects leave of them.
+  [[nodiscard]] BurstInstants instants(std::uint64_t n) const {
+    const std::uint64_t slot = path->slot(n);
+    const int count = config.render.grid * config.render.grid;
+    const double start_s = config.timing.start_s;
+    BurstInstants out;
+    out.mid = 1e-9 * static_cast<double>(mid_burst_ns(config.timing, slot)) - start_s;
+    for (int k = 0; k < 4; ++k) {
+      const double start = 1e-9 * static_cast<double>(exposure_start_ns(config.timing, slot, k)) - start_s;
+      for (int i = 0; i < count; ++i) {
+        const double share = config.effects.exposure ? (i + 0.5) / count : 0.5;
+        const double at = config.effects.motion ? start + share * 1e-3 * config.timing.exposure_ms : out.mid;
+        out.frames[static_cast<std::size_t>(k)].push_back(at);
+      }
+    }
+    return out;
+  }
+
+  [[nodiscard]] Passing passing(std::uint64_t n) const {
+    Passing out;
+    out.guests = movers.at(instants(n));
+    for (int k = 0; k < 4; ++k) {
+      const double start = 1e-9 * static_cast<double>(exposure_start_ns(config.timing, path->slot(n), k));
+      out.lamp[static_cast<std::size_t>(k)] =
+          lamp_factor(config.render.light.lamp, start, 1e-3 * config.timing.exposure_ms);
+    }
+    return out;
+  }
+
+  [[nodiscard]] std::array<std::vector<float>, 4> light(const BurstPoses& poses, std::uint64_t n,
+                                                        const Passing& passing) const {
+    auto out = renderer.render(poses, passing);
+    const auto& camera = instrument.rig.camera;
+    const double fog = config.effects.fog ? fog_at(config.fog, instants(n).mid, config.seed) : 0.0;
+    apply_fog(config.fog, fog, camera.width, camera.height, out);
+    for (auto& image : out) apply_psf(image, camera.width, camera.height, sensor.psf_sigma_px);
+    return out;
   }
 };
 
@@ -117,17 +167,15 @@ BurstPoses TwinSource::poses(std::uint64_t n) const {
 }
 
 std::array<std::vector<float>, 4> TwinSource::mean_light(std::uint64_t n) const {
-  auto light = impl_->renderer.render(poses(n));
-  const auto& camera = impl_->instrument.rig.camera;
-  for (auto& image : light) apply_psf(image, camera.width, camera.height, impl_->sensor.psf_sigma_px);
-  return light;
+  return impl_->light(poses(n), n, impl_->passing(n));
 }
 
 Result<std::optional<fw::SimBurst>> TwinSource::next() {
   Impl& m = *impl_;
   if (m.next >= m.total) return std::optional<fw::SimBurst>();
   const std::uint64_t n = m.next++;
-  auto light = mean_light(n);
+  const Passing passing = m.passing(n);
+  auto light = m.light(poses(n), n, passing);
   fw::SimBurst burst;
   burst.burst_index = n;
   burst.exposure_us = static_cast<std::uint32_t>(std::lround(1e3 * exposure_ms(m.config.timing, n)));
@@ -147,7 +195,12 @@ Result<std::optional<fw::SimBurst>> TwinSource::next() {
   m.truth.burst_index = n;
   m.truth.t_mid_ns = t_mid_ns(n);
   m.truth.T_model_cam = poses(n).mid;
-  m.truth.maps = m.renderer.truth(m.truth.T_model_cam);
+  m.truth.maps = m.renderer.truth(m.truth.T_model_cam, passing.guests.mid);
+  m.truth.movers.clear();
+  for (std::size_t g = 0; g < passing.guests.movers.size(); ++g) {
+    const auto seen = std::ranges::count(m.truth.maps.mover, static_cast<std::uint8_t>(g + 1));
+    m.truth.movers.push_back({passing.guests.movers[g], static_cast<std::size_t>(seen)});
+  }
   m.seen.add(m.truth.T_model_cam, m.truth.maps);
   return std::optional<fw::SimBurst>(std::move(burst));
 }

@@ -19,6 +19,11 @@ struct BurstTruth {
   std::int64_t t_mid_ns = 0;
   Pose T_model_cam = Pose::Identity();  ///< at t_mid_ns
   TruthMaps maps;
+  struct Mover {
+    std::size_t index;    ///< in SceneConfig::movers
+    std::size_t seen_px;  ///< pixels whose middle shows it
+  };
+  std::vector<Mover> movers;  ///< that were there
 };
 
 /// Renders burst after burst, with as many threads as TBB's arena has; the images depend on scene, rig and seed only.

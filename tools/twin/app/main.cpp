@@ -59,7 +59,10 @@ Result<void> write_maps(twin::RenderSink& sink, const twin::BurstTruth& truth, i
   ENAMEL_TRY_ASSIGN(const std::string lit, png(truth.maps.lit, width, height));
   ENAMEL_TRY(sink.file("truth/lit_" + id + ".png", lit));
   ENAMEL_TRY_ASSIGN(const std::string order, png(truth.maps.order, width, height));
-  return sink.file("truth/order_" + id + ".png", order);
+  ENAMEL_TRY(sink.file("truth/order_" + id + ".png", order));
+  if (truth.movers.empty()) return {};
+  ENAMEL_TRY_ASSIGN(const std::string mover, png(truth.maps.mover, width, height));
+  return sink.file("truth/mover_" + id + ".png", mover);
 }
 
 Result<twin::SceneConfig> scene_of(const Options& o) {
@@ -80,18 +83,20 @@ Result<void> render(const Options& o) {
   ENAMEL_TRY_ASSIGN(const auto sink, twin::open_sink(o.out, source->rig_text()));
   const std::uint64_t total = source->count().value_or(0);
   enamel::Progress progress(clock, "render bursts", total);
-  std::string poses = twin::poses_header();
+  std::string poses = twin::poses_header(), movers = twin::movers_header();
   for (std::uint64_t n = 0; n < total; ++n) {
     ENAMEL_TRY_ASSIGN(const auto burst, source->next());
     if (!burst) break;
     ENAMEL_TRY(sink->burst(twin::to_message(*burst, source->rig().crc32)));
     poses += twin::poses_row(source->truth());
+    movers += twin::movers_rows(source->truth(), scene.movers);
     if (o.truth_maps) ENAMEL_TRY(write_maps(*sink, source->truth(), burst->width, burst->height));
     progress.advance();
   }
   progress.finish();
   ENAMEL_TRY(sink->file("truth/poses.csv", poses));
   ENAMEL_TRY(sink->file("truth/surface.ply", twin::write_ply(source->surface(), source->seen())));
+  if (!scene.movers.empty()) ENAMEL_TRY(sink->file("truth/movers.csv", movers));
   ENAMEL_TRY(sink->file("truth/scene.json", source->scene_json()));
   if (!source->certificate_json().empty()) ENAMEL_TRY(sink->file("artefact.json", source->certificate_json()));
   ENAMEL_TRY(sink->finish());

@@ -45,17 +45,17 @@ BurstRenderer::BurstRenderer(const Instrument& instrument, const RayScene& scene
   centres_ = ray_table(instrument.camera, width_, height_, {0.0}, {0.0});
 }
 
-void BurstRenderer::add_light(const Lanes8& lights, std::size_t x0, std::size_t frame, bool all_frames,
-                              RowSums& sums) const {
+void BurstRenderer::add_light(const Lanes8& lights, std::size_t x0, const Frames& frames, RowSums& sums) const {
   const std::size_t n = std::min(kPacket, sums[0].size() - x0);
   for (std::size_t i = 0; i < n; ++i) {
     const Lane& lane = lights[i];
     if (!lane.hit) continue;
     const bool shines = lane.weight > 0;
     const auto tap = shines ? instrument_.light.tap(axis_coordinate(lane), lane.sigma2) : ProjectorLight::Tap{};
-    for (std::size_t k = frame; k < (all_frames ? 4 : frame + 1); ++k) {
+    for (std::size_t k = frames.first; k < frames.end; ++k) {
       const float e = shines ? instrument_.light.emission(static_cast<int>(k), tap) : 0.0F;
       sums[k][x0 + i] += lane.weight * static_cast<double>(e) + lane.ambient;
+      if (lane.lamp > 0) sums[k][x0 + i] += lane.lamp * frames.lamp[k];
     }
     for (std::size_t part = 0; part < lane.parts; ++part) {
       const LightPart& from = lane.part[part];
@@ -80,9 +80,12 @@ void BurstRenderer::agree(const std::array<std::vector<Shade>, 2>& outer, std::v
   }
 }
 
-void BurstRenderer::render_row(const std::vector<View>& views, bool is_static, int y, RowSums& sums) const {
+/// views: one an instant, of four frames or, where nothing moves, of one for all.
+void BurstRenderer::render_row(const std::vector<View>& views, const std::array<double, 4>& lamp, int y,
+                               RowSums& sums) const {
   const std::size_t samples = pattern_.dx.size(), w = static_cast<std::size_t>(width_);
   for (auto& s : sums) s.assign(w, 0.0);
+  const bool is_static = views.size() == samples;
   std::array<std::vector<Shade>, 2> outer{std::vector<Shade>(w), std::vector<Shade>(w)};
   std::vector<Shade> known(w, Shade::kUnknown);
   Lanes8 lights;
@@ -96,7 +99,7 @@ void BurstRenderer::render_row(const std::vector<View>& views, bool is_static, i
       for (int x0 = 0; x0 < width_; x0 += static_cast<int>(kPacket)) {
         const auto at = static_cast<std::size_t>(x0);
         tracer_.trace(view, d + 2 * at, std::min(kPacket, w - at), reuse ? known.data() + at : nullptr, lights);
-        add_light(lights, at, frame, is_static, sums);
+        add_light(lights, at, {frame, is_static ? 4 : frame + 1, lamp}, sums);
         for (std::size_t i = 0; s < 2 && i < std::min(kPacket, w - at); ++i) {
           const Lane& lane = lights[i];
           outer[s][at + i] = !lane.faces ? Shade::kUnknown : (lane.lit ? Shade::kLit : Shade::kDark);
@@ -106,12 +109,14 @@ void BurstRenderer::render_row(const std::vector<View>& views, bool is_static, i
   }
 }
 
-std::array<std::vector<float>, 4> BurstRenderer::render(const BurstPoses& poses) const {
+std::array<std::vector<float>, 4> BurstRenderer::render(const BurstPoses& poses, const Passing& passing) const {
   const std::size_t samples = pattern_.dx.size(), w = static_cast<std::size_t>(width_);
   std::vector<View> views;
-  for (std::size_t k = 0; k < (poses.is_static ? 1 : 4); ++k) {
+  const bool is_static = poses.is_static && passing.guests.mid.empty();
+  for (std::size_t k = 0; k < (is_static ? 1 : 4); ++k) {
     for (std::size_t i = 0; i < samples; ++i) {
-      views.emplace_back(instrument_, poses.is_static ? poses.mid : poses.frames[k][i]);
+      views.emplace_back(instrument_, is_static ? poses.mid : poses.frames[k][i]);
+      if (!passing.guests.mid.empty()) views.back().guests = passing.guests.frames[k][i];
     }
   }
   std::array<std::vector<float>, 4> out;
@@ -119,7 +124,7 @@ std::array<std::vector<float>, 4> BurstRenderer::render(const BurstPoses& poses)
   tbb::parallel_for(tbb::blocked_range<int>(0, height_, kRowsPerTask), [&](const auto& range) {
     RowSums sums;
     for (int y = range.begin(); y < range.end(); ++y) {
-      render_row(views, poses.is_static, y, sums);
+      render_row(views, passing.lamp, y, sums);
       for (std::size_t k = 0; k < 4; ++k) {
         float* row = out[k].data() + static_cast<std::size_t>(y) * w;
         for (std::size_t x = 0; x < w; ++x) row[x] = static_cast<float>(sums[k][x] / static_cast<double>(samples));
@@ -142,19 +147,22 @@ void BurstRenderer::truth_row(const View& view, int y, TruthMaps& maps) const {
       const std::size_t at = static_cast<std::size_t>(y) * w + static_cast<std::size_t>(x0) + i;
       maps.depth[at] = lane.hit ? static_cast<float>(lane.z) : std::numeric_limits<float>::quiet_NaN();
       maps.lit[at] = lane.lit ? 255 : 0;
+      maps.mover[at] = lane.guest;
       const double order = std::floor(axis_coordinate(lane) / instrument_.rig.patterns.period_px);
       maps.order[at] = static_cast<std::uint8_t>(lane.in_projector ? std::clamp(order, 0.0, kNoOrder) : kNoOrder);
     }
   }
 }
 
-TruthMaps BurstRenderer::truth(const Pose& T_model_cam) const {
-  const View view(instrument_, T_model_cam);
+TruthMaps BurstRenderer::truth(const Pose& T_model_cam, const Guests& guests) const {
+  View view(instrument_, T_model_cam);
+  view.guests = guests;
   TruthMaps maps;
   const std::size_t n = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   maps.depth.resize(n);
   maps.lit.resize(n);
   maps.order.resize(n);
+  maps.mover.resize(n);
   tbb::parallel_for(tbb::blocked_range<int>(0, height_, kRowsPerTask), [&](const auto& range) {
     for (int y = range.begin(); y < range.end(); ++y) truth_row(view, y, maps);
   });

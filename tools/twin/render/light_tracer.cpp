@@ -108,14 +108,17 @@ void LightTracer::trace(const View& view, const double* directions, std::size_t 
     ray_model[i] = view.R_model_cam * ray_cam[i];
     set_lane(rays, i, view.camera, ray_model[i], kNearMm, kFarMm);
   }
-  scene_.intersect(rays, hits);
+  const SceneAt scene(scene_, view.guests);
+  scene.intersect(rays, hits);
   RayPacket shadows;
   bool any = false;
   for (std::size_t i = 0; i < n; ++i) {
     lanes[i] = Lane{};
     RayScene::Surfel s;
-    if (hits.kind[i] == HitKind::kNone || !scene_.resolve(hits, i, view.camera, ray_model[i], s)) continue;
+    if (hits.kind[i] == HitKind::kNone || !scene.resolve(hits, i, view.camera, ray_model[i], s)) continue;
     light(view, ray_cam[i], s, lanes[i]);
+    lanes[i].guest = hits.guest[i];
+    lanes[i].lamp = lamp_light(light_.lamp, s.normal, s.albedo);
     if (!lanes[i].lit || !light_.shadow) continue;
     if (known != nullptr && known[i] != Shade::kUnknown) {
       if (known[i] == Shade::kDark) darken(lanes[i]);
@@ -128,7 +131,7 @@ void LightTracer::trace(const View& view, const double* directions, std::size_t 
   }
   if (!any) return;
   std::array<bool, kPacket> blocked{};
-  scene_.occluded(shadows, blocked);
+  scene.occluded(shadows, blocked);
   for (std::size_t i = 0; i < n; ++i) {
     if (blocked[i]) darken(lanes[i]);
   }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tools/twin/render/optics_model.hpp"
-#include "tools/twin/surface/ray_scene.hpp"
+#include "tools/twin/surface/scene_at.hpp"
 
 namespace enamel::twin {
 
@@ -16,6 +16,7 @@ struct View {
   View(const Instrument& instrument, const Pose& T_model_cam);
   Eigen::Matrix3d R_model_cam, R_proj_cam;
   Vec3d camera, projector, t_proj_cam;  ///< centres in model coordinates
+  std::span<const Guest> guests;        ///< what else stands there at that instant
 };
 
 /// A share of a sample's light that shows the pattern elsewhere, or more blurred, than at the point hit.
@@ -40,6 +41,8 @@ struct Lane {
   float albedo = 0;
   std::uint8_t parts = 0;  ///< of `part` in use: all the light then, and `weight` is 0
   std::array<LightPart, kMaxParts> part{};
+  double lamp = 0;         ///< full-well fraction of the lamp's light, flicker apart
+  std::uint8_t guest = 0;  ///< 0: the mouth; else the guest's index + 1
 };
 using Lanes8 = std::array<Lane, kPacket>;
 

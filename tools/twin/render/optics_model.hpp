@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calib/model/rig.hpp"
+#include "tools/twin/optics/lamp.hpp"
 #include "tools/twin/optics/lens.hpp"
 #include "tools/twin/optics/projector.hpp"
 #include "tools/twin/optics/sensor.hpp"
@@ -20,6 +21,7 @@ struct LightConfig {
   double ambient = 0.01;            ///< added radiance, times albedo, relative to full well
   double reference_mm = 44;         ///< level 255 on albedo 0.8 facing the probe at this distance …
   double reference_fraction = 0.8;  ///< … fills this part of the full well
+  LampConfig lamp;
 };
 
 struct RenderConfig {

@@ -12,6 +12,8 @@
 #include "tools/twin/jaw/mouth.hpp"
 #include "tools/twin/jaw/ridge.hpp"
 #include "tools/twin/jaw/sphere_bar.hpp"
+#include "tools/twin/movers/mover_config.hpp"
+#include "tools/twin/optics/fog.hpp"
 #include "tools/twin/optics/projector.hpp"
 #include "tools/twin/path/trajectory.hpp"
 #include "tools/twin/render/optics_model.hpp"
@@ -51,6 +53,7 @@ struct Effects {
   bool translucency = true;  ///< off: all light returns from the surface
   bool gloss = true;         ///< off: no mirror light of the solid surface
   bool film = true;          ///< off: dry
+  bool movers = true, fog = true, lamp = true;
 };
 
 /// What a body is made of.
@@ -83,6 +86,8 @@ struct SceneConfig {
   FileObjectConfig file;
   DotBoardConfig board;
   CalibrationConfig calibration;
+  std::vector<MoverConfig> movers;
+  FogConfig fog;
   PathKind path = PathKind::kViews;
   std::vector<ViewConfig> views;
   ArchPathConfig arch_path;

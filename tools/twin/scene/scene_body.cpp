@@ -74,6 +74,7 @@ RenderConfig effective_render(const SceneConfig& c) {
   r.light.falloff = c.effects.falloff;
   r.light.shadow = c.effects.shadow;
   if (!c.effects.ambient) r.light.ambient = 0;
+  if (!c.effects.lamp) r.light.lamp.strength = 0;
   return r;
 }
 

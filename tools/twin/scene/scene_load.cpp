@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "tools/twin/scene/look_keys.hpp"
+#include "tools/twin/scene/passing_keys.hpp"
 #include "tools/twin/scene/path_keys.hpp"
 #include "tools/twin/scene/scene.hpp"
 
@@ -40,6 +41,9 @@ void bind_effects(ConfigReader r, Effects& e) {
   r.bind("translucency", e.translucency, "light inside the materials; off: all of it returns from the surface");
   r.bind("gloss", e.gloss, "mirror light of the materials");
   r.bind("film", e.film, "saliva; off: dry");
+  r.bind("movers", e.movers, "bodies that move by themselves");
+  r.bind("fog", e.fog, "breath on the window");
+  r.bind("lamp", e.lamp, "the lamp over the chair");
 }
 
 void bind_timing(ConfigReader r, TimingConfig& t) {
@@ -170,6 +174,7 @@ void bind_scene(ConfigReader& reader, SceneConfig& config) {
   bind_bar(reader.table("artefact"), config.bar);
   bind_board(reader.table("board"), config.board);
   bind_calibration(reader.table("calibration"), config.calibration);
+  bind_passing(reader, config);
   bind_path(reader, config);
   check(reader, config);
 }

@@ -137,6 +137,7 @@ void RayScene::intersect(const RayPacket& rays, HitPacket& hits) const {
     hits.index[i] = rh.hit.primID[i];
     hits.u[i] = rh.hit.u[i];
     hits.v[i] = rh.hit.v[i];
+    hits.t[i] = rh.ray.tfar[i];
   }
 }
 

@@ -26,6 +26,8 @@ struct HitPacket {
   std::array<HitKind, kPacket> kind{};
   std::array<std::uint32_t, kPacket> index{};  ///< triangle or ball
   Lanes u{}, v{};                              ///< barycentric weights of vertices 1 and 2
+  Lanes t{};                                   ///< ray parameter, as far as float goes
+  std::array<std::uint8_t, kPacket> guest{};   ///< SceneAt: 0 the mouth, else the guest's index + 1
 };
 
 /// Immutable after construction; queries may run on any thread.
