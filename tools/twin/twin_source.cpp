@@ -77,12 +77,12 @@ struct TwinSource::Impl {
     const int count = config.render.grid * config.render.grid;
     const double start_s = config.timing.start_s;
     BurstInstants out;
-    out.mid = 1e-9 * static_cast<double>(mid_burst_ns(config.timing, slot)) - start_s;
+    out.mid = 1e-9 * static_cast<double>(mid_burst_ns(config.timing, slot, n)) - start_s;
     for (int k = 0; k < 4; ++k) {
       const double start = 1e-9 * static_cast<double>(exposure_start_ns(config.timing, slot, k)) - start_s;
       for (int i = 0; i < count; ++i) {
         const double share = config.effects.exposure ? (i + 0.5) / count : 0.5;
-        const double at = config.effects.motion ? start + share * 1e-3 * config.timing.exposure_ms : out.mid;
+        const double at = config.effects.motion ? start + share * 1e-3 * exposure_ms(config.timing, n) : out.mid;
         out.frames[static_cast<std::size_t>(k)].push_back(at);
       }
     }
@@ -95,7 +95,7 @@ struct TwinSource::Impl {
     for (int k = 0; k < 4; ++k) {
       const double start = 1e-9 * static_cast<double>(exposure_start_ns(config.timing, path->slot(n), k));
       out.lamp[static_cast<std::size_t>(k)] =
-          lamp_factor(config.render.light.lamp, start, 1e-3 * config.timing.exposure_ms);
+          lamp_factor(config.render.light.lamp, start, 1e-3 * exposure_ms(config.timing, n));
     }
     return out;
   }

@@ -6,12 +6,12 @@
 namespace enamel::twin {
 namespace {
 
-enum class Look : int {};  // a MaterialId's number, or LookConfig::kMouth
+enum class BodyMaterial : int {};  // a MaterialId's number, or LookConfig::kMouth
 
-constexpr std::array<std::pair<std::string_view, Look>, kMaterials + 1> look_names() {
-  std::array<std::pair<std::string_view, Look>, kMaterials + 1> out{};
-  for (std::size_t i = 0; i < kMaterials; ++i) out[i] = {kMaterialNames[i], static_cast<Look>(i)};
-  out[kMaterials] = {"mouth", static_cast<Look>(kMaterials)};
+constexpr std::array<std::pair<std::string_view, BodyMaterial>, kMaterials + 1> look_names() {
+  std::array<std::pair<std::string_view, BodyMaterial>, kMaterials + 1> out{};
+  for (std::size_t i = 0; i < kMaterials; ++i) out[i] = {kMaterialNames[i], static_cast<BodyMaterial>(i)};
+  out[kMaterials] = {"mouth", static_cast<BodyMaterial>(kMaterials)};
   return out;
 }
 
@@ -78,7 +78,7 @@ void bind_film(ConfigReader r, FilmConfig& f) {
 void bind_look(ConfigReader& reader, SceneConfig& config) {
   static constexpr auto kLooks = look_names();
   LookConfig& look = config.look;
-  auto chosen = static_cast<Look>(look.material);
+  auto chosen = static_cast<BodyMaterial>(look.material);
   reader.bind("object.material", chosen, kLooks, "plaster, mouth, or one material for the whole body");
   look.material = static_cast<int>(chosen);
   bind_mouth(reader.table("mouth"), look.mouth);
