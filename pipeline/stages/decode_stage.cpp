@@ -18,6 +18,11 @@ BurstMotion motion_of(const proto::Burst& burst, const pipeline::RigidMotion& su
   return out;
 }
 
+/// Frames that another lamp spoils look like a wrong pattern or like none.
+const char* reason_of(const pipeline::DecodedBurst& decoded) {
+  return decoded.sight.trouble == SightTrouble::kLamp ? "other_light" : pipeline::name_of(decoded.verdict).data();
+}
+
 }  // namespace
 
 Result<void> DecodeStage::step() {
@@ -30,7 +35,7 @@ Result<void> DecodeStage::step() {
   pipeline::DecodedBurst decoded;
   decoder_->decode(view_of(*item), workspace_, decoded, {{}, *known});
   if (!decoded.accepted()) {
-    patch.emit(flow::make_rejected<Decoded>(item, pipeline::name_of(decoded.verdict).data()));
+    patch.emit(flow::make_rejected<Decoded>(item, reason_of(decoded)));
     return {};
   }
   Decoded out{std::move(decoded.patch),
