@@ -53,42 +53,50 @@ ProjectorLight::ProjectorLight(const calib::PatternLevels& levels, const Project
   if (spread_px > 0) fill_wide(sigma2_max + spread_px * spread_px, emissions);
 }
 
-std::array<float, 4> ProjectorLight::blurred(double p, double sigma2) const {
-  std::array<float, 4> out{};
+namespace {
+
+/// Octaves of x, straight within each: log2 to 9 %, and a table over it is linear in x from bin to bin.
+double octaves(double x) {
+  int exponent = 0;
+  const double mantissa = std::frexp(x, &exponent);
+  return exponent + 2.0 * mantissa - 1.0;
+}
+double of_octaves(double o) {
+  const double whole = std::floor(o);
+  return std::ldexp(0.5 * (o - whole + 1.0), static_cast<int>(whole));
+}
+
+}  // namespace
+
+float ProjectorLight::blurred(int frame, double p, double sigma2) const {
   if (wide_.bins == 0 || sigma2 <= sigma2_top_) {
     const double last = static_cast<double>(pixels_) + kMargin - 0.5;
-    const Tap t = tap(std::clamp(p, -kMargin, last), sigma2);
-    for (int k = 0; k < 4; ++k) out[static_cast<std::size_t>(k)] = emission(k, t);
-    return out;
+    return emission(frame, tap(std::clamp(p, -kMargin, last), sigma2));
   }
   const double most = static_cast<double>(wide_.stride) - 1.001;
   const double x = std::clamp((p + kWideMargin) * kWideFine, 0.0, most);
-  const double b = std::clamp(std::log(sigma2 / wide_.sigma2_min) * wide_.per_log, 0.0, wide_.bin_limit);
+  const double b = std::clamp((octaves(sigma2) - wide_.first) * kWideBins, 0.0, wide_.bin_limit);
   const auto ix = static_cast<std::size_t>(x), ib = static_cast<std::size_t>(b);
   const auto fx = static_cast<float>(x - static_cast<double>(ix)), fb = static_cast<float>(b - static_cast<double>(ib));
-  const std::array<float, 4>* low = wide_.table.data() + ib * wide_.stride + ix;
-  const std::array<float, 4>* high = low + wide_.stride;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const float a = low[0][k] + fx * (low[1][k] - low[0][k]), c = high[0][k] + fx * (high[1][k] - high[0][k]);
-    out[k] = a + fb * (c - a);
-  }
-  return out;
+  const float* low = wide_.tables[static_cast<std::size_t>(frame)].data() + ib * wide_.stride + ix;
+  const float* high = low + wide_.stride;
+  const float lo = low[0] + fx * (low[1] - low[0]), hi = high[0] + fx * (high[1] - high[0]);
+  return lo + fb * (hi - lo);
 }
 
-/// As fill(), at fewer places: a blur of many pixels has nothing finer. Interpolating linearly between variances a
-/// ratio r apart costs 0.07 (r - 1)^2 of the amplitude.
+/// As fill(), at fewer places: a blur of many pixels has nothing finer. Bins a ratio r apart cost 0.07 (r - 1)^2 of the
+/// amplitude by linear interpolation, here 1e-3; places a quarter pixel apart cost 3e-4.
 void ProjectorLight::fill_wide(double sigma2_max, const std::array<std::vector<double>, 4>& emission) {
-  constexpr double kRatio = 1.08, kReachSigmas = 4.5;
-  wide_.sigma2_min = sigma2_top_;
-  wide_.per_log = 1.0 / std::log(kRatio);
-  wide_.bins = static_cast<std::size_t>(std::ceil(std::log(sigma2_max / sigma2_top_) * wide_.per_log)) + 2;
+  constexpr double kReachSigmas = 4.5;
+  wide_.first = octaves(sigma2_top_);
+  wide_.bins = static_cast<std::size_t>(std::ceil((octaves(sigma2_max) - wide_.first) * kWideBins)) + 2;
   wide_.bin_limit = static_cast<double>(wide_.bins - 2) + 0.999999;
   wide_.stride = static_cast<std::size_t>((static_cast<double>(pixels_) + 2 * kWideMargin) * kWideFine) + 2;
-  wide_.table.resize(wide_.bins * wide_.stride);
+  for (auto& table : wide_.tables) table.resize(wide_.bins * wide_.stride);
   const auto n = static_cast<long>(pixels_);
   const auto fine = static_cast<std::size_t>(kWideFine);
   tbb::parallel_for(std::size_t{0}, wide_.bins, [&](std::size_t bin) {
-    const double sigma = std::sqrt(sigma2_top_ * std::pow(kRatio, static_cast<double>(bin)));
+    const double sigma = std::sqrt(of_octaves(wide_.first + static_cast<double>(bin) / kWideBins));
     const long reach = static_cast<long>(std::ceil(kReachSigmas * sigma)) + 1;
     std::vector<double> shares(static_cast<std::size_t>(2 * reach + 1));
     for (std::size_t at = 0; at < wide_.stride * fine; ++at) {
@@ -108,7 +116,7 @@ void ProjectorLight::fill_wide(double sigma2_max, const std::array<std::vector<d
         const double share = shares[static_cast<std::size_t>(i - pixel + reach)];
         for (std::size_t k = 0; k < 4; ++k) sum[k] += share * emission[k][static_cast<std::size_t>(i)];
       }
-      for (std::size_t k = 0; k < 4; ++k) wide_.table[bin * wide_.stride + place][k] = static_cast<float>(sum[k]);
+      for (std::size_t k = 0; k < 4; ++k) wide_.tables[k][bin * wide_.stride + place] = static_cast<float>(sum[k]);
     }
   });
 }

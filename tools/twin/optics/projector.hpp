@@ -49,9 +49,9 @@ class ProjectorLight {
     return {ib * stride_ + ix, static_cast<float>(x - static_cast<double>(ix)),
             static_cast<float>(b - static_cast<double>(ib))};
   }
-  /// Emission relative to level 255 in the four frames for any variance up to the spread's and any coordinate; outside
-  /// the frame there is no light but what blurs over its border.
-  [[nodiscard]] std::array<float, 4> blurred(double p, double sigma2) const;
+  /// Emission relative to level 255 for any variance up to the spread's and any coordinate; outside the frame there is
+  /// no light but what blurs over its border.
+  [[nodiscard]] float blurred(int frame, double p, double sigma2) const;
   /// Emission relative to level 255 in frame `frame`.
   [[nodiscard]] float emission(int frame, const Tap& t) const {
     const float* a = tables_[static_cast<std::size_t>(frame)].data() + t.index;
@@ -67,19 +67,19 @@ class ProjectorLight {
 
   static constexpr double kFine =
       64;  ///< table points a projector pixel: linear interpolation to 1e-5 of the amplitude
-  static constexpr double kMargin = 2;  ///< px before the frame
-  static constexpr double kWideFine = 8, kWideMargin = 16;
+  static constexpr double kMargin = 2;                                     ///< px before the frame
+  static constexpr double kWideFine = 4, kWideMargin = 16, kWideBins = 8;  ///< places a px; px; bins an octave
   ProjectorConfig config_;
   bool axis_v_;
   double sigma2_min_ = 0, bins_per_unit_ = 0, bin_limit_ = 0;
   std::size_t stride_ = 0, bins_ = 0;
   std::array<std::vector<float>, 4> tables_;
 
-  /// Tables of wide blurs: bins in equal ratios of the variance, coarse in place.
+  /// Tables of wide blurs: bins by octaves of the variance, coarse in place.
   struct Wide {
-    double sigma2_min = 0, per_log = 0, bin_limit = 0;
+    double first = 0, bin_limit = 0;
     std::size_t stride = 0, bins = 0;
-    std::vector<std::array<float, 4>> table;  // [bin][place]
+    std::array<std::vector<float>, 4> tables;  // [bin][place]
   };
   void fill_wide(double sigma2_max, const std::array<std::vector<double>, 4>& emission);
   std::size_t pixels_ = 0;

@@ -59,9 +59,10 @@ void BurstRenderer::add_light(const Lanes8& lights, std::size_t x0, const Frames
     }
     for (std::size_t part = 0; part < lane.parts; ++part) {
       const LightPart& from = lane.part[part];
-      const auto e = instrument_.light.blurred(from.coordinate, static_cast<double>(from.sigma2));
       for (std::size_t k = frames.first; k < frames.end; ++k) {
-        sums[k][x0 + i] += static_cast<double>(from.weight * e[k]);
+        const float e =
+            instrument_.light.blurred(static_cast<int>(k), from.coordinate, static_cast<double>(from.sigma2));
+        sums[k][x0 + i] += static_cast<double>(from.weight * e);
       }
     }
   }

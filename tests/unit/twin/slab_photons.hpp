@@ -1,0 +1,128 @@
+// Photon Monte Carlo of a scattering half space, independent of the twin: what a fringe thrown on it looks like.
+// Henyey-Greenstein phase function, Fresnel border, light from 12 degrees, view within 30 degrees of the normal.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <numbers>
+
+namespace enamel::twin::testing {
+
+struct Medium {
+  double scatter = 16;   // 1 / mm
+  double g = 0.68;       // mean cosine
+  double absorb = 0.06;  // 1 / mm
+  double index = 1.63;
+};
+
+inline constexpr std::array<double, 4> kPeriodsMm{4, 2, 1, 0.5};
+inline const double kLightAngle = 12 * std::numbers::pi / 180;
+
+struct FringeResponse {
+  std::array<double, 4> mtf{}, depth_mm{};  // by kPeriodsMm; depth as triangulation sees it
+};
+
+class SlabPhotons {
+ public:
+  SlabPhotons(const Medium& medium, std::uint64_t seed) : m_(medium), state_(seed) {}
+
+  FringeResponse run(int photons) {
+    for (int i = 0; i < photons; ++i) follow();
+    FringeResponse out;
+    for (std::size_t k = 0; k < kPeriodsMm.size(); ++k) {
+      out.mtf[k] = std::abs(sums_[k]) / total_;
+      out.depth_mm[k] = std::arg(sums_[k]) * kPeriodsMm[k] / (2 * std::numbers::pi) / std::tan(kLightAngle);
+    }
+    return out;
+  }
+
+ private:
+  struct Way {
+    double x, z, ux, uy, uz;
+  };
+
+  double uniform() {  // splitmix64
+    state_ += 0x9E3779B97F4A7C15ULL;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
+    return (static_cast<double>((z ^ (z >> 31U)) >> 11U) + 0.5) * 0x1p-53;
+  }
+
+  /// Unpolarised reflectance from inside.
+  [[nodiscard]] double fresnel(double cosine) const {
+    const double sine = m_.index * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    if (sine >= 1) return 1;
+    const double out = std::sqrt(1 - sine * sine), n = m_.index;
+    const double s = (n * cosine - out) / (n * cosine + out), p = (n * out - cosine) / (n * out + cosine);
+    return 0.5 * (s * s + p * p);
+  }
+
+  /// What of a scattering leaves towards a view drawn from the cone: expected value instead of waiting for it.
+  void peel(const Way& w, double weight) {
+    const double narrow = std::cos(30 * std::numbers::pi / 180);
+    const double cosine = narrow + (1 - narrow) * uniform(), phi = 2 * std::numbers::pi * uniform();
+    const double sine = std::sqrt(1 - cosine * cosine) / m_.index, up = std::sqrt(1 - sine * sine);
+    const double vx = sine * std::cos(phi), vy = sine * std::sin(phi);
+    const double turn = w.ux * vx + w.uy * vy - w.uz * up, g = m_.g;
+    const double phase = (1 - g * g) / std::pow(1 + g * g - 2 * g * turn, 1.5);
+    const double through = std::exp(-(m_.scatter + m_.absorb) * w.z / up) * (1 - fresnel(up));
+    const double leaves = weight * phase * through * cosine / up;
+    const double x = w.x + w.z * vx / up;
+    total_ += leaves;
+    std::complex<double> fringe = std::polar(1.0, 2 * std::numbers::pi * x / kPeriodsMm[0]);
+    for (auto& sum : sums_) {
+      sum += leaves * fringe;
+      fringe *= fringe;  // periods halve
+    }
+  }
+
+  void scatter(Way& w) {
+    const double g = m_.g, q = (1 - g * g) / (1 - g + 2 * g * uniform());
+    const double c = (1 + g * g - q * q) / (2 * g), s = std::sqrt(std::max(0.0, 1 - c * c));
+    const double phi = 2 * std::numbers::pi * uniform(), a = s * std::cos(phi), b = s * std::sin(phi);
+    const double d = std::sqrt(std::max(1e-12, 1 - w.uz * w.uz));
+    const Way was = w;
+    w.ux = (was.ux * was.uz * a - was.uy * b) / d + was.ux * c;
+    w.uy = (was.uy * was.uz * a + was.ux * b) / d + was.uy * c;
+    w.uz = -a * d + was.uz * c;
+  }
+
+  void follow() {
+    Way w{0, 0, std::sin(kLightAngle) / m_.index, 0, 0};
+    w.uz = std::sqrt(1 - w.ux * w.ux);
+    double weight = 1;
+    const double extinction = m_.scatter + m_.absorb;
+    constexpr double kDeepMm = 12, kFaint = 0.02;
+    while (w.z < kDeepMm) {
+      double step = -std::log(uniform()) / extinction;
+      if (w.z + w.uz * step < 0) {  // reflected inside; what leaves has been counted
+        const double to_border = -w.z / w.uz;
+        weight *= fresnel(-w.uz);
+        w.x += w.ux * to_border;
+        w.z = 0;
+        w.uz = -w.uz;
+        step -= to_border;
+      }
+      w.x += w.ux * step;
+      w.z += w.uz * step;
+      weight *= m_.scatter / extinction;
+      if (weight < kFaint) {
+        if (uniform() > 0.1) return;
+        weight *= 10;
+      }
+      peel(w, weight);
+      scatter(w);
+    }
+  }
+
+  Medium m_;
+  std::uint64_t state_;
+  double total_ = 0;
+  std::array<std::complex<double>, 4> sums_{};
+};
+
+}  // namespace enamel::twin::testing
