@@ -22,6 +22,18 @@ TEST(SimDevice, keeps_the_sources_time_differences_to_the_nanosecond) {
   EXPECT_EQ(run.device().stretched().times, 0U);
 }
 
+TEST(SimDevice, every_second_burst_may_be_exposed_shorter) {
+  DeviceRun run({.count = 6, .exposures_us = {3700, 925}});
+  run.run();
+  ASSERT_EQ(run.bursts.size(), 6U) << "none is lost to the change";
+  for (std::size_t b = 0; b < 6; ++b) {
+    for (const LitFrame& f : run.bursts[b].frames) EXPECT_EQ(f.frame.exposure_us, b % 2 == 0 ? 3700U : 925U);
+  }
+  DeviceRun absurd({.count = 6, .exposures_us = {3700, 9000}});
+  absurd.run();
+  EXPECT_EQ(absurd.bursts.size(), 1U) << "longer than the frame period";
+}
+
 TEST(SimDevice, delivers_no_frame_before_its_exposure_ends) {
   DeviceRun run({.count = 3});
   ASSERT_TRUE(run.device().arm().has_value());

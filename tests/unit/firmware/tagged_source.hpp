@@ -30,6 +30,7 @@ class TaggedSource final : public BurstSource {
     std::int64_t start_ns = 5'000'000'000;
     std::vector<std::int64_t> distances_ns{33'333'333};  ///< taken in turn
     std::uint64_t first_index = 0;
+    std::vector<std::uint32_t> exposures_us{3700};  ///< taken in turn
   };
   explicit TaggedSource(Config config) : config_(std::move(config)), t_(config_.start_ns) {}
 
@@ -39,7 +40,7 @@ class TaggedSource final : public BurstSource {
     if (made_ == config_.count) return std::optional<SimBurst>{};
     SimBurst b;
     b.burst_index = config_.first_index + made_;
-    b.exposure_us = 3700;
+    b.exposure_us = config_.exposures_us[made_ % config_.exposures_us.size()];
     b.temp_c = 32.25;
     b.width = kTagWidth;
     b.height = kTagHeight;

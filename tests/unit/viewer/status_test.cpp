@@ -52,6 +52,23 @@ TEST(StatusLine, a_surface_that_does_not_determine_the_motion_is_told) {
   EXPECT_FALSE(status_line(frame).hint.empty());
 }
 
+TEST(StatusLine, what_is_in_the_way_is_told_with_what_to_do) {
+  PreviewFrame frame = scanning(TrackState::kTracking);
+  std::set<std::string> titles{std::string(status_line(frame).title)};
+  for (std::size_t t = 1; t < kSightTroubles; ++t) {
+    frame.sight.trouble = static_cast<SightTrouble>(t);
+    EXPECT_TRUE(titles.emplace(status_line(frame).title).second) << t;
+    EXPECT_EQ(status_line(frame).colour, kWeak);
+    EXPECT_FALSE(status_line(frame).hint.empty());
+  }
+  frame = scanning(TrackState::kLost);
+  for (const char* why : {"", "too_fast", "saturated", "other_light", "no_fringes"}) {
+    frame.rejected = why;
+    EXPECT_TRUE(titles.emplace(status_line(frame).title).second || std::string_view(why) == "other_light") << why;
+    EXPECT_EQ(status_line(frame).colour, kBad);
+  }
+}
+
 TEST(StatusLine, after_the_last_burst_it_says_how_far_the_refinement_is_and_then_what_is_known) {
   PreviewFrame frame = scanning(TrackState::kTracking);
   frame.state = ScanState::kRefining;
