@@ -113,7 +113,7 @@ void LightTracer::trace(const View& view, const double* directions, std::size_t 
   RayPacket shadows;
   bool any = false;
   for (std::size_t i = 0; i < n; ++i) {
-    lanes[i] = Lane{};
+    static_cast<PlainLane&>(lanes[i]) = PlainLane{};
     RayScene::Surfel s;
     if (hits.kind[i] == HitKind::kNone || !scene.resolve(hits, i, view.camera, ray_model[i], s)) continue;
     light(view, ray_cam[i], s, lanes[i]);

@@ -28,8 +28,8 @@ struct LightPart {
 /// Lobes inside, light of the surface, its mirror light, that of the film.
 inline constexpr std::size_t kMaxParts = kMaxLobes + 3;
 
-/// What one camera ray brings back.
-struct Lane {
+/// What one camera ray brings back, as of plaster.
+struct PlainLane {
   bool hit = false, in_projector = false;
   bool faces = false;   ///< the facet is turned to the light
   bool lit = false;     ///< … and nothing stands between
@@ -39,7 +39,10 @@ struct Lane {
   double ambient = 0;   ///< full-well fraction
   double sigma2 = 0;    ///< projector blur, px²
   float albedo = 0;
-  std::uint8_t parts = 0;  ///< of `part` in use: all the light then, and `weight` is 0
+  std::uint8_t parts = 0;  ///< of Lane::part in use: all the light then, and `weight` is 0
+};
+/// The parts stay as they are until they are used: they cost plaster nothing.
+struct Lane : PlainLane {
   std::array<LightPart, kMaxParts> part{};
   double lamp = 0;         ///< full-well fraction of the lamp's light, flicker apart
   std::uint8_t guest = 0;  ///< 0: the mouth; else the guest's index + 1
