@@ -80,6 +80,7 @@ void draw_row(const RayScene& scene, const Shot& shot, int row, cv::Mat& tile) {
 Result<void> write_preview(const SceneConfig& config, const std::string& path) {
   SceneConfig plain = config;
   plain.effects.texture = false;  // gum and tooth are told apart by their reflectance
+  plain.look = LookConfig{};
   ENAMEL_TRY_ASSIGN(Body body, make_body(plain));
   const TriSurface truth = truth_mesh(body.surroundings, 0.1);
   Vec3f low = truth.vertices.front(), high = low;
