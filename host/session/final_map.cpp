@@ -17,7 +17,7 @@ constexpr double kPosesShare = 0.6;  // of the time that it takes; the rest fuse
 /// fused.
 class ReadAhead {
  public:
-  ReadAhead(const std::vector<pipeline::KeptBurst>& bursts, const std::function<SurfacePatch(std::size_t)>& load,
+  ReadAhead(const std::vector<pipeline::MapBurst>& bursts, const std::function<SurfacePatch(std::size_t)>& load,
             std::shared_ptr<const pipeline::FreeSpace> free_space)
       : bursts_(bursts), load_(load), free_space_(std::move(free_space)) {
     ask(0);
@@ -39,11 +39,11 @@ class ReadAhead {
     if (n >= bursts_.size()) return;
     next_ = std::async(std::launch::async, [this, n] {
       Cleaned out{load_(n), 0};
-      if (free_space_) out.withdrawn_px = free_space_->withdraw(bursts_[n].T_segment_cam, out.patch);
+      if (free_space_) out.withdrawn_px = free_space_->withdraw(bursts_[n], out.patch);
       return out;
     });
   }
-  const std::vector<pipeline::KeptBurst>& bursts_;
+  const std::vector<pipeline::MapBurst>& bursts_;
   const std::function<SurfacePatch(std::size_t)>& load_;
   std::shared_ptr<const pipeline::FreeSpace> free_space_;
   std::uint64_t withdrawn_px_ = 0;
@@ -83,11 +83,12 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
   for (std::size_t n = 0; n < placed.size(); ++n) {
     placed[n].pose.T_model_cam = refined.poses[n];
     history[n].T_segment_cam = refined.poses[n];
+    map.bursts[n].T_model_cam = refined.poses[n];
   }
   const pipeline::PatchStore::Figures kept = fuse.segments().stored();
   log::info("map", "fusing {} bursts anew; {} MB of them were kept in memory, {} MB in a file", history.size(),
             kept.memory_bytes >> 20U, kept.file_bytes >> 20U);
-  ReadAhead ahead(history, map.load, refined.free_space);
+  ReadAhead ahead(map.bursts, map.load, refined.free_space);
   const auto bursts = static_cast<double>(history.size());
   fuse.rebuild(history, [&](std::size_t n) {
     input.progress(kPosesShare + (1 - kPosesShare) * static_cast<double>(n) / bursts);

@@ -51,6 +51,9 @@ void bind_fuse(ConfigReader r, pipeline::FuseConfig& c) {
 void bind_mesh(ConfigReader r, pipeline::MeshConfig& c) {
   r.bind("max_step_voxels", c.max_step_voxels, {1.8, 6.0}, "larger steps of distance inside a cell are two surfaces");
   r.bind("min_component_triangles", c.min_component_triangles, {0, 1000000}, "smaller floating pieces are left out");
+  r.bind("passing_bursts", c.passing_bursts, {0, 1000000},
+         "a floating piece seen in no more bursts on end passed by; 0: off");
+  r.bind("passing_triangles", c.passing_triangles, {0, 1000000}, "and is left out unless it is larger");
 }
 
 void bind_map(ConfigReader r, pipeline::MapConfig& c) {

@@ -37,13 +37,14 @@ struct Block {
   std::array<float, kBlockVoxels>
       distance_mm{};                         ///< weighted mean signed distance, positive outside; 0 where weight is 0
   std::array<float, kBlockVoxels> weight{};  ///< 0 = never observed
-  std::array<std::uint8_t, kBlockVoxels> observations{};  ///< pixel measurements, saturating
-  std::array<std::uint8_t, kBlockVoxels> bursts{};        ///< bursts, saturating
-  std::uint64_t touched_by = 0;                           ///< serial number of the last integration that visited it
-  float moved_mm = 0;      ///< how far its surface may have moved since it was last taken for meshing
-  bool grown = false;      ///< voxels became surface (or ceased to be) since it was last taken
-  bool pending = false;    ///< on the model's list of changed blocks
-  bool confirmed = false;  ///< holds at least one voxel that counts as surface
+  std::array<std::uint8_t, kBlockVoxels> observations{};          ///< pixel measurements, saturating
+  std::array<std::uint8_t, kBlockVoxels> bursts{};                ///< bursts, saturating
+  std::uint64_t first_burst = ~std::uint64_t{0}, last_burst = 0;  ///< of those that measured it; first > last: none did
+  std::uint64_t touched_by = 0;  ///< serial number of the last integration that visited it
+  float moved_mm = 0;            ///< how far its surface may have moved since it was last taken for meshing
+  bool grown = false;            ///< voxels became surface (or ceased to be) since it was last taken
+  bool pending = false;          ///< on the model's list of changed blocks
+  bool confirmed = false;        ///< holds at least one voxel that counts as surface
 };
 
 class BlockGrid {

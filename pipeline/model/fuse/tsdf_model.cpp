@@ -103,7 +103,12 @@ FuseStats TsdfModel::integrate(BurstId burst, const SurfacePatch& patch, const P
   for (const std::int32_t id : touched_) {
     Block& block = grid_.block(id);
     const BlockInCamera at = place(block, config_.voxel_mm, T_cam_model, camera_, surfels_.stride());
-    stats.voxels_updated += integrate_block(surfels_, at, config_, block);
+    const std::uint64_t updated = integrate_block(surfels_, at, config_, block);
+    stats.voxels_updated += updated;
+    if (updated > 0) {
+      block.first_burst = std::min(block.first_burst, burst.value);
+      block.last_burst = std::max(block.last_burst, burst.value);
+    }
     if (!block.pending && (block.grown || block.moved_mm > 0.0F)) {
       block.pending = true;
       pending_.push_back(id);
@@ -144,6 +149,8 @@ void TsdfModel::carve(const SurfacePatch& patch, const Pose& T_cam_model, FuseSt
       block.observations.fill(0);
       block.bursts.fill(0);
       block.touched_by = 0;
+      block.first_burst = ~std::uint64_t{0};
+      block.last_burst = 0;
       ++stats.blocks_carved;
     }
   }

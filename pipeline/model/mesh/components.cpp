@@ -1,5 +1,6 @@
 #include "pipeline/model/mesh/components.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -59,25 +60,53 @@ void drop_unused_vertices(Mesh& mesh) {
   }
 }
 
-}  // namespace
+/// What is known of a piece, at its root.
+struct Piece {
+  std::uint32_t triangles = 0;
+  SeenSpan seen{~std::uint64_t{0}, 0};
+};
 
-ComponentStats remove_small_components(Mesh& mesh, std::uint32_t min_triangles) {
-  Sets sets(mesh.vertices.size());
+std::vector<Piece> pieces_of(const Mesh& mesh, std::span<const SeenSpan> seen, Sets& sets) {
   for (const auto& t : mesh.triangles) {
     sets.join(t[0], t[1]);
     sets.join(t[1], t[2]);
   }
-  std::vector<std::uint32_t> count(mesh.vertices.size(), 0);
+  std::vector<Piece> pieces(mesh.vertices.size());
   for (const auto& t : mesh.triangles) {
-    ++count[sets.root(t[0])];
+    Piece& piece = pieces[sets.root(t[0])];
+    ++piece.triangles;
+    if (seen.empty()) {
+      continue;
+    }
+    for (const std::uint32_t v : t) {
+      piece.seen.first = std::min(piece.seen.first, seen[v].first);
+      piece.seen.last = std::max(piece.seen.last, seen[v].last);
+    }
   }
+  return pieces;
+}
+
+}  // namespace
+
+ComponentStats remove_small_components(Mesh& mesh, const ComponentRules& rules, std::span<const SeenSpan> seen) {
+  Sets sets(mesh.vertices.size());
+  const std::vector<Piece> pieces = pieces_of(mesh, seen, sets);
+  std::uint32_t largest = 0;
+  for (const Piece& piece : pieces) {
+    largest = std::max(largest, piece.triangles);
+  }
+  const auto goes = [&](const Piece& piece) {
+    const bool passed = !seen.empty() && piece.triangles < std::min(largest, rules.passing_triangles) &&
+                        piece.seen.last - piece.seen.first < rules.passing_bursts;
+    return piece.triangles > 0 && (piece.triangles < rules.min_triangles || passed);
+  };
   ComponentStats stats;
-  for (const std::uint32_t n : count) {
-    stats.components += n > 0 ? 1U : 0U;
-    stats.removed += n > 0 && n < min_triangles ? 1U : 0U;
-    stats.triangles_removed += n < min_triangles ? n : 0U;
+  for (const Piece& piece : pieces) {
+    stats.components += piece.triangles > 0 ? 1U : 0U;
+    stats.removed += goes(piece) ? 1U : 0U;
+    stats.triangles_removed += goes(piece) ? piece.triangles : 0U;
   }
-  std::erase_if(mesh.triangles, [&](const auto& t) { return count[sets.root(t[0])] < min_triangles; });
+  std::erase_if(mesh.triangles, [&](const auto& t) { return goes(pieces[sets.root(t[0])]); });
   drop_unused_vertices(mesh);
   return stats;
 }

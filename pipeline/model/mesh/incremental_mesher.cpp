@@ -4,8 +4,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "pipeline/model/mesh/components.hpp"
-
 namespace enamel::pipeline {
 
 void IncrementalMesher::enqueue(std::int32_t id) {
@@ -44,6 +42,7 @@ UpdateStats IncrementalMesher::update(const TsdfModel& model, std::span<const Bl
     Entry& entry = blocks_[scratch_.mesh.block];
     entry.edge_keys = scratch_.edge_keys;  // copies are exactly as large as needed, the scratch keeps its capacity
     entry.mesh = std::make_shared<const BlockMesh>(scratch_.mesh);
+    entry.seen = {model.grid().block(id).first_burst, model.grid().block(id).last_burst};
   }
   stats.blocks_waiting = static_cast<std::uint32_t>(queue_.size());
   after_burst_ = model.after_burst();
@@ -64,6 +63,7 @@ Mesh IncrementalMesher::extract(ExtractStats* stats) const {
   Mesh mesh;
   std::unordered_map<std::uint64_t, std::uint32_t> welded;  // looked up only, never iterated
   std::vector<std::uint32_t> to;
+  std::vector<SeenSpan> seen;  // of the block that a vertex is in first: pieces are many blocks large
   for (const auto& [index, entry] : blocks_) {
     const BlockMesh& block = *entry.mesh;
     to.clear();
@@ -74,6 +74,7 @@ Mesh IncrementalMesher::extract(ExtractStats* stats) const {
         mesh.vertices.push_back(block.vertices[i]);
         mesh.normals.push_back(block.normals[i]);
         mesh.quality.push_back(block.quality[i]);
+        seen.push_back(entry.seen);
       }
       to.push_back(at->second);
     }
@@ -81,7 +82,8 @@ Mesh IncrementalMesher::extract(ExtractStats* stats) const {
       mesh.triangles.push_back({to[t[0]], to[t[1]], to[t[2]]});
     }
   }
-  const ComponentStats removed = remove_small_components(mesh, config_.min_component_triangles);
+  const ComponentStats removed = remove_small_components(
+      mesh, {config_.min_component_triangles, config_.passing_triangles, config_.passing_bursts}, seen);
   if (stats != nullptr) {
     *stats = ExtractStats{removed.components, removed.removed, removed.triangles_removed};
   }

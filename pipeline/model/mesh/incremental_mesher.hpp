@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "pipeline/model/mesh/components.hpp"
 #include "pipeline/model/mesh/mesh_block.hpp"
 #include "pipeline/model/mesh/mesh_config.hpp"
 #include "pipeline/types/mesh.hpp"
@@ -24,7 +25,7 @@ struct UpdateStats {
 
 struct ExtractStats {
   std::uint32_t components = 0;
-  std::uint32_t components_removed = 0;  ///< smaller than MeshConfig::min_component_triangles
+  std::uint32_t components_removed = 0;  ///< small ones, and what passed by: MeshConfig
   std::uint64_t triangles_removed = 0;
 };
 
@@ -53,6 +54,7 @@ class IncrementalMesher {
   struct Entry {
     std::shared_ptr<const BlockMesh> mesh;
     std::vector<std::uint64_t> edge_keys;
+    SeenSpan seen;  ///< of the block
   };
   MeshConfig config_;
   BlockMesher mesher_;

@@ -138,8 +138,11 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
     const double moved = (out.poses[n] * work - input.bursts[n].T_model_cam * work).norm();
     out.largest_move_mm = std::max(out.largest_move_mm, moved);
   }
-  out.free_space = std::make_shared<const FreeSpace>(nodes, solved.poses, ViewCamera(rig.camera), work_distance_mm,
-                                                     config.free_space);
+  std::vector<MapBurst> seen_from;
+  for (std::size_t k = 0; k < keyframes.size(); ++k)
+    seen_from.push_back({input.bursts[keyframes[k]].t_mid, solved.poses[k]});
+  out.free_space = std::make_shared<const FreeSpace>(nodes, std::move(seen_from), ViewCamera(rig.camera),
+                                                     work_distance_mm, config.free_space);
   input.progress(1);
   return out;
 }

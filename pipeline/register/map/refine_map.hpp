@@ -13,6 +13,7 @@
 #include "pipeline/register/icp/icp.hpp"
 #include "pipeline/register/map/artefact_tie.hpp"
 #include "pipeline/register/map/free_space.hpp"
+#include "pipeline/register/map/map_burst.hpp"
 #include "pipeline/register/map/map_edge.hpp"
 #include "pipeline/register/map/pose_graph.hpp"
 #include "pipeline/register/map/stations.hpp"
@@ -42,12 +43,6 @@ struct MapConfig {
   FreeSpaceConfig free_space;
   ArtefactConfig artefact;
   std::optional<KnownArtefact> known;  ///< lies in the field of view; fault_of() it is empty
-};
-
-/// A placed burst. Its pose is in the model's frame.
-struct MapBurst {
-  DeviceTime t_mid{};
-  Pose T_model_cam = Pose::Identity();
 };
 
 struct MapInput {

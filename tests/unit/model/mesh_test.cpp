@@ -128,6 +128,7 @@ std::size_t vertices_near_outlier(int min_bursts, int min_observations) {
   }
   MeshConfig mesh_config;
   mesh_config.min_component_triangles = 1;
+  mesh_config.passing_bursts = 0;
   IncrementalMesher mesher(mesh_config);
   mesher.update(model, model.take_changed());
   const Mesh mesh = mesher.extract();
@@ -188,13 +189,47 @@ TEST(Components, small_pieces_are_removed_and_counted) {
   strip(3, 0);
   strip(10, 1);
   strip(4, 2);
-  const ComponentStats stats = remove_small_components(mesh, 5);
+  const ComponentStats stats = remove_small_components(mesh, {.min_triangles = 5});
   EXPECT_EQ(stats.components, 3U);
   EXPECT_EQ(stats.removed, 2U);
   EXPECT_EQ(stats.triangles_removed, 7U);
   EXPECT_EQ(mesh.triangles.size(), 10U);
   EXPECT_EQ(mesh.vertices.size(), 12U);
   EXPECT_EQ(mesh.vertices[0].z(), 1.0F);
+}
+
+Mesh two_strips() {
+  Mesh mesh;
+  for (const float y : {0.0F, 10.0F}) {
+    const int triangles = y == 0.0F ? 20 : 10;
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (int i = 0; i < triangles + 2; ++i) mesh.vertices.emplace_back(0.1F * static_cast<float>(i), y, 0.0F);
+    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(triangles); ++i)
+      mesh.triangles.push_back({first + i, first + i + 1, first + i + 2});
+  }
+  return mesh;
+}
+
+TEST(Components, a_floating_piece_seen_for_a_moment_goes) {
+  const ComponentRules rules{.min_triangles = 1, .passing_triangles = 15, .passing_bursts = 24};
+  const auto left = [&](std::uint64_t last, bool with_time = true) {
+    Mesh mesh = two_strips();
+    std::vector<SeenSpan> seen(mesh.vertices.size(), SeenSpan{100, 300});
+    for (std::size_t v = 22; v < seen.size(); ++v) seen[v] = {120, last};
+    (void)remove_small_components(mesh, rules,
+                                  with_time ? std::span<const SeenSpan>(seen) : std::span<const SeenSpan>());
+    return mesh.triangles.size();
+  };
+  EXPECT_EQ(left(130), 20U);
+  EXPECT_EQ(left(200), 30U);         // control: seen again later
+  EXPECT_EQ(left(130, false), 30U);  // control: nothing known of time
+}
+
+TEST(Components, the_largest_piece_stays_however_short_it_was_seen) {
+  Mesh mesh = two_strips();
+  const std::vector<SeenSpan> seen(mesh.vertices.size(), SeenSpan{0, 5});
+  (void)remove_small_components(mesh, {.min_triangles = 1, .passing_triangles = 8000, .passing_bursts = 24}, seen);
+  EXPECT_EQ(mesh.triangles.size(), 20U);
 }
 
 TEST(Mesh, an_empty_model_gives_an_empty_mesh) {

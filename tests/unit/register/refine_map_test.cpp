@@ -84,7 +84,7 @@ TEST_F(RefineMap, gives_the_same_bits_with_few_keyframes_in_memory) {
   EXPECT_EQ(all.edges, few.edges);
   for (std::size_t n = 0; n < all.poses.size(); ++n) EXPECT_EQ(all.poses[n].matrix(), few.poses[n].matrix());
   SurfacePatch a = patches_[5], b = patches_[5];
-  EXPECT_EQ(all.free_space->withdraw(all.poses[5], a), few.free_space->withdraw(few.poses[5], b));
+  EXPECT_EQ(all.free_space->withdraw({{}, all.poses[5]}, a), few.free_space->withdraw({{}, few.poses[5]}, b));
 }
 
 TEST_F(RefineMap, leaves_poses_alone_where_it_is_not_wanted_or_has_nothing_to_go_by) {
