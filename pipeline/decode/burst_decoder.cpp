@@ -188,7 +188,8 @@ BurstVerdict BurstDecoder::find_surface(const Burst& burst) const {
     return mismatch(phase, config_.light);
   if (std::abs(static_cast<double>(diagnostics.motion_rad)) > config_.motion.max_motion_rad)
     return BurstVerdict::kTooFast;
-  undo_translucency({*rays_, optics_, diagnostics.noise.black_dn}, config_.translucency, refined, out.sight, phase);
+  undo_translucency({*rays_, seen_through(diagnostics.wave, optics_), diagnostics.noise.black_dn}, config_.translucency,
+                    refined, out.sight, phase);
   take_phase(phase, diagnostics.ripple, out.relative);
   make_surface(refined, *rays_, diagnostics.ripple, config_.normals, burst.steps.scratch, out);
   tell(burst.hook, "surface");

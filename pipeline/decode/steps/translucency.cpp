@@ -118,6 +118,16 @@ float apparent_depth_growth(float period_mm) noexcept {
   return period_mm * period_mm / std::sqrt(std::sqrt(period_mm));
 }
 
+PatternOptics seen_through(const Waveform& wave, PatternOptics optics) noexcept {
+  if (wave.is_cosine()) return optics;
+  // chosen: the darkest level through an exponent of 1.7; it is a tenth of the mean at most and counts for little.
+  constexpr float kExponent = 1.7F, kMost = 1.6F;
+  const float darkest = std::pow(std::max(0.0F, 1 - optics.contrast), kExponent);
+  const auto lowest = static_cast<float>(-wave.at(-1).value);  // of F(cos phi), where cos phi = -1
+  optics.contrast = std::clamp((1 - darkest) / std::max(lowest, 1 / kMost), optics.contrast, kMost);
+  return optics;
+}
+
 void undo_translucency(const SeenPattern& seen, const TranslucencyConfig& config, const RefinedPhase& refined,
                        Sight& sight, PhaseMaps& phase) {
   std::vector<float> ratio(static_cast<std::size_t>(seen.rays.width));

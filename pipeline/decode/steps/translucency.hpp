@@ -10,6 +10,7 @@
 
 #include "pipeline/decode/phase/noise_model.hpp"
 #include "pipeline/decode/phase/phase.hpp"
+#include "pipeline/decode/phase/waveform.hpp"
 #include "pipeline/decode/steps/refined_phase.hpp"
 #include "pipeline/decode/triangulate/ray_depth.hpp"
 #include "pipeline/types/sight.hpp"
@@ -32,7 +33,7 @@ struct PatternOptics {
 
 struct SeenPattern {
   const RayDepth& rays;
-  const PatternOptics& optics;
+  PatternOptics optics;
   float black_dn = 0;  ///< the sensor's
 };
 
@@ -41,6 +42,10 @@ struct SeenPattern {
 /// translucent_share and apparent_depth_mm.
 void undo_translucency(const SeenPattern& seen, const TranslucencyConfig& config, const RefinedPhase& refined,
                        Sight& sight, PhaseMaps& phase);
+
+/// Contrast of the fringes as they leave a projector whose response makes `wave` of a cosine: its darkest level is
+/// nearly dark, so that the mean light follows from the wave. `optics` of a linear one.
+[[nodiscard]] PatternOptics seen_through(const Waveform& wave, PatternOptics optics) noexcept;
 
 /// Apparent depth, mm, of a surface whose contrast is `ratio` of what was projected, at a period of 1 mm; it grows with
 /// apparent_depth_growth(period). 0 for what is as opaque as plaster.

@@ -103,6 +103,18 @@ TEST(Translucency, is_told_where_it_is_not_undone) {
   EXPECT_GT(plane.sight.apparent_depth_mm, 0.01F);
 }
 
+TEST(Translucency, a_projector_that_is_not_linear_shows_more_contrast) {
+  // level^gamma over a full cosine has h2 = (gamma - 1)/(gamma + 2), h3 = h2 (gamma - 2)/(gamma + 3) and the contrast
+  // 2 gamma/(gamma + 1) (Liu et al. 2010).
+  for (const double gamma : {1.4, 1.8, 2.2}) {
+    Waveform wave;
+    wave.harmonic[0] = (gamma - 1) / (gamma + 2);
+    wave.harmonic[1] = wave.harmonic[0] * (gamma - 2) / (gamma + 3);
+    EXPECT_NEAR(static_cast<double>(seen_through(wave, {1, 0.015F}).contrast), 2 * gamma / (gamma + 1), 0.04) << gamma;
+  }
+  EXPECT_EQ(seen_through({}, {0.93F, 0.015F}).contrast, 0.93F);
+}
+
 TEST(Translucency, its_uncertainty_joins_sigma) {
   Plane plane(0.25F);
   plane.undo();
