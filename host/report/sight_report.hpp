@@ -1,25 +1,22 @@
 // What light did over a whole scan: trouble by kind, light from inside, and what to do about it.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <map>
 #include <string>
-
-#include "pipeline/types/sight.hpp"
 
 namespace enamel::host {
 
 /// Over the fused bursts.
 struct SightTotals {
-  std::array<std::uint64_t, kSightTroubles> bursts{};  ///< by SightTrouble
-  std::uint64_t translucent_bursts = 0;                ///< whose depth was corrected
-  double translucent_share = 0;                        ///< sums over these …
-  double apparent_depth_mm = 0;                        ///< … weighted by their share
+  std::map<std::string, std::uint64_t> bursts;  ///< by the name of the trouble: glare, metal, lamp, fog
+  std::uint64_t translucent_bursts = 0;         ///< whose depth was corrected
+  double translucent_share = 0;                 ///< of the measured surface, sum over these
+  double lifted_mm = 0;                         ///< mean apparent depth, sum over these by that share
+  double unsure_share = 0;                      ///< of what was lifted: one standard deviation of what is left
 
-  void add(const Sight& sight) noexcept;
-  /// Mean of what translucent surface was lifted by, and one standard deviation of what that is off by, um.
-  [[nodiscard]] double apparent_depth_um() const noexcept;
-  [[nodiscard]] double left_um() const noexcept;
+  [[nodiscard]] double lifted_um() const noexcept;
+  [[nodiscard]] double left_sigma_um() const noexcept { return unsure_share * lifted_um(); }
 };
 
 /// Object: bursts by trouble, and `translucency`.

@@ -93,7 +93,7 @@ class SinkStage final : public flow::Stage {
       placed.push_back({item.id, item->track.segment});
       poses.push_back({item.captured, item->track.T_model_cam, item->motion});
       add(item->orders);
-      sight.add(item->sight);
+      add(item->sight);
       fused_count.add();
     } else {
       ++rejected[item.rejected];
@@ -126,6 +126,15 @@ class SinkStage final : public flow::Stage {
     orders.suspect_bursts += check.suspect ? 1U : 0U;
     orders.guided_px += check.guided_px;
     orders.withdrawn_px += check.withdrawn_px;
+  }
+  void add(const Sight& seen) {
+    const auto trouble = static_cast<std::size_t>(seen.trouble);
+    if (trouble > 0) ++sight.bursts[std::string(kSightTroubleNames[trouble])];
+    if (!(seen.apparent_depth_mm > 0)) return;
+    ++sight.translucent_bursts;
+    sight.translucent_share += static_cast<double>(seen.translucent_share);
+    sight.lifted_mm += static_cast<double>(seen.translucent_share * seen.apparent_depth_mm);
+    sight.unsure_share = kApparentDepthUnsure;
   }
   void measure_latency(BurstId id) {
     const std::lock_guard lock(mutex_);

@@ -3,34 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/decode/steps/chosen.hpp"
 #include "pipeline/decode/steps/sight_cells.hpp"
 
 namespace enamel::pipeline {
 namespace {
-
-/// Of the image's cells: light and contrast of fewer tell nothing of the whole. chosen: by judgement.
-constexpr double kFewestLit = 0.33;
-/// Frames of one surface have the same mean; of their light. chosen: jaws, teeth, balls and planes at 0 to 25 mm/s show
-/// up to 0.017, a lamp at 100 Hz that adds a third of the light and swings by a third of itself 0.04 to 0.11.
-constexpr double kFlicker = 0.03;
-/// A cell that is lit and has no fringes. chosen: teeth and gum keep 0.15 and more of the fringes' contrast.
-constexpr double kNoContrast = 0.08;
-/// Of the image's cells: so many without fringes are a veil. chosen: by judgement.
-constexpr double kVeiledCells = 0.02;
-/// Spread of a veil over its mean below which it lies on the window. chosen: a lamp is shaded by form and colour.
-constexpr double kEven = 0.1;
-/// Of the median light, and the share of the contrast's variation that one veil explains. chosen: plaster shows up to
-/// 0.02 of a veil, where light inside or colour vary less than 0.92 is explained.
-constexpr double kLeastVeil = 0.12, kExplained = 0.95;
-/// Contrast over that of most cells: mirror light keeps all of it where light inside takes most.
-/// chosen: teeth and gum have 0.2 to 0.45, metal 0.65 and more.
-constexpr double kMirrorContrast = 0.62, kTissueContrast = 0.5;
-/// Cells of one crown: 8 mm across are 64 of them. chosen: glints on teeth make up to 20.
-constexpr std::size_t kMetalCells = 24;
-/// Glare worth a word: of the lit pixels. chosen: dry teeth show up to 0.0006 at a time.
-constexpr double kGlareOfLit = 0.002;
-/// Of a cell's pixels: so many at full scale are glare. chosen: by judgement.
-constexpr double kGlareOfCell = 0.02;
 
 struct Veil {
   double level_dn = 0;
@@ -41,13 +18,13 @@ struct Veil {
 Veil veil_of_unlit(const SightCells& cells) {
   double count = 0, sum = 0, sum2 = 0;
   for (const SightCell& cell : cells.all) {
-    if (!cell.is_lit() || cell.contrast() > kNoContrast) continue;
+    if (!cell.is_lit() || cell.contrast() > kUnlitContrast) continue;
     const double light = cell.light_dn();
     count += 1, sum += light, sum2 += light * light;
   }
   if (count < kVeiledCells * static_cast<double>(cells.all.size())) return {};
   const double mean = sum / count, variance = std::max(0.0, sum2 / count - mean * mean);
-  return {mean, std::sqrt(variance) < kEven * mean ? SightTrouble::kFog : SightTrouble::kLamp};
+  return {mean, std::sqrt(variance) < kEvenVeil * mean ? SightTrouble::kFog : SightTrouble::kLamp};
 }
 
 /// A veil that lies over everything alike: B = c (A - veil) over the cells, whatever colour and slope they have.
@@ -61,7 +38,7 @@ Veil veil_of_contrast(const SightCells& cells) {
   const double saa = aa - a * a / n, sab = ab - a * b / n, sbb = bb - b * b / n;
   if (!(n > 2 && saa > 0 && sbb > 0 && sab > 0)) return {};
   const double slope = sab / saa, level = a / n - b / n / slope;
-  const bool shows = sab * sab > kExplained * saa * sbb && slope < 1 && level > kLeastVeil * a / n;
+  const bool shows = sab * sab > kVeilExplained * saa * sbb && slope < 1 && level > kLeastVeil * a / n;
   return shows ? Veil{level, SightTrouble::kFog} : Veil{};
 }
 

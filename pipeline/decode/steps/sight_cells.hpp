@@ -8,10 +8,9 @@
 
 #include "pipeline/decode/phase/noise_model.hpp"
 #include "pipeline/decode/phase/phase.hpp"
+#include "pipeline/decode/steps/chosen.hpp"
 
 namespace enamel::pipeline {
-
-inline constexpr int kSightCell_px = 32;  ///< chosen: by judgement, some 0.9 mm of a surface at mid-range
 
 /// Sums over the pixels that are not saturated.
 struct SightCell {
@@ -23,10 +22,9 @@ struct SightCell {
     return measured > 0 && fringe2 > noise2 ? std::sqrt((fringe2 - noise2) / measured) : 0;
   }
   [[nodiscard]] double contrast() const noexcept { return is_lit() ? fringe_dn() / light_dn() : 0; }
-  /// Bright enough for its contrast to mean anything. chosen: by judgement, in units of the noise of one pixel.
+  /// Bright enough for its contrast to mean anything.
   [[nodiscard]] bool is_lit() const noexcept {
-    constexpr double kSigmas = 3;
-    return measured > 0 && light * light > kSigmas * kSigmas * noise2 * measured;
+    return measured > 0 && light * light > kLitSigmas * kLitSigmas * noise2 * measured;
   }
 };
 

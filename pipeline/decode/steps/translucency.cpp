@@ -6,27 +6,19 @@
 #include <vector>
 
 #include "pipeline/decode/phase/poly_trig.hpp"
+#include "pipeline/decode/steps/chosen.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-/// Contrast of plaster over that of the pattern as projected: what blur and ambient light leave of it.
-/// chosen: 0.87 to 0.94 over the depth range on rendered planes, balls and jaws of six units.
-constexpr float kPlasterContrast = 0.92F;
-/// Against what was projected: full correction below, none above. chosen: by judgement, between teeth (0.2 to 0.45)
-/// and plaster.
-constexpr float kTranslucent = 0.5F, kOpaque = 0.75F;
 /// k of enamel at a period of 1 mm. derived: M = 0.155, d = 0.106 mm by photon Monte Carlo.
 constexpr float kEnamel_mm = 0.106F * 0.155F / (1 - 0.155F);
-/// chosen: by judgement. Half the window that contrast is averaged over: the noise of one pixel's would be half of it.
-constexpr int kHalf_px = 2;
-
 /// Light and contrast around each pixel of a row, over measured pixels.
 class ContrastRows {
  public:
   ContrastRows(const PhaseMaps& maps, float black_dn, float projected)
       : maps_(maps), black_dn_(black_dn), per_projected_(1 / projected) {
-    const auto padded = static_cast<std::size_t>(maps.phase_rad.width()) + 2 * kHalf_px;
+    const auto padded = static_cast<std::size_t>(maps.phase_rad.width()) + 2 * kContrastHalf_px;
     light_.resize(padded), fringe_.resize(padded);
   }
 
@@ -34,11 +26,11 @@ class ContrastRows {
   void row(int v, std::vector<float>& ratio) {
     const int height = maps_.phase_rad.height(), width = maps_.phase_rad.width();
     std::fill(light_.begin(), light_.end(), 0.0F), std::fill(fringe_.begin(), fringe_.end(), 0.0F);
-    for (int y = std::max(0, v - kHalf_px); y <= std::min(height - 1, v + kHalf_px); ++y) add(y);
+    for (int y = std::max(0, v - kContrastHalf_px); y <= std::min(height - 1, v + kContrastHalf_px); ++y) add(y);
     const float* __restrict light = light_.data(), * __restrict fringe = fringe_.data();
     for (int u = 0; u < width; ++u) {
       float a = 0, b = 0;
-      for (int k = 0; k <= 2 * kHalf_px; ++k) a += light[u + k], b += fringe[u + k];
+      for (int k = 0; k <= 2 * kContrastHalf_px; ++k) a += light[u + k], b += fringe[u + k];
       ratio[static_cast<std::size_t>(u)] = select(a > 0, b * per_projected_ / a, 0);
     }
   }
@@ -49,7 +41,7 @@ class ContrastRows {
     const auto width = static_cast<std::size_t>(maps_.phase_rad.width());
     const float* __restrict mean = &maps_.mean_dn[at], * __restrict modulation = &maps_.modulation_dn[at];
     const PixelReject* __restrict reject = &maps_.reject[at];
-    float* __restrict light = light_.data() + kHalf_px, * __restrict fringe = fringe_.data() + kHalf_px;
+    float* __restrict light = light_.data() + kContrastHalf_px, * __restrict fringe = fringe_.data() + kContrastHalf_px;
     for (std::size_t u = 0; u < width; ++u) {
       const bool measured = (reject[u] == PixelReject::kNone) | (reject[u] == PixelReject::kRelative);
       light[u] += select(measured, mean[u] - black_dn_, 0);
@@ -120,11 +112,9 @@ float apparent_depth_growth(float period_mm) noexcept {
 
 PatternOptics seen_through(const Waveform& wave, PatternOptics optics) noexcept {
   if (wave.is_cosine()) return optics;
-  // chosen: the darkest level through an exponent of 1.7; it is a tenth of the mean at most and counts for little.
-  constexpr float kExponent = 1.7F, kMost = 1.6F;
-  const float darkest = std::pow(std::max(0.0F, 1 - optics.contrast), kExponent);
+  const float darkest = std::pow(std::max(0.0F, 1 - optics.contrast), kDarkestExponent);
   const auto lowest = static_cast<float>(-wave.at(-1).value);  // of F(cos phi), where cos phi = -1
-  optics.contrast = std::clamp((1 - darkest) / std::max(lowest, 1 / kMost), optics.contrast, kMost);
+  optics.contrast = std::clamp((1 - darkest) / std::max(lowest, 1 / kMostContrast), optics.contrast, kMostContrast);
   return optics;
 }
 

@@ -21,7 +21,8 @@ struct TranslucencyConfig {
   /// Undo the apparent depth. Off: it is told all the same.
   bool correct = true;
   /// Of the measured pixels: fewer that look translucent are edges and slopes of something opaque, where a pixel sees
-  /// more than one phase. chosen: bursts of plaster show up to 0.002, of teeth and gum more than 0.9.
+  /// more than one phase. chosen: on rendered bursts of ten units: plaster shows up to 0.002, teeth and gum more than
+  /// 0.9.
   double least_share = 0.15;
 };
 

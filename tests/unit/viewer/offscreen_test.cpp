@@ -41,6 +41,18 @@ TEST_F(OffscreenTest, shows_model_field_live_image_and_outline) {
   EXPECT_LT(outline_distance(picture, kGood), 60);
 }
 
+TEST_F(OffscreenTest, glare_is_ringed_where_it_is_in_the_live_image) {
+  auto frame = scene_.frame(12, 20);
+  frame->live = std::make_shared<Map<std::uint8_t>>(320, 240, std::uint8_t{60});
+  const auto is_amber = [](const Rgb& c) { return c[0] > 150 && c[0] > c[2] + 70; };
+  const Region left{0.035, 0.69, 0.12, 0.91}, right{0.14, 0.69, 0.22, 0.91};
+  EXPECT_EQ(share_of(draw(*frame), kLiveCorner, is_amber), 0.0) << "control";
+  frame->sight = {.trouble = SightTrouble::kGlare, .x_px = 70, .y_px = 120};
+  const Picture ringed = draw(*frame);
+  EXPECT_GT(share_of(ringed, left, is_amber), 0.005);
+  EXPECT_EQ(share_of(ringed, right, is_amber), 0.0);
+}
+
 TEST_F(OffscreenTest, without_model_and_field_the_middle_is_empty) {
   auto frame = scene_.frame(12, 20);
   frame->model = nullptr;
