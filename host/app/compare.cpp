@@ -34,6 +34,7 @@ void print_result(const host::CompareResult& r) {
   std::printf("95 %%           %8.2f um\n99 %%           %8.2f um\nlargest        %8.2f um\n", r.p95_um, r.p99_um,
               r.max_um);
   std::printf("coverage       %8.2f %%\nbeyond border  %8.2f %%\n", r.coverage_pct, r.beyond_border_pct);
+  std::printf("foreign        %8.3f %%\n", r.foreign_pct);
   if (!r.end) return;
   std::printf("end of scan    %8.2f um, %.4f deg\n", r.end->end_error_um, r.end->end_rotation_deg);
   if (r.end->scale_ppm) std::printf("scale          %8.1f ppm\n", *r.end->scale_ppm);

@@ -117,6 +117,14 @@ std::string map_json(const host::ScanResult& scan) {
   return out.dump();
 }
 
+/// What moved by itself and was left out of the final model.
+std::string tissue_json(const host::MapFacts& facts) {
+  const auto measured = static_cast<double>(std::max<std::uint64_t>(facts.measured_px, 1));
+  const nlohmann::json out{{"foreign_removed_px", facts.seen_through_px},
+                           {"foreign_share", static_cast<double>(facts.seen_through_px) / measured}};
+  return out.dump();
+}
+
 }  // namespace
 
 std::string known_line(const host::ScanResult& scan) {
@@ -139,6 +147,7 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   if (!scan.repeated.empty()) report.notes["repeated"] = repeated_note(scan.repeated);
   if (!scan.clock_went_back.empty()) report.notes["clock"] = clock_note(scan.clock_went_back);
   if (scan.map) report.map_json = map_json(scan);
+  if (scan.map) report.tissue_json = tissue_json(*scan.map);
   report.known_line = known_line(scan);
   report.stage_ms = scan.stage_ms;
   report.latency_ms = scan.latency_ms;

@@ -74,6 +74,19 @@ double percentile(const std::vector<double>& sorted, double share) {
   return sorted[at] + part * (next - sorted[at]);
 }
 
+double foreign_pct(const Mesh& mesh, const std::vector<float>& deviation_um, double beyond_mm) {
+  double area = 0, foreign = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3f ab = mesh.vertices[t[1]] - mesh.vertices[t[0]], ac = mesh.vertices[t[2]] - mesh.vertices[t[0]];
+    const double part = 0.5 * static_cast<double>(ab.cross(ac).norm());
+    const bool off = std::ranges::all_of(
+        t, [&](std::uint32_t v) { return std::abs(static_cast<double>(deviation_um[v])) > 1e3 * beyond_mm; });
+    area += part;
+    foreign += off ? part : 0.0;
+  }
+  return area > 0 ? 100.0 * foreign / area : 0.0;
+}
+
 void summarise(CompareResult& result) {
   std::vector<double> values(result.deviation_um.begin(), result.deviation_um.end());
   double sum = 0;
@@ -134,6 +147,7 @@ Result<CompareResult> compare(const Mesh& mesh, std::span<const MeshFile> refere
   }
   summarise(result);
   result.beyond_border_pct = 100.0 * static_cast<double>(beyond) / static_cast<double>(mesh.vertices.size());
+  result.foreign_pct = foreign_pct(mesh, result.deviation_um, config.foreign_beyond_mm);
   result.coverage_pct = coverage_pct(reference.mesh(), all.seen, moved, config);
   return result;
 }
@@ -149,6 +163,7 @@ std::string compare_json(const CompareResult& result) {
   j["max_um"] = result.max_um;
   j["coverage_pct"] = result.coverage_pct;
   j["beyond_border_pct"] = result.beyond_border_pct;
+  j["foreign_pct"] = result.foreign_pct;
   j["end_error_um"] = nullptr;
   j["end_rotation_deg"] = nullptr;
   j["scale_ppm"] = nullptr;

@@ -17,6 +17,7 @@ enum class Alignment { kNone, kBest, kStart };
 struct CompareConfig {
   double coverage_within_mm = 0.1;  ///< reference nearer than this to the mesh is covered
   double coverage_sample_mm = 0.2;  ///< larger reference triangles are sampled at about this distance
+  double foreign_beyond_mm = 0.15;  ///< triangles with every corner farther from the reference are foreign
   double seen_at_least = 3;         ///< reference vertices with a `seen` below were not seen by the probe
 };
 
@@ -34,6 +35,7 @@ struct CompareResult {
          max_um = 0;  ///< median signed, others absolute
   double coverage_pct = 0;
   double beyond_border_pct = 0;
+  double foreign_pct = 0;       ///< of the mesh's area: tongue, cheek, wrong orders; what is not the reference at all
   std::optional<EndError> end;  ///< with kStart
   Alignment alignment = Alignment::kNone;
   Pose T_reference_mesh = Pose::Identity();

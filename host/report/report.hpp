@@ -52,6 +52,7 @@ struct Report {
   std::uint64_t mesh_triangles = 0;
   std::string accuracy_json;     ///< object with the keys of `enamel compare --json`, empty when the truth is not known
   std::string map_json;          ///< object: what the refinement after the scan did, empty when there was none
+  std::string tissue_json;       ///< object: what was taken for passing bodies; empty without refinement
   std::string calibration_json;  ///< object: which calibration measured, by its sha256, and what is expected of it
   std::map<std::string, std::string> notes;  ///< facts for people: what drew the picture, which pace, seed
   std::string config_toml;                   ///< resolved configuration

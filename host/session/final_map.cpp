@@ -25,10 +25,12 @@ class ReadAhead {
   SurfacePatch operator()(std::size_t n) {
     Cleaned cleaned = next_.get();
     withdrawn_px_ += cleaned.withdrawn_px;
+    measured_px_ += cleaned.patch.valid_px + cleaned.withdrawn_px;
     ask(n + 1);
     return std::move(cleaned.patch);
   }
   [[nodiscard]] std::uint64_t withdrawn_px() const noexcept { return withdrawn_px_; }
+  [[nodiscard]] std::uint64_t measured_px() const noexcept { return measured_px_; }
 
  private:
   struct Cleaned {
@@ -46,7 +48,7 @@ class ReadAhead {
   const std::vector<pipeline::MapBurst>& bursts_;
   const std::function<SurfacePatch(std::size_t)>& load_;
   std::shared_ptr<const pipeline::FreeSpace> free_space_;
-  std::uint64_t withdrawn_px_ = 0;
+  std::uint64_t withdrawn_px_ = 0, measured_px_ = 0;
   std::future<Cleaned> next_;
 };
 
@@ -95,6 +97,7 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
     return ahead(n);
   });
   facts.seen_through_px = ahead.withdrawn_px();
+  facts.measured_px = ahead.measured_px();
   facts.seconds = seconds_since(start, clock);
   return facts;
 }

@@ -46,6 +46,9 @@ void bind_fuse(ConfigReader r, pipeline::FuseConfig& c) {
   r.bind("min_observations", c.min_observations, {1, 255}, "measurements that a voxel needs to count as surface");
   r.bind("min_bursts", c.min_bursts, {1, 255}, "different bursts that they must come from");
   r.bind("carve_margin_mm", c.carve_margin_mm, {0.1, 10.0}, "unconfirmed surface seen through with this margin goes");
+  r.bind("carve_bursts", c.carve_bursts, {0, 255},
+         "bursts that must look through confirmed surface, for each moment that it was seen in; 0: it stays");
+  r.bind("carve_confirmed_mm", c.carve_confirmed_mm, {0.2, 10.0}, "and by so much");
 }
 
 void bind_mesh(ConfigReader r, pipeline::MeshConfig& c) {

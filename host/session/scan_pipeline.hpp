@@ -53,7 +53,8 @@ struct ApartSegment {
 /// What the refinement after the scan did.
 struct MapFacts {
   pipeline::RefinedMap map;           ///< without its poses
-  std::uint64_t seen_through_px = 0;  ///< left out of the final model: other bursts looked through there
+  std::uint64_t seen_through_px = 0;  ///< left out of the final model: other bursts looked through there …
+  std::uint64_t measured_px = 0;      ///< … of so many
   double refine_s = 0, seconds = 0;   ///< for the poses alone; with the model fused anew
 };
 

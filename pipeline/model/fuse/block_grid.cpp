@@ -55,6 +55,7 @@ std::int32_t BlockGrid::allocate(const BlockIndex& index) {
   const auto id = static_cast<std::int32_t>(blocks_.size());
   blocks_.push_back(std::make_unique<Block>());
   blocks_.back()->index = index;
+  indices_.push_back(index);
   insert(key_of(index), id);
   link(id);
   return id;

@@ -40,6 +40,8 @@ struct Block {
   std::array<std::uint8_t, kBlockVoxels> observations{};          ///< pixel measurements, saturating
   std::array<std::uint8_t, kBlockVoxels> bursts{};                ///< bursts, saturating
   std::uint64_t first_burst = ~std::uint64_t{0}, last_burst = 0;  ///< of those that measured it; first > last: none did
+  std::uint8_t moments = 0;      ///< apart in time, in which it was measured; saturating
+  std::uint8_t against = 0;      ///< bursts that looked through it since it was last measured; saturating
   std::uint64_t touched_by = 0;  ///< serial number of the last integration that visited it
   float moved_mm = 0;            ///< how far its surface may have moved since it was last taken for meshing
   bool grown = false;            ///< voxels became surface (or ceased to be) since it was last taken
@@ -60,6 +62,10 @@ class BlockGrid {
   [[nodiscard]] Block& block(std::int32_t id) noexcept { return *blocks_[static_cast<std::size_t>(id)]; }
   [[nodiscard]] const Block& block(std::int32_t id) const noexcept { return *blocks_[static_cast<std::size_t>(id)]; }
 
+  [[nodiscard]] const BlockIndex& index_of(std::int32_t id) const noexcept {
+    return indices_[static_cast<std::size_t>(id)];
+  }
+
   [[nodiscard]] static bool in_range(const BlockIndex& index) noexcept;
 
  private:
@@ -72,7 +78,8 @@ class BlockGrid {
   void link(std::int32_t id);
 
   std::vector<std::unique_ptr<Block>> blocks_;
-  std::vector<Slot> slots_;  ///< open addressing, power of two, at most half full
+  std::vector<BlockIndex> indices_;  ///< of the blocks, close together: a walk over all of them is cheap
+  std::vector<Slot> slots_;          ///< open addressing, power of two, at most half full
 };
 
 }  // namespace enamel::pipeline

@@ -15,8 +15,11 @@ struct FuseConfig {
   int min_observations = 3;          ///< pixel measurements that a voxel needs to count as surface in the mesh
   int min_bursts = 2;  ///< different bursts that they must come from: one burst's outliers never reach the mesh
   double carve_margin_mm = 0.6;  ///< an unconfirmed block seen through with this margin loses its voxels
-  int view_stride = 2;           ///< camera pixels a pixel of ModelView
-  double view_search_mm = 1.2;   ///< how far around a guessed depth a view pixel without own measurement is searched
+  int carve_bursts =
+      3;  ///< bursts that looked through confirmed surface, for each moment it was seen in: it goes. 0: never
+  double carve_confirmed_mm = 0.5;  ///< … with this margin
+  int view_stride = 2;              ///< camera pixels a pixel of ModelView
+  double view_search_mm = 1.2;      ///< how far around a guessed depth a view pixel without own measurement is searched
 };
 
 /// What one burst did to the model.
@@ -26,7 +29,7 @@ struct FuseStats {
   std::uint64_t voxels_updated = 0;
   std::uint32_t blocks_touched = 0;
   std::uint32_t blocks_new = 0;
-  std::uint32_t blocks_carved = 0;  ///< unconfirmed blocks emptied because this burst saw through them
+  std::uint32_t blocks_carved = 0;  ///< blocks emptied because this burst saw through them
 };
 
 }  // namespace enamel::pipeline

@@ -5,6 +5,7 @@
 
 #include "pipeline/model/fuse/integrate_block.hpp"
 #include "pipeline/model/fuse/projection.hpp"
+#include "pipeline/model/fuse/see_through.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -29,6 +30,17 @@ BlockInCamera place(const Block& block, double voxel_mm, const Pose& T_cam_model
   at.step_z = step.col(2).cast<float>();
   at.projection = local_projection(camera, T_cam_model * middle, stride);
   return at;
+}
+
+void clear(Block& block) {
+  block.distance_mm.fill(0.0F);
+  block.weight.fill(0.0F);
+  block.observations.fill(0);
+  block.bursts.fill(0);
+  block.touched_by = 0;
+  block.first_burst = ~std::uint64_t{0};
+  block.last_burst = 0;
+  block.moments = block.against = 0;
 }
 
 }  // namespace
@@ -106,8 +118,7 @@ FuseStats TsdfModel::integrate(BurstId burst, const SurfacePatch& patch, const P
     const std::uint64_t updated = integrate_block(surfels_, at, config_, block);
     stats.voxels_updated += updated;
     if (updated > 0) {
-      block.first_burst = std::min(block.first_burst, burst.value);
-      block.last_burst = std::max(block.last_burst, burst.value);
+      note_measured(block, burst.value);
     }
     if (!block.pending && (block.grown || block.moved_mm > 0.0F)) {
       block.pending = true;
@@ -115,6 +126,9 @@ FuseStats TsdfModel::integrate(BurstId burst, const SurfacePatch& patch, const P
     }
   }
   carve(patch, T_cam_model, stats);
+  if (config_.carve_bursts > 0) {
+    carve_confirmed(patch, T_cam_model, stats);
+  }
   return stats;
 }
 
@@ -144,15 +158,56 @@ void TsdfModel::carve(const SurfacePatch& patch, const Pose& T_cam_model, FuseSt
     const int i = static_cast<int>(std::lround(u));
     const int j = static_cast<int>(std::lround(v));
     if (surfels_(i, j).weight > 0.0F && patch.depth_mm(i * surfels_.stride(), j * surfels_.stride()) > p.z() + margin) {
-      block.distance_mm.fill(0.0F);
-      block.weight.fill(0.0F);
-      block.observations.fill(0);
-      block.bursts.fill(0);
-      block.touched_by = 0;
-      block.first_burst = ~std::uint64_t{0};
-      block.last_burst = 0;
+      clear(block);
       ++stats.blocks_carved;
     }
+  }
+}
+
+// A tongue at rest is confirmed by the second burst that sees it. What looks through it later has its say as well.
+void TsdfModel::carve_confirmed(const SurfacePatch& patch, const Pose& T_cam_model, FuseStats& stats) {
+  const double edge = kBlockEdge * config_.voxel_mm, half = 0.5 * (kBlockEdge - 1) * config_.voxel_mm;
+  const Eigen::Matrix3f R = (T_cam_model.linear() * edge).cast<float>();
+  const Vec3f t = (T_cam_model * Vec3d::Constant(half)).cast<float>();
+  const auto margin = static_cast<float>(config_.carve_confirmed_mm);
+  const auto fx = static_cast<float>(camera_.fx), fy = static_cast<float>(camera_.fy);
+  const auto cx = static_cast<float>(camera_.cx) + 0.5F, cy = static_cast<float>(camera_.cy) + 0.5F;
+  const auto blocks = static_cast<std::int32_t>(grid_.size());
+  for (std::int32_t id = 0; id < blocks; ++id) {
+    const BlockIndex& index = grid_.index_of(id);
+    const Vec3f p =
+        R * Vec3f(static_cast<float>(index[0]), static_cast<float>(index[1]), static_cast<float>(index[2])) + t;
+    if (!(p.z() > 1.0F)) {
+      continue;
+    }
+    // The lens bends by a few pixels, a block is thirty wide: good enough to choose whom to ask.
+    const float u = fx * p.x() / p.z() + cx, v = fy * p.y() / p.z() + cy;
+    const auto width = static_cast<float>(camera_.width), height = static_cast<float>(camera_.height);
+    if (!(u >= 0.0F && v >= 0.0F && u < width && v < height) ||
+        !(patch.depth_mm(static_cast<int>(u), static_cast<int>(v)) > p.z() + margin)) {
+      continue;
+    }
+    Block& block = grid_.block(id);
+    if (!block.confirmed || block.touched_by == integrations_) {
+      continue;
+    }
+    const BlockInCamera at = place(block, config_.voxel_mm, T_cam_model, camera_, surfels_.stride());
+    if (!looks_through(surfels_, patch, at, config_.carve_confirmed_mm, block)) {
+      continue;
+    }
+    block.against = static_cast<std::uint8_t>(std::min(255, block.against + 1));
+    if (block.against < config_.carve_bursts * block.moments) {
+      continue;
+    }
+    clear(block);
+    block.confirmed = false;
+    tentative_.push_back(id);
+    block.grown = true;
+    if (!block.pending) {
+      block.pending = true;
+      pending_.push_back(id);
+    }
+    ++stats.blocks_carved;
   }
 }
 

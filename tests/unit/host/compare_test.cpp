@@ -106,6 +106,24 @@ TEST(Compare, several_references_are_one_surface) {
   EXPECT_GT(compared(mesh, {left}).beyond_border_pct, 30.0);
 }
 
+TEST(Compare, what_lies_far_from_the_reference_is_foreign_by_its_area) {
+  const MeshFile reference = relief(0.25);
+  Mesh mesh = reference.mesh;
+  EXPECT_EQ(compared(mesh, {reference}).foreign_pct, 0.0);
+  double own_mm2 = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3f ab = mesh.vertices[t[1]] - mesh.vertices[t[0]], ac = mesh.vertices[t[2]] - mesh.vertices[t[0]];
+    own_mm2 += 0.5 * static_cast<double>(ab.cross(ac).norm());
+  }
+  // Two square millimetres float far above.
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (const Vec3f& corner : {Vec3f(0, 0, 5), Vec3f(2, 0, 5), Vec3f(0, 2, 5)}) mesh.vertices.push_back(corner);
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  mesh.normals.clear();
+  mesh.quality.clear();
+  EXPECT_NEAR(compared(mesh, {reference}).foreign_pct, 100.0 * 2.0 / (own_mm2 + 2.0), 0.01);
+}
+
 TEST(Compare, percentiles_follow_the_distribution) {
   // A tenth of the surface is raised by 80 um.
   const Mesh mesh = relief(0.25, [](double x, double) { return x > 8.0 ? 0.08 : 0.0; }).mesh;
@@ -205,7 +223,7 @@ TEST(Compare, start_needs_poses_with_a_common_burst) {
 TEST(Compare, json_has_the_agreed_keys) {
   const auto j = nlohmann::json::parse(compare_json(compared(relief(1.0).mesh, {relief(1.0)})));
   for (const char* key : {"mean_abs_um", "median_um", "rms_um", "p95_um", "p99_um", "max_um", "coverage_pct",
-                          "end_error_um", "end_rotation_deg", "scale_ppm", "align"}) {
+                          "foreign_pct", "end_error_um", "end_rotation_deg", "scale_ppm", "align"}) {
     EXPECT_TRUE(j.contains(key)) << key;
   }
   EXPECT_EQ(j["align"], "none");

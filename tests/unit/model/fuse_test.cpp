@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "pipeline/model/fuse/see_through.hpp"
 #include "pipeline/model/fuse/tsdf_model.hpp"
 #include "tests/unit/model/synthetic.hpp"
 
@@ -216,6 +217,66 @@ TEST(Fuse, an_outlier_seen_through_by_a_later_burst_is_carved) {
   model.integrate(BurstId{0}, render(rig, synthetic::nearest(ground, synthetic::sphere({0, 0, -4}, 0.7)), pose), pose);
   const FuseStats stats = model.integrate(BurstId{1}, render(rig, ground, pose), pose);
   EXPECT_GT(stats.blocks_carved, 0U);
+}
+
+/// A ball before the ground that bursts 0 to 3 see, then `away` bursts without it; seen_again: it is there once more
+/// in between. Blocks carved after the first four bursts.
+std::uint32_t carved_after_a_ball(int away, bool seen_again, int carve_bursts = 2) {
+  const calib::Rig rig = synthetic::small_rig();
+  FuseConfig config;
+  config.carve_bursts = carve_bursts;
+  TsdfModel model(rig, config);
+  const auto ground = synthetic::plane({0, 0, -1}, 0.0);
+  const auto ball = synthetic::nearest(ground, synthetic::sphere({0, 0, -4}, 1.5));
+  std::uint64_t burst = 0;
+  const auto pose_of = [](std::uint64_t n) {
+    return looking_at({0.1 * static_cast<double>(n % 7), 0, 0}, Vec3d::UnitZ(), 48);
+  };
+  const auto see = [&](const auto& what) {
+    const FuseStats stats = model.integrate(BurstId{burst}, render(rig, what, pose_of(burst)), pose_of(burst));
+    ++burst;
+    return stats.blocks_carved;
+  };
+  for (int k = 0; k < 4; ++k) (void)see(ball);
+  if (seen_again) {
+    burst += 2 * kMomentBursts;
+    (void)see(ball);
+  }
+  std::uint32_t carved = 0;
+  for (int k = 0; k < away; ++k) carved += see(ground);
+  return carved;
+}
+
+TEST(Fuse, a_body_that_was_confirmed_and_went_is_carved) {
+  EXPECT_GT(carved_after_a_ball(4, false), 4U);
+  const std::uint32_t at_once = carved_after_a_ball(1, false);
+  EXPECT_LT(at_once, carved_after_a_ball(4, false) / 2);                  // one burst is not enough
+  EXPECT_EQ(carved_after_a_ball(4, false, 0), at_once);                   // control: only what was not confirmed
+  EXPECT_LT(carved_after_a_ball(3, true), carved_after_a_ball(7, true));  // seen in two moments: twice as many
+}
+
+/// A ball's flanks are as steep as a wall: from the side they are measured, from above only the ground beside them.
+std::uint32_t carved_of_a_wall(int carve_bursts) {
+  const calib::Rig rig = synthetic::small_rig();
+  FuseConfig config;
+  config.carve_bursts = carve_bursts;
+  TsdfModel model(rig, config);
+  const auto body = synthetic::nearest(synthetic::plane({0, 0, -1}, 0.0), synthetic::sphere({0, 0, -2}, 3.0));
+  std::uint64_t burst = 0;
+  const auto look = [&](const Vec3d& along) {
+    const Pose pose = looking_at(Vec3d(0, 0, -2), along.normalized(), 46);
+    const FuseStats stats = model.integrate(BurstId{burst}, render(rig, body, pose), pose);
+    ++burst;
+    return stats.blocks_carved;
+  };
+  for (int k = 0; k < 4; ++k) (void)look(Vec3d(0.8, 0.05 * k, 0.6));
+  std::uint32_t carved = 0;
+  for (int k = 0; k < 12; ++k) carved += look(Vec3d(0.02 * k, 0, 1));
+  return carved;
+}
+
+TEST(Fuse, a_wall_seen_from_above_is_not_seen_through) {
+  EXPECT_EQ(carved_of_a_wall(1), carved_of_a_wall(0));  // what was not confirmed goes in both
 }
 
 }  // namespace
