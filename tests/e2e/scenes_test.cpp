@@ -108,6 +108,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Shipped{"arch", "probe", "M", 0, 0.0005, one_burst("13.5", "-40", "-4")},
                       Shipped{"arch_upper", "probe", "M", 0, 0.0005, one_burst("15.8", "-26", "26")},
                       Shipped{"gaps", "probe", "M", 0, 0.0005, one_burst("17.0", "-30", "6")},
+                      Shipped{"mouth_tissue", "probe", "M", 0, 0.0005, one_burst("4.0", "20", "54")},
+                      Shipped{"mouth_fog", "probe", "M", 0, 0.002, one_burst("4.0", "20", "54")},
+                      Shipped{"mouth_lamp", "probe", "M", 0, 0.0005, one_burst("4.0", "20", "54")},
                       Shipped{"edentulous", "probe", "M", 0, 0.0005, one_burst_of_the_ridge()}),
     [](const auto& shipped) { return shipped.param.name(); });
 
