@@ -23,6 +23,10 @@ inline constexpr double kCodeRidge = 1e-2;  ///< z is unknown to within 10 befor
 inline constexpr float kShortestCode = 0.4F, kLongestCode = 1.6F;
 /// Of the step to the next order, within which a code agrees. chosen: by judgement, below its half.
 inline constexpr float kStepShare = 1.0F / 3;
+/// Sigmas of noise that must fit into that share. derived: 0.3 % of a Gaussian lies beyond.
+inline constexpr float kStanceSigmas = 3;
+/// Of the codes that noise does not blur: if fewer are as sharp, all are asked. chosen: by judgement.
+inline constexpr double kKeenShare = 0.1;
 /// chosen: by judgement. A few pixels already tell: at a run's end one that blur mixes, one to spare.
 inline constexpr std::int32_t kMicroEndTrim_px = 2;
 

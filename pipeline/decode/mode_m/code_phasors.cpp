@@ -43,7 +43,7 @@ void phasor_loop(const CodeSumRow& sums, float outlier_cost, CodePhasors& phasor
     wpq[k] = known * static_cast<float>(-cpq * per_cdet);
     wqq[k] = known * static_cast<float>(cpp * per_cdet);
     most[k] = known * larger(unseen - 0.5F * log_poly(static_cast<float>(cdet)), 0);
-    sharp[k] = least * kSpread2 > 1 ? known : 0.0F;
+    sharp[k] = least * kSpread2 > 1 ? known * static_cast<float>(least) : 0.0F;
   }
 }
 

@@ -36,8 +36,9 @@ struct CodeSumRow {
 struct CodePhasor {
   float p = 0, q = 0;
   float wpp = 0, wpq = 0, wqq = 0;
-  float most = 0;   ///< cost of a segment whose code lies
-  float sharp = 0;  ///< 1: noise alone leaves z to within the spread that blur and motion give it
+  float most = 0;  ///< cost of a segment whose code lies
+  /// 1/variance that noise alone gives z, in its worst direction; 0 where that is more than blur and motion give it.
+  float sharp = 0;
 };
 
 /// Of all segments, one array a number.

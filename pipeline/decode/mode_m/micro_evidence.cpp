@@ -38,6 +38,18 @@ void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, con
     segments_.put(k, sum_over(row_, core.begin, core.end));
   }
   find_phasors(segments_, outlier_cost, said_);
+  least_sharp_ = least_sharp();
+}
+
+float MicroEvidence::least_sharp() const {
+  const float third = kCodeGain * sin_poly(kStepShare * kTwoPiF * code_->inverse_ratio);
+  const float keen = kStanceSigmas * kStanceSigmas / (third * third);
+  std::size_t sharp = 0, keener = 0;
+  for (const float each : said_.sharp) {
+    sharp += each > 0 ? 1U : 0U;
+    keener += each > keen ? 1U : 0U;
+  }
+  return static_cast<double>(keener) >= kKeenShare * static_cast<double>(sharp) ? keen : 0;
 }
 
 void MicroEvidence::costs(std::size_t segment, std::int32_t first_cell, std::span<float> out) const {
@@ -59,7 +71,7 @@ MicroEvidence::Turned MicroEvidence::turned(std::size_t segment, std::int32_t ce
 float MicroEvidence::settle(const std::vector<Segment>& segments, const OrderResult& orders) {
   double along = 0, across = 0;
   for (std::size_t k = 0; k < segments.size(); ++k) {
-    if (!orders.segments[k].decided || !(said_.sharp[k] > 0)) continue;
+    if (!orders.segments[k].decided || !(said_.sharp[k] > least_sharp_)) continue;
     const Turned z = turned(k, segments[k].cell + 2 * orders.segments[k].shift);
     const auto pixels = static_cast<float>(segments[k].end - segments[k].begin);
     along += static_cast<double>(z.along * pixels);
@@ -72,7 +84,7 @@ float MicroEvidence::settle(const std::vector<Segment>& segments, const OrderRes
 }
 
 Stance MicroEvidence::stance(std::size_t segment, std::int32_t cell) const {
-  if (!(said_.sharp[segment] > 0)) return Stance::kSilent;
+  if (!(said_.sharp[segment] > least_sharp_)) return Stance::kSilent;
   const Turned z = turned(segment, cell);
   const float length2 = z.along * z.along + z.across * z.across;
   const float along = z.along * mean_.along + z.across * mean_.across;

@@ -35,7 +35,8 @@ class MicroEvidence final : public CodeEvidence {
   float settle(const std::vector<Segment>& segments, const OrderResult& orders);
 
   /// A sharp z agrees when it lies within a third of a step of the order's angle, and is neither near 0 nor far too
-  /// long.
+  /// long. Where a tenth of the sharp ones are sharp enough for three sigma of noise within that third, only they are
+  /// asked: the others' noise would pass for another code.
   [[nodiscard]] Stance stance(std::size_t segment, std::int32_t cell) const override;
 
  private:
@@ -45,8 +46,11 @@ class MicroEvidence final : public CodeEvidence {
   };
   [[nodiscard]] Turned turned(std::size_t segment, std::int32_t cell) const;
 
+  [[nodiscard]] float least_sharp() const;
+
   const MicroCode* code_ = nullptr;
-  Turned mean_{1, 0};  ///< direction of the code's mean angle
+  float least_sharp_ = 0;  ///< of what is asked
+  Turned mean_{1, 0};      ///< direction of the code's mean angle
   CodeSumRow row_, segments_;
   CodePhasors said_;
 };

@@ -11,6 +11,9 @@
 namespace enamel::pipeline {
 namespace {
 
+/// Contrast of light from inside alone: with less something else is amiss, and no more is taken off. derived: M at 1
+/// mm.
+constexpr float kLeastContrast = 0.155F * kPlasterContrast;
 /// k of enamel at a period of 1 mm. derived: M = 0.155, d = 0.106 mm by photon Monte Carlo.
 constexpr float kEnamel_mm = 0.106F * 0.155F / (1 - 0.155F);
 /// Light and contrast around each pixel of a row, over measured pixels.
@@ -102,7 +105,7 @@ RowSum undo_row(const SeenPattern& seen, const RefinedPhase& refined, const std:
 
 float apparent_depth_at_1mm(float ratio) noexcept {
   const float sure = std::clamp((kOpaque - ratio) / (kOpaque - kTranslucent), 0.0F, 1.0F);
-  return sure * kEnamel_mm * (kPlasterContrast / ratio - 1);
+  return sure * kEnamel_mm * (kPlasterContrast / std::max(ratio, kLeastContrast) - 1);
 }
 
 /// derived: k by Monte Carlo is 6.2, 19.4, 67 um at 0.5, 1, 2 mm: p^1.72 within 5 %; here p^1.75, by roots.
