@@ -21,9 +21,8 @@ inline constexpr float kPlasterContrast = 0.92F;
 inline constexpr float kTranslucent = 0.5F, kOpaque = 0.75F;
 /// chosen: by judgement. Half the window that contrast is averaged over: the noise of one pixel's would be half of it.
 inline constexpr int kContrastHalf_px = 2;
-/// Of a gamma: the exponent that the darkest level goes through, a tenth of the mean light at most; and the largest
-/// contrast of its fringes, 2 gamma/(gamma + 1) at 4. chosen: by judgement.
-inline constexpr float kDarkestExponent = 1.7F, kMostContrast = 1.6F;
+/// Of a gamma's fringes: their largest contrast, 2 gamma/(gamma + 1) at 4. chosen: by judgement.
+inline constexpr float kMostContrast = 1.6F;
 
 /// Squares of the image by which the sight is judged: some 0.9 mm of a surface at mid-range; and the light of one, over
 /// the noise of a pixel, from which on its contrast means anything. chosen: by judgement.

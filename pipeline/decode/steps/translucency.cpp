@@ -11,11 +11,11 @@
 namespace enamel::pipeline {
 namespace {
 
-/// Contrast of light from inside alone: with less something else is amiss, and no more is taken off. derived: M at 1
-/// mm.
+/// Contrast of light from inside alone: with less, something else is amiss. derived: M at a period of 1 mm.
 constexpr float kLeastContrast = 0.155F * kPlasterContrast;
 /// k of enamel at a period of 1 mm. derived: M = 0.155, d = 0.106 mm by photon Monte Carlo.
 constexpr float kEnamel_mm = 0.106F * 0.155F / (1 - 0.155F);
+
 /// Light and contrast around each pixel of a row, over measured pixels.
 class ContrastRows {
  public:
@@ -115,7 +115,8 @@ float apparent_depth_growth(float period_mm) noexcept {
 
 PatternOptics seen_through(const Waveform& wave, PatternOptics optics) noexcept {
   if (wave.is_cosine()) return optics;
-  const float darkest = std::pow(std::max(0.0F, 1 - optics.contrast), kDarkestExponent);
+  // Through an exponent of about 1.5; a tenth of the mean light at most, and roots give the same bits everywhere.
+  const float level = std::max(0.0F, 1 - optics.contrast), darkest = level * std::sqrt(level);
   const auto lowest = static_cast<float>(-wave.at(-1).value);  // of F(cos phi), where cos phi = -1
   optics.contrast = std::clamp((1 - darkest) / std::max(lowest, 1 / kMostContrast), optics.contrast, kMostContrast);
   return optics;

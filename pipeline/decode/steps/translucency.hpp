@@ -39,8 +39,8 @@ struct SeenPattern {
 };
 
 /// Takes the apparent depth off the phase, in place, of pixels that are kNone or kRelative, and adds its uncertainty to
-/// their sigma. Of sight, veil_dn is light that no contrast is asked of; fills
-/// translucent_share and apparent_depth_mm.
+/// their sigma. Of sight, veil_dn is light that no contrast is asked of; fills translucent_share and
+/// apparent_depth_mm.
 void undo_translucency(const SeenPattern& seen, const TranslucencyConfig& config, const RefinedPhase& refined,
                        Sight& sight, PhaseMaps& phase);
 
