@@ -135,6 +135,9 @@ TEST(TwinFilm, glare_of_a_film_and_none_of_a_dry_surface) {
   }
   scene.effects.film = false;  // control
   EXPECT_GT(glare, 1.2 * brightest(scene));
+  scene.effects.film = true;
+  scene.look.film.roughness = 0.5;  // wide and weak
+  EXPECT_GT(glare, 1.2 * brightest(scene));
 }
 
 }  // namespace

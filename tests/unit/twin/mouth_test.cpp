@@ -91,16 +91,24 @@ TEST(Mouth, film_covers_its_share_and_pools_fill_fissures) {
 TEST(Mouth, truth_names_materials_and_plaster_says_nothing) {
   SceneConfig scene = mouth_scene();
   scene.look.mouth.ceramic = {4};
+  scene.look.film.wet_share = 0.5;
   const auto mouth = make_body(scene);
+  scene.effects.film = false;
+  const auto dry = make_body(scene);
   scene.look = LookConfig{};
   const auto plaster = make_body(scene);
-  ASSERT_TRUE(mouth && plaster);
+  ASSERT_TRUE(mouth && dry && plaster);
   const auto json = nlohmann::json::parse(mouth->description_json);
   EXPECT_EQ(json["materials"]["enamel"]["number"], 1);
   EXPECT_EQ(json["materials"]["enamel"]["lobes"].size(), 3U);
   EXPECT_EQ(json["mouth"]["ceramic"][0], 4);
   const std::string ply = write_ply(mouth->surroundings.mesh, {});
-  EXPECT_NE(ply.find("property uchar material"), std::string::npos);
+  EXPECT_NE(ply.find("property uchar material\nproperty float film_mm\n"), std::string::npos);
+  const std::string without = write_ply(dry->surroundings.mesh, {});
+  EXPECT_EQ(without.find("film_mm"), std::string::npos);
+  const std::size_t vertices = mouth->surroundings.mesh.vertices.size();
+  EXPECT_EQ(ply.size() - without.size(),
+            sizeof(float) * vertices + std::string_view("property float film_mm\n").size());
   EXPECT_FALSE(nlohmann::json::parse(plaster->description_json).contains("materials"));
   EXPECT_EQ(write_ply(plaster->surroundings.mesh, {}).find("material"), std::string::npos);
 }
@@ -129,7 +137,9 @@ TEST(Mouth, keys_that_do_not_go_together_are_refused) {
   };
   const std::string jaw = "object.type = \"jaw\"\npath.type = \"arch\"\npath.pass = [{}]\n";
   EXPECT_TRUE(load(jaw + "object.material = \"mouth\"\nmouth.amalgam = [-6]\nmaterials.enamel.albedo = 0.5\n"));
-  EXPECT_FALSE(load(jaw + "mouth.amalgam = [6]\n"));
+  EXPECT_TRUE(load(jaw + "mouth.amalgam = [6]\n"));  // plaster leaves it out
+  EXPECT_FALSE(load(jaw + "object.material = \"gum\"\nmouth.amalgam = [6]\n"));
+  EXPECT_FALSE(load("object.type = \"plane\"\nmouth.amalgam = [6]\n"));
   EXPECT_FALSE(load(jaw + "object.material = \"mouth\"\nmouth.amalgam = [5.5]\n"));
   EXPECT_FALSE(load(jaw + "object.material = \"mouth\"\nmaterials.enamel.lobe_weights = [1.0]\n"));
   EXPECT_FALSE(load(jaw + "object.material = \"chalk\"\n"));

@@ -9,7 +9,6 @@ namespace enamel::twin {
 namespace {
 
 constexpr double kWater = 1.33;          // saliva: 99 % water
-constexpr double kFilmRoughness = 0.05;  // GGX alpha of a liquid's surface that the breath stirs
 constexpr double kApertureAlpha = 0.02;  // both lenses' openings, 2 degrees: no mirror image is a point
 constexpr double kGrazing = 0.05;        // cosine below which a film is not looked through
 
@@ -55,7 +54,8 @@ double widened(double roughness) { return std::sqrt(roughness * roughness + kApe
 
 /// Bends both ways at the film's upper side and adds its glare. The upper side is a plane over the point hit; the solid
 /// surface is its facet's plane. Without a usable film the ways stay straight.
-void pass_film(const Ruler& ruler, const Struck& struck, const RayScene::Surfel& s, Ways& ways, Lane& lane) {
+void pass_film(const Ruler& ruler, const Struck& struck, const Look& look, Ways& ways, Lane& lane) {
+  const RayScene::Surfel& s = look.surfel;
   const double h = static_cast<double>(s.film_mm), level = static_cast<double>(s.level);
   const Vec3d upper = ((1.0 - level) * s.normal + level * Vec3d::UnitZ()).normalized();
   const double facing = upper.dot(ways.to_camera);
@@ -66,7 +66,7 @@ void pass_film(const Ruler& ruler, const Struck& struck, const RayScene::Surfel&
   const Vec3d in = ways.to_camera * (h / facing);  // where the camera's ray meets the liquid
   constexpr double kFilmMirror = mirror_of_index(kWater);
   const double glare =
-      facet_mirror(upper, ways.to_light, ways.to_camera, widened(kFilmRoughness), kFilmMirror) * struck.strength;
+      facet_mirror(upper, ways.to_light, ways.to_camera, widened(look.film_roughness), kFilmMirror) * struck.strength;
   add(lane, ruler.at(in), glare, lane.sigma2);
   ways.seen = in + *seen_along * (-in.dot(s.facet) / seen_along->dot(s.facet));
   // Back along the light to the upper side. Its direction outside changes by 1/48 a mm: h^2 / 48 = 2 um at 0.3 mm.
@@ -97,7 +97,7 @@ void split_light(const Instrument& instrument, const View& view, const Struck& s
   Ways ways;
   ways.to_light = struck.to_light;
   ways.to_camera = -struck.from_camera.normalized();
-  pass_film(ruler, struck, s, ways, lane);
+  pass_film(ruler, struck, look, ways, lane);
   add(lane, ruler.at(ways.entry),
       ways.pass * white *
           facet_mirror(s.normal, ways.to_light, ways.to_camera, widened(m.roughness), m.mirror(ways.index)),

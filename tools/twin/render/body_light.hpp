@@ -16,6 +16,7 @@ struct Struck {
 struct Look {
   const RayScene::Surfel& surfel;
   const Material& material;
+  double film_roughness = 0;  ///< GGX alpha of the film's upper side
 };
 
 /// Sets the parts of `lane`, whose weight holds the whole light as of plaster, and clears that weight. u, v and z stay

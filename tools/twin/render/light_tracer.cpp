@@ -94,7 +94,7 @@ void LightTracer::light(const View& view, const Vec3d& ray_cam, const RayScene::
   const Material& material = scene_.surroundings().materials[s.material];
   if (material.is_plain() && s.film_mm <= 0) return;
   const Struck struck{s.t * (view.R_model_cam * ray_cam), p, to_light / r, gain_ * fall};
-  split_light(instrument_, view, struck, {s, material}, lane);
+  split_light(instrument_, view, struck, {s, material, scene_.surroundings().film_roughness}, lane);
 }
 
 void LightTracer::trace(const View& view, const double* directions, std::size_t n, const Shade* known,

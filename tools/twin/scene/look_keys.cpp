@@ -71,6 +71,7 @@ void bind_film(ConfigReader r, FilmConfig& f) {
   r.bind("thickness_um", f.thickness_um, {1, 1000}, "of the film");
   r.bind("pools", f.pools_mm, {0, 3}, "mm above their bottom that fissures and pits are filled; 0: no pools");
   r.bind("bubbles", f.bubbles, {0, 1000}, "bubbles on the film, all over the body");
+  r.bind("roughness", f.roughness, {0.01, 1}, "GGX alpha of the film's upper side");
 }
 
 }  // namespace
@@ -89,8 +90,9 @@ void bind_look(ConfigReader& reader, SceneConfig& config) {
   const MouthConfig& m = look.mouth;
   const bool is_dressed = !(m.metal_crowns.empty() && m.ceramic.empty() && m.amalgam.empty() && m.stained.empty() &&
                             m.dark.empty() && m.dentine.empty() && m.blood_mm.empty());
-  if (is_dressed && (look.material != LookConfig::kMouth || config.object != ObjectKind::kJaw)) {
-    reader.reject("mouth", "goes with object.type = jaw and object.material = mouth");
+  const bool goes_with = look.material == LookConfig::kMouth || look.material == LookConfig::kPlaster;
+  if (is_dressed && !(goes_with && config.object == ObjectKind::kJaw)) {
+    reader.reject("mouth", "goes with object.type = jaw and object.material = mouth; plaster leaves it out");
   }
 }
 

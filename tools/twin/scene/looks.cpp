@@ -7,7 +7,7 @@
 namespace enamel::twin {
 namespace {
 
-bool is_plaster(const SceneConfig& c) { return c.look.material == 0; }
+bool is_plaster(const SceneConfig& c) { return c.look.material == LookConfig::kPlaster; }
 
 /// What stands for "mouth" where there are no teeth beside gum.
 std::uint8_t whole_material(const SceneConfig& c) {
@@ -68,6 +68,7 @@ void apply_look(const SceneConfig& config, Body& body) {
   TriSurface& mesh = body.surroundings.mesh;
   if (config.object == ObjectKind::kBoard) return;
   body.surroundings.materials = effective_materials(config);
+  body.surroundings.film_roughness = config.look.film.roughness;
   if (is_plaster(config)) {
     mesh.material.clear();
   } else {
@@ -90,7 +91,8 @@ void describe_look(const SceneConfig& config, const Body& body, nlohmann::json& 
     scene["film"] = {{"wet_share", film.wet_share},
                      {"thickness_um", film.thickness_um},
                      {"pools_mm", film.pools_mm},
-                     {"bubbles", film.bubbles}};
+                     {"bubbles", film.bubbles},
+                     {"roughness", film.roughness}};
   }
   if (config.object != ObjectKind::kJaw || config.look.material != LookConfig::kMouth) return;
   const MouthConfig& m = config.look.mouth;

@@ -59,7 +59,7 @@ struct Effects {
 /// What a body is made of.
 struct LookConfig {
   int material = 0;  ///< MaterialId of the whole body, or kMouth
-  static constexpr int kMouth = static_cast<int>(kMaterials);
+  static constexpr int kPlaster = 0, kMouth = static_cast<int>(kMaterials);
   MaterialTable materials = default_materials();
   MouthConfig mouth;
   FilmConfig film;

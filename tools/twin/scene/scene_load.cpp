@@ -69,7 +69,7 @@ void bind_render(ConfigReader& r, SceneConfig& c) {
   r.bind("render.every_shadow_ray", c.render.every_shadow_ray, "also where neighbouring samples agree");
   r.bind("light.ambient", c.render.light.ambient, {0, 1}, "ambient radiance times albedo, relative to full well");
   r.bind("light.reference_mm", c.render.light.reference_mm, {1, 1000}, "distance at which the exposure is set");
-  r.bind("light.reference_fraction", c.render.light.reference_fraction, {0.01, 2},
+  r.bind("light.reference_fraction", c.render.light.reference_fraction, {0.01, 4},
          "full-well fraction of level 255 on albedo 0.8 facing at that distance");
   r.bind("camera.psf_sigma_px", c.psf_sigma_px, {0, 10}, "Gaussian point spread, camera px");
   r.bind("camera.temp_c", c.temp_c, {-20, 90}, "temperature stamped on the bursts");

@@ -12,6 +12,7 @@ struct FilmConfig {
   double thickness_um = 80;  ///< of the film where it is whole: 70 … 100 um (Collins, Dawes 1987)
   double pools_mm = 0;       ///< fissures and pits are filled so far above their bottom; 0: no pools
   int bubbles = 0;           ///< on the film
+  double roughness = 0.05;   ///< GGX alpha of its upper side. chosen: by judgement, a liquid that the breath stirs
 
   [[nodiscard]] bool is_dry() const { return wet_share <= 0 && pools_mm <= 0; }
 };

@@ -161,6 +161,7 @@ std::string write_ply(const TriSurface& mesh, std::span<const std::uint8_t> seen
                     "\nproperty float x\nproperty float y\nproperty float z\n";
   if (!seen.empty()) out += "property uchar seen\n";
   if (!mesh.material.empty()) out += "property uchar material\n";
+  if (!mesh.film.empty()) out += "property float film_mm\n";
   out += "element face " + std::to_string(mesh.triangles.size()) +
          "\nproperty list uchar int vertex_indices\nend_header\n";
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -169,6 +170,9 @@ std::string write_ply(const TriSurface& mesh, std::span<const std::uint8_t> seen
     out.append(v.data(), v.size());
     if (!seen.empty()) out.push_back(static_cast<char>(seen[i]));
     if (!mesh.material.empty()) out.push_back(static_cast<char>(mesh.material[i]));
+    if (mesh.film.empty()) continue;
+    const auto film = std::bit_cast<std::array<char, sizeof(float)>>(mesh.film[i].thickness_mm);
+    out.append(film.data(), film.size());
   }
   for (const auto& t : mesh.triangles) {
     std::array<char, 13> f{};

@@ -19,8 +19,8 @@ namespace enamel::twin {
 [[nodiscard]] Result<TriSurface> parse_stl(const std::string& bytes);
 [[nodiscard]] Result<TriSurface> parse_obj(const std::string& bytes);
 
-/// Binary little-endian PLY: x y z, uchar `seen` and uchar `material` a vertex, and faces. `seen` may be empty, a mesh
-/// may be without materials: then the property is absent.
+/// Binary little-endian PLY: x y z, uchar `seen`, uchar `material` and float `film_mm` a vertex, and faces. `seen` may
+/// be empty, a mesh without materials or dry: then the property is absent.
 [[nodiscard]] std::string write_ply(const TriSurface& mesh, std::span<const std::uint8_t> seen);
 
 }  // namespace enamel::twin

@@ -44,6 +44,7 @@ struct Surroundings {
   std::vector<Ball> balls;          ///< traced as exact spheres
   std::optional<DotPrint> print{};  ///< overrides the mesh's albedo
   MaterialTable materials{};        ///< by MaterialId
+  double film_roughness = 0.05;     ///< GGX alpha of the film's upper side
 };
 
 /// Area-weighted vertex normals from the facets.
