@@ -22,9 +22,9 @@ inline constexpr std::array<std::string_view, kSightTroubles> kSightTroubleNames
   return kSightTroubleNames[static_cast<std::size_t>(t)];
 }
 
-/// Of an apparent depth: one standard deviation of what it is off by. chosen: enamel, dentine and gum differ by a
-/// factor of 1.4 either way.
-inline constexpr double kApparentDepthUnsure = 0.35;
+/// Of an apparent depth: one standard deviation of what it is off by. chosen: by judgement; what is known of enamel,
+/// dentine and gum in blue light is known to a factor of two.
+inline constexpr double kApparentDepthUnsure = 0.5;
 
 struct Sight {
   SightTrouble trouble = SightTrouble::kNone;
