@@ -156,6 +156,9 @@ TEST_F(ProbeE2e, pauses_with_the_light_off_within_three_seconds_of_the_hosts_las
   const auto last_word = host.command(id, Opcode::kPing);  // then silence, as of a killed host
   ASSERT_TRUE(last_word.has_value());
   ASSERT_TRUE(host.wait_state(id, ProbeState::kPaused));
+  // The burst that was under way at the pause is still being published.
+  static_cast<void>(
+      host.until([&] { return host.last_status(id)->bursts_begun == host.last_status(id)->bursts_emitted; }));
   const proto::Status& paused = *host.last_status(id);
   EXPECT_EQ(paused.led_ma, 0);
   for (const auto& e : host.seen_events) {
