@@ -88,8 +88,9 @@ std::vector<FreeSpace::Asked> FreeSpace::keyframes_near(const MapBurst& burst) c
   }
   std::ranges::sort(near);
   std::vector<Asked> out;
-  for (const auto& [apart, k] : near) {
+  for (const auto& each : near) {
     if (out.size() == config_.asked) break;
+    const std::size_t k = each.second;
     const Pose& T = seen_from_[k].T_model_cam;
     const bool alike = std::ranges::any_of(out, [&](const Asked& other) {
       return same_moment(seen_from_[k], seen_from_[other.k]) &&
