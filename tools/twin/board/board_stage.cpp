@@ -1,15 +1,26 @@
 #include "tools/twin/board/board_stage.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "tools/twin/board/board_poses.hpp"
 
 namespace enamel::twin {
+namespace {
+
+/// A probe exposes for what it is shown: a scene that exposes for teeth does not blind it before a board.
+RenderConfig board_render(const SceneConfig& c) {
+  RenderConfig r = effective_render(c);
+  r.light.reference_fraction = std::min(r.light.reference_fraction, LightConfig{}.reference_fraction);
+  return r;
+}
+
+}  // namespace
 
 BoardStage::BoardStage(const SceneConfig& c, const calib::Rig& rig)
     : instrument_(rig, effective_projector(c)),
       scene_(make_dot_board(c.board, c.seed)),
-      renderer_(instrument_, scene_, effective_render(c)),
+      renderer_(instrument_, scene_, board_render(c)),
       sensor_(effective_sensor(c, *rig.noise)),
       patterns_(rig, c.calibration.cycles, c.calibration.mean, c.calibration.amplitude) {
   const calib::DepthRange range = rig.depth_range.value_or(calib::DepthRange{40, 56});
