@@ -13,6 +13,8 @@ using proto::DropReason;
 constexpr std::size_t kMaxWaiting = 3;
 constexpr int kMemoryFrames = 32;
 
+Nanoseconds exposure_of(const CameraFrame& frame) { return Nanoseconds{std::int64_t{frame.exposure_us} * 1000}; }
+
 }  // namespace
 
 AssemblerConfig AssemblerConfig::for_mode(const CameraMode& mode, Nanoseconds stamp_delay) {
@@ -89,7 +91,7 @@ void BurstAssembler::open_gates(DeviceTime until) {
 
 void BurstAssembler::check_sequence(const CameraFrame& frame) {
   // Exposures begin at the frame rate, whatever their length.
-  const DeviceTime begin = frame.t_sensor - Nanoseconds{std::int64_t{frame.exposure_us} * 1000};
+  const DeviceTime begin = frame.t_sensor - exposure_of(frame);
   if (previous_) {
     const Nanoseconds distance = begin - previous_->begin;
     if (frame.sensor_seq != previous_->seq + 1) {
@@ -102,7 +104,7 @@ void BurstAssembler::check_sequence(const CameraFrame& frame) {
 }
 
 tl::expected<BurstAssembler::Window, DropReason> BurstAssembler::window_of(const CameraFrame& frame) {
-  const Nanoseconds exposure{std::int64_t{frame.exposure_us} * 1000};
+  const Nanoseconds exposure = exposure_of(frame);
   const DeviceTime expected = frame.t_sensor - exposure - config_.stamp_delay;
   Strobe* const strobe = log_.nearest_strobe(expected);
   if (strobe == nullptr || std::chrono::abs(strobe->t - expected) > config_.tol_association) {

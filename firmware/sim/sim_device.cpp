@@ -145,13 +145,14 @@ Result<SimDevice::Plan> SimDevice::plan() {
       return fail(ErrorCode::kCancelled, "the source has no further burst");
     }
     if (polled.burst) {
-      burst_ = std::move(polled.burst);
-      if (pixel_bytes(burst_->width, burst_->height, burst_->bit_depth) !=
+      const SimBurst& next_burst = *polled.burst;
+      if (pixel_bytes(next_burst.width, next_burst.height, next_burst.bit_depth) !=
           pixel_bytes(mode_.width, mode_.height, mode_.bit_depth)) {
-        const SimBurst odd = *std::exchange(burst_, std::nullopt);
-        return fail(ErrorCode::kImageInvalid, "burst " + std::to_string(odd.burst_index) + " has another frame size");
+        return fail(ErrorCode::kImageInvalid,
+                    "burst " + std::to_string(next_burst.burst_index) + " has another frame size");
       }
-      ENAMEL_TRY(check_exposure(*burst_));
+      ENAMEL_TRY(check_exposure(next_burst));
+      burst_ = std::move(polled.burst);
     }
   }
   if (armed_ && burst_) {

@@ -26,6 +26,16 @@ nlohmann::json orders(const OrderTotals& o) {
           {"withdrawn_px", o.withdrawn_px}};
 }
 
+nlohmann::json sight(const SightTotals& s) {
+  const double share = s.translucent_bursts > 0 ? s.translucent_share / static_cast<double>(s.translucent_bursts) : 0;
+  return {{"bursts", s.bursts},
+          {"translucency",
+           {{"bursts", s.translucent_bursts},
+            {"share_of_surface", share},
+            {"lifted_um", s.lifted_um()},
+            {"left_sigma_um", s.left_sigma_um()}}}};
+}
+
 nlohmann::json segments(const std::vector<SegmentFacts>& all) {
   nlohmann::json out = nlohmann::json::array();
   for (const SegmentFacts& s : all) {
@@ -96,7 +106,7 @@ std::string to_json(const Report& r) {
                         {"segments", segments(r.segments)},
                         {"undetermined", {{"bursts", r.undetermined.size()}, {"runs", runs_of(r.undetermined)}}},
                         {"orders", orders(r.orders)},
-                        {"sight", nlohmann::json::parse(sight_json(r.sight))},
+                        {"sight", sight(r.sight)},
                         {"rate_hz", r.rate_hz},
                         {"latency_ms", percentiles(r.latency_ms)},
                         {"stage_ms", stages},

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <string_view>
 
 namespace enamel::host {
@@ -24,18 +23,6 @@ std::string_view remedy(std::string_view trouble) {
 
 double SightTotals::lifted_um() const noexcept {
   return translucent_share > 0 ? kUmPerMm * lifted_mm / translucent_share : 0;
-}
-
-std::string sight_json(const SightTotals& totals) {
-  const double share =
-      totals.translucent_bursts > 0 ? totals.translucent_share / static_cast<double>(totals.translucent_bursts) : 0;
-  const nlohmann::json out = {{"bursts", totals.bursts},
-                              {"translucency",
-                               {{"bursts", totals.translucent_bursts},
-                                {"share_of_surface", share},
-                                {"lifted_um", totals.lifted_um()},
-                                {"left_sigma_um", totals.left_sigma_um()}}}};
-  return out.dump();
 }
 
 std::string sight_line(const SightTotals& totals) {

@@ -19,8 +19,6 @@ struct SightTotals {
   [[nodiscard]] double left_sigma_um() const noexcept { return unsure_share * lifted_um(); }
 };
 
-/// Object: bursts by trouble, and `translucency`.
-[[nodiscard]] std::string sight_json(const SightTotals& totals);
 /// "12 bursts glare: dry there, or turn the probe; …", or empty where nothing was in the way of more than a few.
 [[nodiscard]] std::string sight_line(const SightTotals& totals);
 /// "light from inside: lifted by 25 um, +- 9", or empty.

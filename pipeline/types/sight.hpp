@@ -10,8 +10,8 @@ namespace enamel {
 enum class SightTrouble : std::uint8_t {
   kNone,
   kGlare,  ///< spots at full scale, as on something wet
-  kMetal,  ///< a large patch of them, mixed with places that send nothing back
-  kLamp,   ///< light without fringes on surfaces: another lamp shines there
+  kMetal,  ///< a large place that keeps the fringes' contrast among tissue that does not
+  kLamp,   ///< light without fringes on surfaces, or unlike from frame to frame: another lamp shines there
   kFog,    ///< light without fringes everywhere alike: the window is fogged
 };
 inline constexpr std::size_t kSightTroubles = 5;  ///< layout: number of them

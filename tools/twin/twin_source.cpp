@@ -25,6 +25,14 @@ std::unique_ptr<Trajectory> make_path(const SceneConfig& c, const ArchShape& sha
   return make_arch_path(c.arch_path, Arch(shape), c.timing);
 }
 
+BurstInstants since(BurstInstants instants, double start_s) {
+  instants.mid -= start_s;
+  for (std::vector<double>& frame : instants.frames) {
+    for (double& t_s : frame) t_s -= start_s;
+  }
+  return instants;
+}
+
 }  // namespace
 
 struct TwinSource::Impl {
@@ -71,15 +79,15 @@ struct TwinSource::Impl {
     return path->pose_at(t) * tremor.displacement(t);
   }
 
-  /// Seconds of the scan; what the effects leave of them.
+  [[nodiscard]] std::int64_t t_mid_ns(std::uint64_t n) const { return mid_burst_ns(config.timing, path->slot(n), n); }
+
+  /// On the device's clock, s; what the effects leave of them.
   [[nodiscard]] BurstInstants instants(std::uint64_t n) const {
-    const std::uint64_t slot = path->slot(n);
     const int count = config.render.grid * config.render.grid;
-    const double start_s = config.timing.start_s;
     BurstInstants out;
-    out.mid = 1e-9 * static_cast<double>(mid_burst_ns(config.timing, slot, n)) - start_s;
+    out.mid = 1e-9 * static_cast<double>(t_mid_ns(n));
     for (int k = 0; k < 4; ++k) {
-      const double start = 1e-9 * static_cast<double>(exposure_start_ns(config.timing, slot, k)) - start_s;
+      const double start = 1e-9 * static_cast<double>(exposure_start_ns(config.timing, path->slot(n), k));
       for (int i = 0; i < count; ++i) {
         const double share = config.effects.exposure ? (i + 0.5) / count : 0.5;
         const double at = config.effects.motion ? start + share * 1e-3 * exposure_ms(config.timing, n) : out.mid;
@@ -91,7 +99,7 @@ struct TwinSource::Impl {
 
   [[nodiscard]] Passing passing(std::uint64_t n) const {
     Passing out;
-    out.guests = movers.at(instants(n));
+    out.guests = movers.at(since(instants(n), config.timing.start_s));
     for (int k = 0; k < 4; ++k) {
       const double start = 1e-9 * static_cast<double>(exposure_start_ns(config.timing, path->slot(n), k));
       out.lamp[static_cast<std::size_t>(k)] =
@@ -104,7 +112,8 @@ struct TwinSource::Impl {
                                                         const Passing& passing) const {
     auto out = renderer.render(poses, passing);
     const auto& camera = instrument.rig.camera;
-    const double fog = config.effects.fog ? fog_at(config.fog, instants(n).mid, config.seed) : 0.0;
+    const double t_s = 1e-9 * static_cast<double>(t_mid_ns(n)) - config.timing.start_s;
+    const double fog = config.effects.fog ? fog_at(config.fog, t_s, config.seed) : 0.0;
     apply_fog(config.fog, fog, camera.width, camera.height, out);
     for (auto& image : out) apply_psf(image, camera.width, camera.height, sensor.psf_sigma_px);
     return out;
@@ -137,9 +146,7 @@ Result<std::unique_ptr<TwinSource>> TwinSource::create(const SceneConfig& config
 
 const std::string& TwinSource::rig_text() const { return impl_->instrument.rig.text; }
 std::optional<std::uint64_t> TwinSource::count() const { return impl_->total; }
-std::int64_t TwinSource::t_mid_ns(std::uint64_t n) const {
-  return mid_burst_ns(impl_->config.timing, impl_->path->slot(n), n);
-}
+std::int64_t TwinSource::t_mid_ns(std::uint64_t n) const { return impl_->t_mid_ns(n); }
 const BurstTruth& TwinSource::truth() const { return impl_->truth; }
 const TriSurface& TwinSource::surface() const { return impl_->truth_surface; }
 std::span<const std::uint8_t> TwinSource::seen() const { return impl_->seen.counts(); }
@@ -148,19 +155,14 @@ const std::string& TwinSource::certificate_json() const { return impl_->certific
 const calib::Rig& TwinSource::rig() const { return impl_->instrument.rig; }
 
 BurstPoses TwinSource::poses(std::uint64_t n) const {
-  const SceneConfig& c = impl_->config;
-  const int instants = c.render.grid * c.render.grid;
-  const std::uint64_t slot = impl_->path->slot(n);
+  const BurstInstants instants = impl_->instants(n);
   BurstPoses out;
-  out.mid = impl_->pose_at(1e-9 * static_cast<double>(t_mid_ns(n)));
+  out.mid = impl_->pose_at(instants.mid);
   out.is_static = true;
-  for (int k = 0; k < 4; ++k) {
-    const double start = 1e-9 * static_cast<double>(exposure_start_ns(c.timing, slot, k));
-    for (int i = 0; i < instants; ++i) {
-      const double share = c.effects.exposure ? (i + 0.5) / instants : 0.5;
-      const Pose pose = c.effects.motion ? impl_->pose_at(start + share * 1e-3 * exposure_ms(c.timing, n)) : out.mid;
-      out.is_static = out.is_static && pose.matrix() == out.mid.matrix();
-      out.frames[static_cast<std::size_t>(k)].push_back(pose);
+  for (std::size_t k = 0; k < instants.frames.size(); ++k) {
+    for (const double at : instants.frames[k]) {
+      out.frames[k].push_back(impl_->pose_at(at));
+      out.is_static = out.is_static && out.frames[k].back().matrix() == out.mid.matrix();
     }
   }
   return out;
@@ -175,7 +177,8 @@ Result<std::optional<fw::SimBurst>> TwinSource::next() {
   if (m.next >= m.total) return std::optional<fw::SimBurst>();
   const std::uint64_t n = m.next++;
   const Passing passing = m.passing(n);
-  auto light = m.light(poses(n), n, passing);
+  const BurstPoses at = poses(n);
+  auto light = m.light(at, n, passing);
   fw::SimBurst burst;
   burst.burst_index = n;
   burst.exposure_us = static_cast<std::uint32_t>(std::lround(1e3 * exposure_ms(m.config.timing, n)));
@@ -194,7 +197,7 @@ Result<std::optional<fw::SimBurst>> TwinSource::next() {
   }
   m.truth.burst_index = n;
   m.truth.t_mid_ns = t_mid_ns(n);
-  m.truth.T_model_cam = poses(n).mid;
+  m.truth.T_model_cam = at.mid;
   m.truth.maps = m.renderer.truth(m.truth.T_model_cam, passing.guests.mid);
   m.truth.movers.clear();
   for (std::size_t g = 0; g < passing.guests.movers.size(); ++g) {

@@ -120,9 +120,8 @@ FuseStats TsdfModel::integrate(BurstId burst, const SurfacePatch& patch, const P
     if (updated > 0) {
       note_measured(block, burst.value);
     }
-    if (!block.pending && (block.grown || block.moved_mm > 0.0F)) {
-      block.pending = true;
-      pending_.push_back(id);
+    if (block.grown || block.moved_mm > 0.0F) {
+      note_changed(id);
     }
   }
   carve(patch, T_cam_model, stats);
@@ -130,6 +129,15 @@ FuseStats TsdfModel::integrate(BurstId burst, const SurfacePatch& patch, const P
     carve_confirmed(patch, T_cam_model, stats);
   }
   return stats;
+}
+
+void TsdfModel::note_changed(std::int32_t id) {
+  Block& block = grid_.block(id);
+  if (block.pending) {
+    return;
+  }
+  block.pending = true;
+  pending_.push_back(id);
 }
 
 // Free space: a block that no second burst has confirmed and that this burst looks through, with a margin, to a surface
@@ -203,10 +211,7 @@ void TsdfModel::carve_confirmed(const SurfacePatch& patch, const Pose& T_cam_mod
     block.confirmed = false;
     tentative_.push_back(id);
     block.grown = true;
-    if (!block.pending) {
-      block.pending = true;
-      pending_.push_back(id);
-    }
+    note_changed(id);
     ++stats.blocks_carved;
   }
 }

@@ -48,6 +48,7 @@ class TsdfModel {
   void allocate_band(const SurfacePatch& patch, const Pose& T_model_cam, FuseStats& stats);
   void touch(const Vec3f& p_model, FuseStats& stats);
   void carve(const SurfacePatch& patch, const Pose& T_cam_model, FuseStats& stats);
+  void note_changed(std::int32_t id);
   void carve_confirmed(const SurfacePatch& patch, const Pose& T_cam_model, FuseStats& stats);
 
   FuseConfig config_;

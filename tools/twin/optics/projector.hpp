@@ -25,7 +25,7 @@ struct ProjectorConfig {
 
 class ProjectorLight {
  public:
-  /// spread_px: widest spread inside a body that wide_tap() is asked for; 0: it is not.
+  /// spread_px: widest spread inside a body that blurred() is asked for; 0: it is not.
   ProjectorLight(const calib::PatternLevels& levels, const ProjectorConfig& config, double near_mm, double far_mm,
                  double spread_px = 0);
 
