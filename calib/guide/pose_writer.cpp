@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -77,7 +78,7 @@ Result<void> PoseWriter::commit(const Rig& nominal, const std::string& target_te
   json["nominal"] = true;
   if (json.contains("noise") && averaged_frames > 1) json["noise"]["averaged_frames"] = averaged_frames;
   if (temp_c) json["temp_c"] = *temp_c;
-  ENAMEL_TRY(write_file(partial_ + "/rig.json", json.dump(1) + "\n"));
+  ENAMEL_TRY(write_file(partial_ + "/rig.json", json_text(json, 1) + "\n"));
   ENAMEL_TRY(write_file(partial_ + "/target.json", target_text));
   std::error_code ec;
   fs::remove(folder_, ec);

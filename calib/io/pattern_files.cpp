@@ -11,6 +11,7 @@
 #include "calib/model/pattern.hpp"
 #include "protocol/base/crc32.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -68,7 +69,7 @@ Result<std::string> write_patterns(const Rig& rig, const std::string& folder) {
     json["frames"].push_back(
         {{"file", file}, {"lowest", *low}, {"highest", *high}, {"crc32", crc32(std::as_bytes(pixels))}});
   }
-  std::string text = json.dump(2) + "\n";
+  std::string text = json_text(json, 2) + "\n";
   ENAMEL_TRY(write_file(folder + "/patterns.json", text));
   return text;
 }

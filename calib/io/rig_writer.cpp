@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/sha256.hpp"
 #include "protocol/base/utc.hpp"
 
@@ -49,7 +50,7 @@ Json temperature_json(const TemperatureTerms& t) {
 
 std::string hash_of(Json json) {
   json["sha256"] = "";
-  const std::string text = json.dump(kIndent) + "\n";
+  const std::string text = json_text(json, kIndent) + "\n";
   return sha256_hex(std::as_bytes(std::span<const char>(text)));
 }
 
@@ -89,7 +90,7 @@ Result<std::string> solved_rig_text(const Rig& nominal, const SolvedRig& solved)
   json.erase("temperature");
   if (solved.temperature) json["temperature"] = temperature_json(*solved.temperature);
   json["sha256"] = hash_of(json);
-  std::string text = json.dump(kIndent) + "\n";
+  std::string text = json_text(json, kIndent) + "\n";
   ENAMEL_TRY(parse_rig(text));
   return text;
 }

@@ -10,6 +10,7 @@
 #include "firmware/app/options.hpp"
 #include "firmware/app/probe.hpp"
 #include "firmware/app/self_test_client.hpp"
+#include "protocol/base/stdout_check.hpp"
 
 namespace {
 
@@ -45,11 +46,11 @@ int main(int argc, char** argv) {
   try {
     auto options = enamel::fw::parse_options(argc, argv);
     if (!options) return report(options.error());
-    if (!*options) return 0;
+    if (!*options) return enamel::with_stdout_written(0);
     handle_signals();
     const auto code =
         (*options)->self_test ? enamel::fw::ask_self_test(**options, g_stop) : enamel::fw::run_probe(**options, g_stop);
-    return code ? *code : report(code.error());
+    return code ? enamel::with_stdout_written(*code) : report(code.error());
   } catch (const std::exception& e) {
     return report({enamel::ErrorCode::kInternal, e.what()});
   }

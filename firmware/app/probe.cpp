@@ -11,6 +11,7 @@
 #include "firmware/publish/dds_burst_sink.hpp"
 #include "firmware/sim/sim_device.hpp"
 #include "protocol/base/crc32.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::fw {
@@ -144,7 +145,7 @@ void print_summary(const ProbeOptions& options, const proto::DeviceInfo& info, c
       {"stretched", {{"times", stretch.times}, {"ms", stretch.total.count() / 1'000'000}}},
       {"state", std::string(name_of(probe.controller.state()))},
   };
-  std::cout << summary.dump() << std::endl;
+  std::cout << json_text(summary) << std::endl;
 }
 
 Result<std::unique_ptr<LockGate>> open_gate(const std::string& path) {

@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "firmware/updater/updater.hpp"
+#include "protocol/base/stdout_check.hpp"
 
 namespace {
 
@@ -33,7 +34,7 @@ int main(int argc, char** argv) {
   try {
     const auto options = enamel::fw::parse_updater_options(argc, argv);
     if (!options) return report(options.error());
-    if (!*options) return 0;
+    if (!*options) return enamel::with_stdout_written(0);
     handle_signals();
     const auto code = enamel::fw::run_updater(**options, g_stop);
     return code ? *code : report(code.error());

@@ -13,6 +13,7 @@
 #include "host/app/input.hpp"
 #include "host/record/calibration_attachment.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/log.hpp"
 #include "protocol/base/sha256.hpp"
 #include "protocol/base/utc.hpp"
@@ -125,7 +126,7 @@ std::string calibration_json(const Calibration& c, const CalibrationUse& use, co
     out["expected_p95_bound_um"] = report["expected"].value("p95_bound_um", 0.0);
   }
   for (const auto& mark : out["marks"]) log::warn("calibration", "{}", mark.get<std::string>());
-  return out.dump();
+  return json_text(out);
 }
 
 }  // namespace enamel::app

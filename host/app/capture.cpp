@@ -1,4 +1,4 @@
-// enamel capture import|export|info|verify|cut|diff: work on recordings.
+// enamel capture import|export|info|verify|cut|repair|diff: work on recordings.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -22,15 +22,37 @@ struct CaptureCommand {
   std::string left, right;
   std::uint64_t first = 0, last = 0;
   bool json = false;
+  bool force = false;
 };
 
 constexpr int kDiffer = 6;
 
 void say(const CaptureCommand& o, const nlohmann::json& machine, const std::string& human) {
-  std::puts(o.json ? machine.dump(1).c_str() : human.c_str());
+  std::puts(o.json ? json_text(machine).c_str() : human.c_str());
+}
+
+/// What is there already is not written over: it may be the only copy of a patient's scan.
+Result<void> free_place(const CaptureCommand& o) {
+  std::error_code ec;
+  if (fs::equivalent(o.left, o.right, ec)) {
+    return fail(ErrorCode::kFileWrite, o.right + ": is what is read from");
+  }
+  if (o.force || !fs::exists(o.right, ec) || !fs::is_regular_file(o.right, ec)) return {};
+  return fail(ErrorCode::kFileWrite, o.right + ": is there already; choose another name, or --force to replace it");
+}
+
+/// Tells what is missing from a copy; exit code of a copy that is not whole.
+int tell(const CaptureCommand& o, std::uint64_t bursts, std::uint64_t missing,
+         const std::vector<std::string>& problems) {
+  std::string human = std::to_string(bursts) + " bursts -> " + o.right;
+  if (missing > 0) human += "; " + std::to_string(missing) + " missing";
+  for (const std::string& problem : problems) human += "\n" + problem;
+  say(o, {{"bursts", bursts}, {"missing", missing}, {"problems", problems}}, human);
+  return missing > 0 ? exit_code(ErrorCode::kDataLoss) : 0;
 }
 
 Result<int> import_capture(const CaptureCommand& o) {
+  ENAMEL_TRY(free_place(o));
   ENAMEL_TRY_ASSIGN(const auto done, host::import_folder(o.left, o.right, "enamel " ENAMEL_VERSION));
   say(o, {{"bursts", done.bursts}, {"attachments", done.attachments}},
       std::to_string(done.bursts) + " bursts and " + std::to_string(done.attachments) + " attachments -> " + o.right);
@@ -39,9 +61,7 @@ Result<int> import_capture(const CaptureCommand& o) {
 
 Result<int> export_capture(const CaptureCommand& o) {
   ENAMEL_TRY_ASSIGN(const auto done, host::export_folder(o.left, o.right));
-  say(o, {{"bursts", done.bursts}, {"attachments", done.attachments}},
-      std::to_string(done.bursts) + " bursts and " + std::to_string(done.attachments) + " attachments -> " + o.right);
-  return 0;
+  return tell(o, done.bursts, done.missing, done.problems);
 }
 
 Result<int> info(const CaptureCommand& o) {
@@ -95,9 +115,15 @@ Result<int> verify(const CaptureCommand& o) {
 }
 
 Result<int> cut(const CaptureCommand& o) {
-  ENAMEL_TRY_ASSIGN(const std::uint64_t bursts, host::capture_cut(o.left, o.right, o.first, o.last));
-  say(o, {{"bursts", bursts}}, std::to_string(bursts) + " bursts -> " + o.right);
-  return 0;
+  ENAMEL_TRY(free_place(o));
+  ENAMEL_TRY_ASSIGN(const auto done, host::capture_cut(o.left, o.right, o.first, o.last));
+  return tell(o, done.bursts, done.missing, done.problems);
+}
+
+Result<int> repair(const CaptureCommand& o) {
+  ENAMEL_TRY(free_place(o));
+  ENAMEL_TRY_ASSIGN(const auto done, host::capture_repair(o.left, o.right));
+  return tell(o, done.bursts, done.missing, done.problems);
 }
 
 Result<host::StageTrace> load_trace(const fs::path& folder) {
@@ -150,9 +176,11 @@ Run add_capture(CLI::App& app) {
     sub->callback([chosen, run] { *chosen = run; });
     return sub;
   };
+  const auto may_replace = [o](CLI::App* sub) { sub->add_flag("--force", o->force, "replace OUT if it is there"); };
   CLI::App* sub = verb("import", "exchange folder -> recording", import_capture);
   sub->add_option("DIR", o->left, "exchange folder")->required();
   sub->add_option("OUT", o->right, "recording to write (.mcap)")->required();
+  may_replace(sub);
   sub = verb("export", "recording -> exchange folder", export_capture);
   sub->add_option("IN", o->left, "recording (.mcap)")->required();
   sub->add_option("DIR", o->right, "folder to write")->required();
@@ -166,6 +194,13 @@ Run add_capture(CLI::App& app) {
   o->last = UINT64_MAX;
   sub->add_option("--first", o->first, "first burst, by its number")->capture_default_str();
   sub->add_option("--last", o->last, "last burst (default: the end)");
+  may_replace(sub);
+  sub =
+      verb("repair",
+           "copy whatever is whole of a damaged recording, wherever the damage lies, and list what is missing", repair);
+  sub->add_option("IN", o->left, "recording (.mcap)")->required();
+  sub->add_option("OUT", o->right, "recording to write (.mcap)")->required();
+  may_replace(sub);
   sub = verb("diff", "first stage and burst at which two runs (folders with stages.csv) or recordings differ", diff);
   sub->add_option("LEFT", o->left, "run folder or recording")->required();
   sub->add_option("RIGHT", o->right, "run folder or recording")->required();

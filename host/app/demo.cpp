@@ -19,6 +19,7 @@
 #include "host/app/scene_names.hpp"
 #include "host/record/burst_stream.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/log.hpp"
 #include "protocol/base/sha256.hpp"
 
@@ -123,7 +124,7 @@ Result<void> compare_both(const Demo& demo) {
     std::fprintf(where, "  %-20s%14s %14s\n", key, text(before).c_str(), text(after).c_str());
   }
   const nlohmann::json both{{"simulated", true}, {"uncalibrated", before}, {"calibrated", after}};
-  return write_file(demo.scan.run.out + "/calibrate.json", both.dump(1) + "\n");
+  return write_file(demo.scan.run.out + "/calibrate.json", json_text(both, 1) + "\n");
 }
 
 Result<int> run_live(Demo& demo, const std::string& path) {

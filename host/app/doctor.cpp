@@ -14,6 +14,7 @@
 #include "host/app/command.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/dds/participant.hpp"
 #include "protocol/dds/topics.hpp"
 #include "viewer/gl/offscreen.hpp"
@@ -128,7 +129,7 @@ void print_json(const std::vector<Finding>& findings) {
   for (const Finding& f : findings) {
     out.push_back({{"check", f.check}, {"verdict", word(f.verdict)}, {"found", f.found}, {"remedy", f.remedy}});
   }
-  std::puts(out.dump(1).c_str());
+  std::puts(json_text(out, 1).c_str());
 }
 
 }  // namespace

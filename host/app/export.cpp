@@ -8,6 +8,7 @@
 #include "host/app/command.hpp"
 #include "host/mesh_files/mesh_file.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::app {
 
@@ -38,7 +39,7 @@ Result<int> run_export(const ExportOptions& o) {
   }
   if (sidecar.value("simulated", false)) sidecar["notice"] = "SIMULATED";
   ENAMEL_TRY(host::write_mesh(path, file.mesh));
-  ENAMEL_TRY(write_file(path + ".json", sidecar.dump(1) + "\n"));
+  ENAMEL_TRY(write_file(path + ".json", json_text(sidecar, 1) + "\n"));
   std::puts(path.c_str());
   return 0;
 }

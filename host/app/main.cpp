@@ -9,6 +9,7 @@
 
 #include "host/app/command.hpp"
 #include "protocol/base/log.hpp"
+#include "protocol/base/stdout_check.hpp"
 #include "protocol/base/subcommands.hpp"
 
 namespace {
@@ -51,7 +52,7 @@ int main(int argc, char** argv) {
   mallopt(M_MMAP_THRESHOLD, 256 << 20);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   try {
-    return run(argc, argv);
+    return enamel::with_stdout_written(run(argc, argv));
   } catch (const std::exception& e) {
     // A third-party exception that no adapter stopped: our defect, told as such.
     std::fprintf(stderr, "%s\n", enamel::Error{enamel::ErrorCode::kInternal, e.what()}.message().c_str());

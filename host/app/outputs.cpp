@@ -16,6 +16,7 @@
 #include "host/mesh_files/mesh_file.hpp"
 #include "host/mesh_files/poses_csv.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/log.hpp"
 #include "protocol/base/sha256.hpp"
 
@@ -114,7 +115,7 @@ std::string map_json(const host::ScanResult& scan) {
                      {"refine_s", facts.refine_s},
                      {"seconds", facts.seconds}};
   if (m.artefact) out["artefact"] = artefact_json(*m.artefact);
-  return out.dump();
+  return json_text(out);
 }
 
 /// What moved by itself and was left out of the final model.
@@ -122,7 +123,7 @@ std::string tissue_json(const host::MapFacts& facts) {
   const auto measured = static_cast<double>(std::max<std::uint64_t>(facts.measured_px, 1));
   const nlohmann::json out{{"foreign_removed_px", facts.seen_through_px},
                            {"foreign_share", static_cast<double>(facts.seen_through_px) / measured}};
-  return out.dump();
+  return json_text(out);
 }
 
 }  // namespace

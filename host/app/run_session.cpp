@@ -110,6 +110,10 @@ PreviewFrame finished(PreviewFrame last, const host::Outcome& outcome) {
   return last;
 }
 
+std::string damage_note(const std::vector<Error>& damages) {
+  return std::to_string(damages.size()) + " place(s) of the recording are damaged, first: " + damages.front().detail;
+}
+
 host::Report report_of(const SessionRun& run, const host::Session& session, const host::Outcome& outcome) {
   host::Report report;
   report.bursts = outcome.counts;
@@ -118,6 +122,7 @@ host::Report report_of(const SessionRun& run, const host::Session& session, cons
   report.notes = run.notes;
   report.simulated = outcome.simulated;
   report.config_toml = run.config_text;
+  if (!outcome.damages.empty()) report.notes["damaged"] = damage_note(outcome.damages);
   if (outcome.recording_error) report.notes["recording"] = "incomplete: " + outcome.recording_error->detail;
   if (const auto rig = session.rig()) {
     const Calibration used = run.calibration.value_or(Calibration{*rig, "", "probe"});

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "protocol/base/json_text.hpp"
+
 namespace enamel::host {
 namespace {
 
@@ -175,7 +177,7 @@ std::string compare_json(const CompareResult& result) {
     }
   }
   j["align"] = kNames[static_cast<std::size_t>(result.alignment)];
-  return j.dump(2);
+  return json_text(j, 2);
 }
 
 }  // namespace enamel::host

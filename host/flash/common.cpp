@@ -5,6 +5,7 @@
 
 #include "host/flash/command.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/sha256.hpp"
 #include "protocol/image/image_file.hpp"
 #include "protocol/image/version_text.hpp"
@@ -86,7 +87,7 @@ nlohmann::json to_json(const update::UpdateError& error) {
 
 update::Exit report(const update::UpdateError& error, bool json) {
   if (json) {
-    std::printf("%s\n", to_json(error).dump(1).c_str());
+    std::printf("%s\n", json_text(to_json(error), 1).c_str());
   } else {
     const std::string number = error.refusal == 0 ? "" : " " + std::to_string(error.refusal);
     std::fprintf(stderr, "error%s: %s\n  likely cause: %s\n  what to do: %s\n", number.c_str(), error.what.c_str(),

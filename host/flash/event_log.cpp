@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/utc.hpp"
 
 namespace enamel::flash_app {
@@ -49,7 +50,7 @@ void EventLog::write(const update::PortInfo& probe, const update::FlashEvent& ev
                                        {"event", event.event},
                                        {"block", event.block},
                                        {"status", event.status}};
-  out_ << line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
+  out_ << json_text(line) << std::endl;
 }
 
 }  // namespace enamel::flash_app

@@ -7,6 +7,7 @@
 #include "host/flash/event_log.hpp"
 #include "host/flash/progress_lines.hpp"
 #include "host/update/batch.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/image/version_text.hpp"
 
 namespace enamel::flash_app {
@@ -93,7 +94,7 @@ Exit run(const Options& o) {
     all.push_back(describe(e));
     if (!o.choice.json) print(e, o.dry_run);
   }
-  if (o.choice.json) std::printf("%s\n", all.dump(1).c_str());
+  if (o.choice.json) std::printf("%s\n", json_text(all, 1).c_str());
   return exit;
 }
 

@@ -6,6 +6,7 @@
 #include "host/flash/command.hpp"
 #include "host/update/dfu_client.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/sha256.hpp"
 #include "protocol/image/version_text.hpp"
 
@@ -94,8 +95,7 @@ Exit save_calibration(const Choice& choice, const std::string& path) {
   const auto length = copy_calibration(*bus, probe, path);
   if (!length) return report(length.error(), choice.json);
   if (choice.json) {
-    std::printf("%s\n",
-                nlohmann::json({{"serial", probe.serial}, {"bytes", *length}, {"exit_code", 0}}).dump().c_str());
+    std::printf("%s\n", json_text({{"serial", probe.serial}, {"bytes", *length}, {"exit_code", 0}}).c_str());
   } else {
     std::printf("%s: %zu bytes written to %s\n", probe.serial.c_str(), *length, path.c_str());
   }
@@ -118,7 +118,7 @@ Run add_list(CLI::App& app) {
       if (exit == Exit::kOk && j.contains("problem")) exit = static_cast<Exit>(j["problem"]["exit_code"].get<int>());
     }
     if (*json) {
-      std::printf("%s\n", all.dump(1).c_str());
+      std::printf("%s\n", json_text(all, 1).c_str());
       return exit;
     }
     if (all.empty()) return report(update::make_error(HostError::kNoProbe), false);

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "host/flash/command.hpp"
+#include "protocol/base/stdout_check.hpp"
 #include "protocol/base/subcommands.hpp"
 
 using namespace enamel::flash_app;
@@ -26,5 +27,5 @@ int main(int argc, char** argv) {
   CLI::App app("Firmware onto probes over USB. Interrupted at any point, the old firmware boots.", "enamel-flash");
   constexpr int kUsage = static_cast<int>(enamel::update::Exit::kUsage);
   const auto command = enamel::parse_subcommand<Run>(app, kCommands, argc, argv, kUsage);
-  return command ? static_cast<int>((*command)()) : command.error();
+  return enamel::with_stdout_written(command ? static_cast<int>((*command)()) : command.error());
 }

@@ -6,6 +6,7 @@
 
 #include "host/flash/command.hpp"
 #include "host/update/dfu_client.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/sha256.hpp"
 
 namespace enamel::flash_app {
@@ -38,7 +39,7 @@ Exit for_each(const Choice& choice, Act act) {
       const Exit code = report(done.error(), choice.json);
       if (exit == Exit::kOk) exit = code;
     } else if (choice.json) {
-      std::printf("%s\n", nlohmann::json({{"serial", p.serial}, {"port", p.port}, {"exit_code", 0}}).dump().c_str());
+      std::printf("%s\n", enamel::json_text({{"serial", p.serial}, {"port", p.port}, {"exit_code", 0}}).c_str());
     } else {
       std::printf("%s: ok\n", p.serial.c_str());
     }

@@ -17,6 +17,7 @@ class CaptureStream final : public BurstStream {
   [[nodiscard]] const capture::CaptureInfo& info() const noexcept override { return reader_.info(); }
   [[nodiscard]] const std::string& rig_text() const noexcept override { return reader_.rig_text(); }
   [[nodiscard]] Result<std::optional<capture::Record>> next() override { return reader_.next(); }
+  [[nodiscard]] std::uint64_t bursts_lost() const noexcept override { return reader_.bursts_lost(); }
   void rewind() noexcept override { reader_.rewind(); }
   [[nodiscard]] Result<proto::Burst> burst_with_id(BurstId id) override { return reader_.burst_with_id(id); }
   [[nodiscard]] Result<proto::Bytes> attachment(const std::string& name) override { return reader_.attachment(name); }
@@ -40,10 +41,18 @@ class FolderStream final : public BurstStream {
   [[nodiscard]] Result<std::optional<capture::Record>> next() override {
     if (next_ >= reader_.rows().size()) return std::optional<capture::Record>{};
     const std::size_t n = next_++;
-    ENAMEL_TRY_ASSIGN(proto::Burst burst, reader_.burst(n));
-    return std::optional<capture::Record>(capture::Record{row_end_ns(reader_.rows()[n]), std::move(burst)});
+    auto burst = reader_.burst(n);
+    if (!burst) {
+      ++lost_;
+      return tl::unexpected<Error>(std::move(burst).error());
+    }
+    return std::optional<capture::Record>(capture::Record{row_end_ns(reader_.rows()[n]), std::move(*burst)});
   }
-  void rewind() noexcept override { next_ = 0; }
+  [[nodiscard]] std::uint64_t bursts_lost() const noexcept override { return lost_; }
+  void rewind() noexcept override {
+    next_ = 0;
+    lost_ = 0;
+  }
   [[nodiscard]] Result<proto::Burst> burst_with_id(BurstId id) override {
     const auto& rows = reader_.rows();
     const auto it = std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.burst_id == id.value; });
@@ -73,6 +82,7 @@ class FolderStream final : public BurstStream {
   ExchangeReader reader_;
   capture::CaptureInfo info_;
   std::size_t next_ = 0;
+  std::uint64_t lost_ = 0;
 };
 
 }  // namespace

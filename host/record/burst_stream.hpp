@@ -20,6 +20,8 @@ class BurstStream {
   /// is the end of the last exposure. Errors: see CaptureReader::next and ExchangeReader::burst; the next call goes on
   /// behind.
   [[nodiscard]] virtual Result<std::optional<capture::Record>> next() = 0;
+  /// Bursts that the errors of next() have taken along so far.
+  [[nodiscard]] virtual std::uint64_t bursts_lost() const noexcept = 0;
   virtual void rewind() noexcept = 0;
   [[nodiscard]] virtual Result<proto::Burst> burst_with_id(BurstId id) = 0;
   /// Errors: kFileNotFound.

@@ -53,34 +53,113 @@ class RangeCopy {
   std::vector<capture::Record> pending_;
 };
 
+// Copies every record, damaged bursts excepted.
+class WholeCopy {
+ public:
+  explicit WholeCopy(capture::CaptureWriter& out) : out_(out) {}
+
+  [[nodiscard]] Result<void> take(capture::Record record) {
+    const bool burst = std::holds_alternative<proto::Burst>(record.value);
+    copied_ += burst ? 1 : 0;
+    return copy_record(out_, record);
+  }
+  [[nodiscard]] std::uint64_t copied() const noexcept { return copied_; }
+
+ private:
+  capture::CaptureWriter& out_;
+  std::uint64_t copied_ = 0;
+};
+
+void note(CopySummary& summary, const std::string& problem) {
+  if (summary.problems.size() < kMaxProblems) summary.problems.push_back(problem);
+}
+
+// A burst whose fields or payload do not fit together is damaged like one that cannot be read.
+bool whole(const capture::Record& record, CopySummary& summary) {
+  const auto* burst = std::get_if<proto::Burst>(&record.value);
+  if (burst == nullptr || proto::is_consistent(*burst)) return true;
+  ++summary.missing;
+  note(summary, "burst " + std::to_string(burst->burst_index) + ": sizes, frames, times or payload CRC do not fit");
+  return false;
+}
+
+template <class Copy>
+Result<void> copy_records(capture::CaptureReader& reader, Copy& copy, CopySummary& summary) {
+  for (;;) {
+    auto record = reader.next();
+    if (!record) {
+      // Not of the file's bytes: it would come again and again.
+      if (record.error().code == ErrorCode::kFileRead) return tl::unexpected<Error>(record.error());
+      note(summary, record.error().detail);
+      continue;
+    }
+    if (!*record) break;
+    if (whole(**record, summary)) ENAMEL_TRY(copy.take(std::move(**record)));
+  }
+  summary.missing += reader.bursts_lost();
+  return {};
+}
+
+Result<void> copy_attachments(capture::CaptureReader& reader, capture::CaptureWriter& writer, CopySummary& summary) {
+  for (const capture::AttachmentInfo& a : reader.info().attachments) {
+    if (a.name == capture::kRigAttachment) continue;
+    const auto bytes = reader.attachment(a.name);
+    if (!bytes) {
+      note(summary, bytes.error().detail);
+      continue;
+    }
+    ENAMEL_TRY(writer.attach(a.name, a.media_type, *bytes));
+  }
+  return {};
+}
+
+struct CopyRun {
+  const std::string& in;
+  const std::string& out;
+  const char* key;  ///< what is said of the copy in its metadata
+  std::string value;
+};
+
+template <class MakeCopy>
+Result<CopySummary> copy_recording(const CopyRun& run, MakeCopy&& make) {
+  ENAMEL_TRY_ASSIGN(auto reader, capture::CaptureReader::open(run.in));
+  CopySummary summary;
+  summary.problems = reader.info().problems;
+  capture::CaptureHeader header{reader.rig_text(), reader.info().program, reader.info().metadata};
+  std::erase_if(header.metadata, [&](const auto& entry) { return entry.first == run.key; });
+  header.metadata.emplace_back(run.key, run.value);
+  PartialFile file(run.out);
+  ENAMEL_TRY_ASSIGN(auto writer, capture::CaptureWriter::create(file.temporary(), header));
+  auto copy = make(writer);
+  ENAMEL_TRY(copy_records(reader, copy, summary));
+  summary.bursts = copy.copied();
+  if (summary.bursts == 0) return summary;
+  ENAMEL_TRY(copy_attachments(reader, writer, summary));
+  ENAMEL_TRY(writer.finish());
+  ENAMEL_TRY(file.commit());
+  return summary;
+}
+
 }  // namespace
 
-Result<std::uint64_t> capture_cut(const std::string& in, const std::string& out, std::uint64_t first,
-                                  std::uint64_t last) {
-  ENAMEL_TRY_ASSIGN(auto reader, capture::CaptureReader::open(in));
-  capture::CaptureHeader header{reader.rig_text(), reader.info().program, reader.info().metadata};
-  std::erase_if(header.metadata, [](const auto& entry) { return entry.first == "cut"; });
-  header.metadata.emplace_back("cut", std::to_string(first) + "-" + std::to_string(last));
-  PartialFile file(out);
-  ENAMEL_TRY_ASSIGN(auto writer, capture::CaptureWriter::create(file.temporary(), header));
-  RangeCopy copy(writer, first, last);
-  for (;;) {
-    ENAMEL_TRY_ASSIGN(auto record, reader.next());
-    if (!record) break;
-    ENAMEL_TRY(copy.take(std::move(*record)));
-  }
-  if (copy.copied() == 0) {
+Result<CopySummary> capture_cut(const std::string& in, const std::string& out, std::uint64_t first,
+                                std::uint64_t last) {
+  const std::string range = std::to_string(first) + "-" + std::to_string(last);
+  ENAMEL_TRY_ASSIGN(const auto summary, copy_recording({in, out, "cut", range}, [&](capture::CaptureWriter& w) {
+                      return RangeCopy(w, first, last);
+                    }));
+  if (summary.bursts == 0) {
     return fail(ErrorCode::kBurstNotFound,
                 in + ": no burst from " + std::to_string(first) + " to " + std::to_string(last));
   }
-  for (const capture::AttachmentInfo& a : reader.info().attachments) {
-    if (a.name == capture::kRigAttachment) continue;
-    ENAMEL_TRY_ASSIGN(const proto::Bytes bytes, reader.attachment(a.name));
-    ENAMEL_TRY(writer.attach(a.name, a.media_type, bytes));
-  }
-  ENAMEL_TRY(writer.finish());
-  ENAMEL_TRY(file.commit());
-  return copy.copied();
+  return summary;
+}
+
+Result<CopySummary> capture_repair(const std::string& in, const std::string& out) {
+  ENAMEL_TRY_ASSIGN(const auto summary, copy_recording({in, out, "repaired", "what was whole"},
+                                                       [](capture::CaptureWriter& w) { return WholeCopy(w); }));
+  if (summary.bursts == 0) return fail(ErrorCode::kEmptyInput, in + ": no burst of it is whole");
+  return summary;
 }
 
 }  // namespace enamel::host

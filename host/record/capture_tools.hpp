@@ -10,6 +10,9 @@
 
 namespace enamel::host {
 
+/// Lines that tell of a damaged recording: beyond, they say nothing new.
+inline constexpr std::size_t kMaxProblems = 100;
+
 /// First difference between two recordings (or exchange folders) in log order.
 struct CaptureDifference {
   std::uint64_t ordinal = 0;      ///< of the record, 0-based
@@ -22,11 +25,20 @@ struct CaptureDifference {
 [[nodiscard]] Result<std::optional<CaptureDifference>> capture_diff(const std::string& left, const std::string& right,
                                                                     bool with_log_times = false);
 
+struct CopySummary {
+  std::uint64_t bursts = 0;             ///< copied
+  std::uint64_t missing = 0;            ///< bursts that were in damaged places of the source
+  std::vector<std::string> problems{};  ///< what is damaged there, one line each, at most 100
+};
+
 /// Copies bursts [first, last] by burst_index, what else was logged from the first to the last of them, and all
-/// attachments, byte for byte. A truncated source gives a clean file. On error no file is left behind.
-/// Returns the number of bursts. Errors: kBurstNotFound when the range is empty.
-[[nodiscard]] Result<std::uint64_t> capture_cut(const std::string& in, const std::string& out, std::uint64_t first,
-                                                std::uint64_t last);
+/// attachments, byte for byte. A truncated or damaged source gives a clean file of what is whole. On error no file is
+/// left behind. Errors: kBurstNotFound when the range is empty.
+[[nodiscard]] Result<CopySummary> capture_cut(const std::string& in, const std::string& out, std::uint64_t first,
+                                              std::uint64_t last);
+
+/// Copies every record and attachment that is whole. Errors: kEmptyInput when no burst is.
+[[nodiscard]] Result<CopySummary> capture_repair(const std::string& in, const std::string& out);
 
 struct VerifyReport {
   std::uint64_t bursts = 0;  ///< readable and consistent

@@ -8,12 +8,11 @@
 namespace enamel::host {
 namespace {
 
-constexpr std::size_t kMaxProblems = 100;
-
 class Verifier {
  public:
   explicit Verifier(BurstStream& stream) : stream_(stream) {
     report_.truncated = stream.info().truncated;
+    for (const std::string& damage : stream.info().problems) problem(damage);
     const std::string& rig = stream.rig_text();
     if (rig.empty()) problem("no rig.json in the recording");
     rig_crc_ = crc32(std::as_bytes(std::span(rig.data(), rig.size())));

@@ -83,12 +83,14 @@ class ExchangeWriter {
 struct ImportSummary {
   std::uint64_t bursts = 0;
   std::uint64_t attachments = 0;
+  std::uint64_t missing = 0;            ///< bursts that were in damaged places of the source
+  std::vector<std::string> problems{};  ///< what is damaged there, one line each
 };
 
 /// Folder to recording without loss. On error no recording is left behind. Errors: as reader and CaptureWriter.
 [[nodiscard]] Result<ImportSummary> import_folder(const std::string& folder, const std::string& capture_path,
                                                   const std::string& program);
-/// Recording to folder; what import_folder stored comes back byte for byte.
+/// Recording to folder; what import_folder stored comes back byte for byte. Of a damaged recording what is whole.
 [[nodiscard]] Result<ImportSummary> export_folder(const std::string& capture_path, const std::string& folder);
 
 }  // namespace enamel::host

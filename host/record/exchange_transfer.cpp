@@ -53,16 +53,27 @@ class OriginalTable {
   bool all_kept_ = true;
 };
 
-Result<std::uint64_t> export_bursts(BurstStream& stream, OriginalTable& table, ExchangeWriter& out) {
-  std::uint64_t n = 0;
+Result<void> export_bursts(BurstStream& stream, OriginalTable& table, ExchangeWriter& out, ImportSummary& summary) {
   for (;;) {
-    ENAMEL_TRY_ASSIGN(const auto record, stream.next());
-    if (!record) return n;
-    const auto* burst = std::get_if<proto::Burst>(&record->value);
+    const auto record = stream.next();
+    if (!record) {
+      if (record.error().code == ErrorCode::kFileRead) return tl::unexpected<Error>(record.error());
+      summary.problems.push_back(record.error().detail);
+      continue;
+    }
+    if (!*record) break;
+    const auto* burst = std::get_if<proto::Burst>(&(*record)->value);
     if (burst == nullptr) continue;
+    if (!proto::is_consistent(*burst)) {
+      ++summary.missing;
+      summary.problems.push_back("burst " + std::to_string(burst->burst_index) + ": its parts do not fit together");
+      continue;
+    }
     ENAMEL_TRY(out.write(*burst, table.line_for(*burst)));
-    ++n;
+    ++summary.bursts;
   }
+  summary.missing += stream.bursts_lost();
+  return {};
 }
 
 }  // namespace
@@ -84,7 +95,7 @@ Result<ImportSummary> import_folder(const std::string& folder, const std::string
   }
   ENAMEL_TRY(out.finish());
   ENAMEL_TRY(file.commit());
-  return ImportSummary{in.rows().size(), in.extra_files().size() + 2};
+  return ImportSummary{in.rows().size(), in.extra_files().size() + 2, 0, {}};
 }
 
 Result<ImportSummary> export_folder(const std::string& capture_path, const std::string& folder) {
@@ -94,13 +105,18 @@ Result<ImportSummary> export_folder(const std::string& capture_path, const std::
   ENAMEL_TRY_ASSIGN(ExchangeWriter out, ExchangeWriter::create(folder, stream->rig_text()));
   OriginalTable table(*stream);
   ImportSummary summary;
+  summary.problems = stream->info().problems;
   for (const capture::AttachmentInfo& attachment : stream->info().attachments) {
     ++summary.attachments;
     if (attachment.name == kRigFile || attachment.name == kTableFile) continue;
-    ENAMEL_TRY_ASSIGN(const proto::Bytes bytes, stream->attachment(attachment.name));
-    ENAMEL_TRY(out.write_file(attachment.name, bytes));
+    const auto bytes = stream->attachment(attachment.name);
+    if (!bytes) {
+      summary.problems.push_back(bytes.error().detail);
+      continue;
+    }
+    ENAMEL_TRY(out.write_file(attachment.name, *bytes));
   }
-  ENAMEL_TRY_ASSIGN(summary.bursts, export_bursts(*stream, table, out));
+  ENAMEL_TRY(export_bursts(*stream, table, out, summary));
   ENAMEL_TRY(out.finish(table.whole()));
   return summary;
 }

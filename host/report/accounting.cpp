@@ -57,7 +57,9 @@ std::uint64_t LossLedger::sequence_gaps() const {
 // A probe that died cannot say how many bursts it began after its last status; what arrived since proves that many.
 ProbeCounts LossLedger::counts_of(const Life& life) {
   ProbeCounts counts = life.status.value_or(ProbeCounts{});
-  const std::uint64_t proven = life.last_seq ? *life.last_seq + 1 - (life.status ? 0 : *life.first_seq) : 0;
+  const std::uint64_t spanned = life.last_seq ? *life.last_seq + 1 - (life.status ? 0 : *life.first_seq) : 0;
+  // Damaged ones arrived too, and may lie before the first or behind the last that tells its number.
+  const std::uint64_t proven = std::max(spanned, life.received);
   if (proven > counts.emitted) {
     counts.begun += proven - counts.emitted;
     counts.emitted = proven;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::host {
 
@@ -130,7 +131,7 @@ std::string to_json(const Report& r) {
   if (!r.pipeline_json.empty()) {
     out["pipeline"] = nlohmann::json::parse(r.pipeline_json, nullptr, /*allow_exceptions=*/false);
   }
-  return out.dump(1) + "\n";
+  return json_text(out, 1) + "\n";
 }
 
 Result<void> write_report(const Report& report, const std::string& path) { return write_file(path, to_json(report)); }

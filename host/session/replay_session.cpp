@@ -87,8 +87,10 @@ void ReplaySession::run_reader(const std::stop_token& stop) {
       log::warn("replay", "{}", next.error().detail);
       damages_.push_back(next.error());
       const std::lock_guard lock(mutex_);
-      ledger_.received_unreadable();
-      ledger_.damaged();
+      for (; lost_ < stream_->bursts_lost(); ++lost_) {
+        ledger_.received_unreadable();
+        ledger_.damaged();
+      }
       continue;
     }
     if (!next->has_value()) break;
@@ -184,6 +186,8 @@ Result<Outcome> ReplaySession::finish() {
   if (const auto recorded_rig = calib::parse_rig(stream_->rig_text())) outcome.device_serial = recorded_rig->serial;
   outcome.scanned_at = recorded_at(stream_->info());
   outcome.damages = std::move(damages_);
+  for (const std::string& problem : stream_->info().problems)
+    outcome.damages.push_back({ErrorCode::kCaptureCorrupt, problem});
   return outcome;
 }
 

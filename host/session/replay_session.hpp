@@ -71,6 +71,7 @@ class ReplaySession final : public Session {
   std::optional<std::uint64_t> last_seq_;
   std::optional<std::uint32_t> session_id_;
   std::vector<Error> damages_;  ///< reader thread, then the owner
+  std::uint64_t lost_ = 0;      // bursts in what was damaged
   std::atomic<bool> wanted_{true};
   bool stopped_ = false;  ///< for good: no pause any more
   std::atomic<bool> ended_{false};

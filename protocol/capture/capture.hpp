@@ -77,6 +77,7 @@ struct AttachmentInfo {
 };
 
 struct CaptureInfo {
+  /// As many as were written, where the summary or the indexes tell; a damaged file delivers fewer.
   std::uint64_t bursts = 0, shed = 0, statuses = 0, events = 0, device_infos = 0;
   std::int64_t first_log_ns = 0, last_log_ns = 0;  ///< 0, 0 when empty
   bool truncated = false;  ///< no footer: the writer was killed or the disk filled up; what is whole is readable
@@ -84,6 +85,7 @@ struct CaptureInfo {
   std::string program;
   KeyValues metadata;
   std::vector<AttachmentInfo> attachments;
+  std::vector<std::string> problems;  ///< damage that takes no record along (header, summary), one line each
   [[nodiscard]] std::int64_t duration_ns() const noexcept { return last_log_ns - first_log_ns; }
 };
 
@@ -93,11 +95,12 @@ struct Record {
   friend bool operator==(const Record&, const Record&) = default;
 };
 
-/// Reads one recording. One thread. Every length is checked and every chunk's CRC verified before it is used.
+/// Reads one recording. One thread. Every length is checked and every chunk's CRC verified before it is used; what is
+/// whole is delivered wherever the damage lies.
 class CaptureReader {
  public:
-  /// Errors: kFileNotFound, kFileRead, kCaptureInvalid (empty, foreign, no whole chunk), kCaptureCorrupt (summary or an
-  /// attachment damaged). A truncated file opens; info().truncated says so.
+  /// Errors: kFileNotFound, kFileRead, kCaptureInvalid (empty, foreign, nothing whole in it). A truncated or damaged
+  /// file opens; info() and next() say what is wrong with it.
   [[nodiscard]] static Result<CaptureReader> open(const std::string& path);
   CaptureReader(CaptureReader&&) noexcept;
   CaptureReader& operator=(CaptureReader&&) noexcept;
@@ -110,9 +113,12 @@ class CaptureReader {
 
   /// Next record in log order, nullopt at the end. Errors: kCaptureCorrupt (names the chunk), kMessageInvalid; the
   /// record in question is passed over and the next call goes on behind it (behind its chunk when that is damaged).
+  /// Bursts that the summary counts and no place accounts for are one error more, at the end.
   [[nodiscard]] Result<std::optional<Record>> next();
   /// As next(), skipping everything that is not a burst.
   [[nodiscard]] Result<std::optional<proto::Burst>> next_burst();
+  /// Bursts that the errors of next() have taken along so far.
+  [[nodiscard]] std::uint64_t bursts_lost() const noexcept;
   void rewind() noexcept;
 
   /// n-th burst of the file, 0-based; does not move next(). Errors: kBurstNotFound, kCaptureCorrupt.

@@ -72,6 +72,19 @@ struct ChunkIndex {
   std::uint64_t compressed_size = 0, uncompressed_size = 0;
 };
 
+/// Where messages lie in a file, in the order of the file.
+struct Block {
+  enum class Kind : std::uint8_t {
+    kChunk,
+    kLoose,    ///< messages outside of chunks, one behind the other
+    kDamaged,  ///< bytes that are no record
+  };
+  Kind kind = Kind::kChunk;
+  std::uint64_t offset = 0, length = 0;  ///< of the whole record or records
+  /// Messages by channel, as the index behind the block tells; empty without an index.
+  std::map<std::uint16_t, std::uint64_t> told{};
+};
+
 struct AttachmentIndex {
   std::uint64_t offset = 0, length = 0;
   std::uint64_t log_ns = 0, create_ns = 0;

@@ -5,20 +5,25 @@
 #include "protocol/base/crc32.hpp"
 #include "protocol/mcap/compression.hpp"
 #include "protocol/mcap/reader_impl.hpp"
-#include "protocol/mcap/records.hpp"
 
 namespace enamel::mcap {
 namespace {
 
-// nullopt: the records are not well-formed although their CRC is right.
-std::optional<std::vector<Message>> split_messages(ByteSpan records) {
-  std::vector<Message> out;
+// False: the records are not well-formed.
+bool split_records(Chunk& chunk) {
+  const ByteSpan records(chunk.records);
   ByteReader in(records);
   while (in.remaining() > 0) {
     const auto head = read_head(in.take(kRecordHeader));
-    if (!head) return std::nullopt;
+    if (!head) return false;
     const ByteSpan body = in.take(head->length);
-    if (!in.ok()) return std::nullopt;
+    if (!in.ok()) return false;
+    if (head->op == Op::kSchema) {
+      if (auto schema = read_schema(body)) chunk.schemas.push_back(std::move(*schema));
+    }
+    if (head->op == Op::kChannel) {
+      if (auto channel = read_channel(body)) chunk.channels.push_back(std::move(*channel));
+    }
     if (head->op != Op::kMessage) continue;
     ByteReader fields(body);
     Message m;
@@ -27,15 +32,10 @@ std::optional<std::vector<Message>> split_messages(ByteSpan records) {
     m.header.log_ns = fields.get<std::uint64_t>();
     m.header.publish_ns = fields.get<std::uint64_t>();
     m.data = fields.take(fields.remaining());
-    if (!fields.ok()) return std::nullopt;
-    out.push_back(m);
+    if (!fields.ok()) return false;
+    chunk.messages.push_back(m);
   }
-  return out;
-}
-
-bool matches(const ChunkHead& head, const ChunkIndex& index) {
-  return head.start_ns == index.start_ns && head.end_ns == index.end_ns && head.compression == index.compression &&
-         head.compressed_size == index.compressed_size && head.uncompressed_size == index.uncompressed_size;
+  return true;
 }
 
 }  // namespace
@@ -63,52 +63,49 @@ Result<Reader> Reader::open(const std::string& path) {
   auto impl = std::make_unique<Impl>();
   ENAMEL_TRY(impl->source.open(path));
   ENAMEL_TRY_ASSIGN(const std::uint64_t begin, impl->read_header());
-  ENAMEL_TRY_ASSIGN(const bool whole, impl->has_end());
-  ENAMEL_TRY(whole ? impl->read_summary() : impl->scan(begin));
+  ENAMEL_TRY(impl->walk(begin));
+  ENAMEL_TRY(impl->read_summary());
   return Reader(std::move(impl));
 }
 
 bool Reader::truncated() const noexcept { return impl_->truncated; }
 std::uint64_t Reader::file_bytes() const noexcept { return impl_->source.size(); }
+const std::vector<std::string>& Reader::problems() const noexcept { return impl_->problems; }
+const std::string& Reader::profile() const noexcept { return impl_->profile; }
 const std::string& Reader::library() const noexcept { return impl_->library; }
 const std::vector<Schema>& Reader::schemas() const noexcept { return impl_->schemas; }
 const std::vector<Channel>& Reader::channels() const noexcept { return impl_->channels; }
-const std::vector<ChunkIndex>& Reader::chunks() const noexcept { return impl_->chunks; }
+const std::vector<Block>& Reader::blocks() const noexcept { return impl_->blocks; }
 const std::vector<AttachmentIndex>& Reader::attachments() const noexcept { return impl_->attachments; }
 const std::vector<Metadata>& Reader::metadata() const noexcept { return impl_->metadata; }
 const std::optional<Statistics>& Reader::statistics() const noexcept { return impl_->statistics; }
 
-Result<Chunk> Reader::chunk(std::size_t n) const {
-  if (n >= impl_->chunks.size()) return fail(ErrorCode::kInternal, "no chunk " + std::to_string(n));
-  const ChunkIndex& index = impl_->chunks[n];
-  const std::string where = impl_->source.path() + ": chunk " + std::to_string(n) + " of " +
-                            std::to_string(impl_->chunks.size()) + " at byte " + std::to_string(index.offset);
-  const auto corrupt = [&](const char* what) { return fail(ErrorCode::kCaptureCorrupt, where + ": " + what); };
-  if (index.length < kRecordHeader || index.length > kMaxChunkBytes) return corrupt("length out of range");
-  ENAMEL_TRY_ASSIGN(const auto record, impl_->source.read(index.offset, index.length));
-  const auto record_head = read_head(record);
-  const ByteSpan body = ByteSpan(record).subspan(kRecordHeader);
-  const auto head = read_chunk_head(body);
-  if (record_head->op != Op::kChunk || record_head->length != body.size() || !head || !matches(*head, index) ||
-      head->compressed_size != body.size() - head->bytes || head->uncompressed_size > kMaxChunkBytes) {
-    return corrupt("head is damaged");
-  }
-  const ByteSpan stored = body.subspan(head->bytes);
+Result<Chunk> Reader::read(std::size_t n) const {
+  if (n >= impl_->blocks.size()) return fail(ErrorCode::kInternal, "no block " + std::to_string(n));
+  const Block& block = impl_->blocks[n];
+  const std::string where = impl_->source.path() + ": block " + std::to_string(n) + " of " +
+                            std::to_string(impl_->blocks.size()) + " at byte " + std::to_string(block.offset);
+  const auto corrupt = [&](const std::string& what) { return fail(ErrorCode::kCaptureCorrupt, where + ": " + what); };
+  if (block.kind == Block::Kind::kDamaged) return corrupt(std::to_string(block.length) + " bytes are no record");
+  if (block.length > kMaxChunkBytes) return corrupt("length out of range");
+  ENAMEL_TRY_ASSIGN(auto bytes, impl_->source.read(block.offset, block.length));
   Chunk chunk;
-  if (head->compression.empty()) {
-    if (head->uncompressed_size != stored.size()) return corrupt("head is damaged");
-    chunk.records.assign(stored.begin(), stored.end());
-  } else if (head->compression == kZstd) {
-    auto plain = decompress(stored, head->uncompressed_size);
-    if (!plain) return corrupt(plain.error().detail.c_str());
-    chunk.records = std::move(*plain);
+  if (block.kind == Block::Kind::kLoose) {
+    chunk.records = std::move(bytes);
   } else {
-    return fail(ErrorCode::kCaptureInvalid, where + ": compression '" + head->compression + "' is not read here");
+    const ByteSpan body = ByteSpan(bytes).subspan(kRecordHeader);
+    const auto head = read_chunk_head(body);
+    if (!head || head->compressed_size > body.size() - head->bytes || head->uncompressed_size > kMaxChunkBytes) {
+      return corrupt("head is damaged");
+    }
+    auto plain =
+        decompress(head->compression, body.subspan(head->bytes, head->compressed_size), head->uncompressed_size);
+    if (!plain) return fail(plain.error().code, where + ": " + plain.error().detail);
+    // 0: the writer did not compute it (permitted by the specification).
+    if (head->crc != 0 && crc32(*plain) != head->crc) return corrupt("CRC differs");
+    chunk.records = std::move(*plain);
   }
-  if (crc32(chunk.records) != head->crc) return corrupt("CRC differs");
-  auto messages = split_messages(chunk.records);
-  if (!messages) return corrupt("records are malformed");
-  chunk.messages = std::move(*messages);
+  if (!split_records(chunk)) return corrupt("records are malformed");
   return chunk;
 }
 
@@ -123,9 +120,7 @@ Result<std::vector<std::byte>> Reader::attachment(std::size_t n) const {
     return corrupt("length out of range");
   }
   ENAMEL_TRY_ASSIGN(const auto record, impl_->source.read(index.offset, index.length));
-  const auto head = read_head(record);
   const ByteSpan body = ByteSpan(record).subspan(kRecordHeader);
-  if (head->op != Op::kAttachment || head->length != body.size()) return corrupt("head is damaged");
   ByteReader in(body);
   in.skip(2 * sizeof(std::uint64_t));
   const std::string name = take_string(in);
@@ -135,28 +130,23 @@ Result<std::vector<std::byte>> Reader::attachment(std::size_t n) const {
   const std::size_t covered = in.position();
   const auto crc = in.get<std::uint32_t>();
   if (!in.ok() || name != index.name || size != index.data_size) return corrupt("head is damaged");
-  if (crc32(body.first(covered)) != crc) return corrupt("CRC differs");
+  if (crc != 0 && crc32(body.first(covered)) != crc) return corrupt("CRC differs");
   return std::vector<std::byte>(data.begin(), data.end());
 }
 
 Result<void> Reader::verify_data_section() const {
-  if (impl_->truncated) return {};
-  constexpr std::uint64_t kBlock = std::uint64_t{1} << 20U;
+  if (!impl_->data_end) return {};
+  const std::uint64_t end = *impl_->data_end;
+  ENAMEL_TRY_ASSIGN(const auto record, impl_->source.read(end, kRecordHeader + sizeof(std::uint32_t)));
+  const auto stored = ByteReader{ByteSpan(record).subspan(kRecordHeader)}.get<std::uint32_t>();
+  if (stored == 0) return {};  // the writer did not compute it (permitted by the specification)
+  constexpr std::uint64_t kPiece = std::uint64_t{1} << 20U;
   std::uint32_t crc = 0;
-  for (std::uint64_t at = 0; at < impl_->data_end; at += kBlock) {
-    ENAMEL_TRY_ASSIGN(const auto block, impl_->source.read(at, std::min(kBlock, impl_->data_end - at)));
-    crc = crc32(block, crc);
+  for (std::uint64_t at = 0; at < end; at += kPiece) {
+    ENAMEL_TRY_ASSIGN(const auto piece, impl_->source.read(at, std::min(kPiece, end - at)));
+    crc = crc32(piece, crc);
   }
-  ENAMEL_TRY_ASSIGN(const auto record, impl_->source.read(impl_->data_end, kRecordHeader + sizeof crc));
-  ByteReader in{ByteSpan(record)};
-  const auto op = in.get<std::uint8_t>();
-  const auto length = in.get<std::uint64_t>();
-  const auto stored = in.get<std::uint32_t>();
-  if (op != static_cast<std::uint8_t>(Op::kDataEnd) || length != sizeof crc) {
-    return fail(ErrorCode::kCaptureCorrupt, impl_->source.path() + ": end of data is damaged");
-  }
-  // 0: the writer did not compute it (permitted by the specification).
-  if (stored != 0 && stored != crc) {
+  if (stored != crc) {
     return fail(ErrorCode::kCaptureCorrupt, impl_->source.path() + ": data section CRC differs");
   }
   return {};

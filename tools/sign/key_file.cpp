@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/sha256.hpp"
 
 namespace enamel::sign {
@@ -76,10 +77,10 @@ Result<image::TrustedKey> make_key(const std::string& path, bool development) {
                       {"development", development},
                       {"id", to_hex(image::key_id(key.key))},
                       {"key", to_hex(key.key)}};
-  const std::string public_text = j.dump(1) + "\n";
+  const std::string public_text = json_text(j, 1) + "\n";
   j["kind"] = "secret";
   j["key"] = to_hex(secret);
-  ENAMEL_TRY(create_file(path, j.dump(1) + "\n", S_IRUSR | S_IWUSR));
+  ENAMEL_TRY(create_file(path, json_text(j, 1) + "\n", S_IRUSR | S_IWUSR));
   sodium_memzero(secret.data(), secret.size());
   if (const auto written = create_file(path + ".pub", public_text, S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH); !written) {
     ::unlink(path.c_str());

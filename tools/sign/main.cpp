@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
+#include "protocol/base/stdout_check.hpp"
 #include "protocol/base/subcommands.hpp"
 #include "protocol/image/image_file.hpp"
 #include "tools/sign/inspect.hpp"
@@ -83,7 +85,7 @@ Run add_inspect(CLI::App& app) {
     if (!manifest) return refused(manifest.error());
     nlohmann::json j = sign::describe(*manifest);
     j["signatures"] = trusted.empty() ? "not checked: no --key" : "good";
-    std::printf("%s\n", j.dump(1).c_str());
+    std::printf("%s\n", json_text(j, 1).c_str());
     return 0;
   };
 }
@@ -119,9 +121,9 @@ constexpr std::array<enamel::Subcommand<Run>, 4> kCommands{{
 int main(int argc, char** argv) {
   CLI::App app("Keys and signatures of firmware images.", "enamel-sign");
   const auto command = enamel::parse_subcommand<Run>(app, kCommands, argc, argv, kUsage);
-  if (!command) return command.error();
+  if (!command) return enamel::with_stdout_written(command.error());
   const Result<int> done = (*command)();
-  if (done) return *done;
+  if (done) return enamel::with_stdout_written(*done);
   std::fprintf(stderr, "%s\n", done.error().message().c_str());
   return kUsage;
 }

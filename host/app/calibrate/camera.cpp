@@ -13,6 +13,7 @@
 #include "host/app/calibrate/verdict.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::app {
 namespace {
@@ -83,7 +84,7 @@ Result<calib::TargetDesign> parse_board(const std::string& text) {
                                        "corners and squares of 25 mm");
   }
   const Json json{{"type", "chessboard"}, {"cols", cols}, {"rows", rows}, {"pitch_mm", pitch}};
-  return calib::parse_target(json.dump());
+  return calib::parse_target(json_text(json));
 }
 
 Result<calib::TargetDesign> board_of(const std::string& folder) {
@@ -120,10 +121,10 @@ Result<int> solve_camera_job(const CameraJob& job) {
                     {"units", "px"},
                     {"camera", json["camera"]},
                     {"residuals", {{"rms_camera_px", json["rms_camera_px"]}, {"poses", json["poses_used"]}}}};
-    ENAMEL_TRY(write_file(job.out, file.dump(1) + "\n"));
+    ENAMEL_TRY(write_file(job.out, json_text(file, 1) + "\n"));
   }
   json["seconds"] = std::chrono::duration<double>(clock.now() - begin).count();
-  job.json ? static_cast<void>(std::puts(json.dump(1).c_str())) : print(json);
+  job.json ? static_cast<void>(std::puts(json_text(json, 1).c_str())) : print(json);
   if (is_accepted) return 0;
   return fail(ErrorCode::kCalibrationRefused, job.out + " is not written");
 }

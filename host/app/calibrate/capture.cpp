@@ -15,6 +15,7 @@
 #include "host/app/calibrate/subcommand.hpp"
 #include "host/app/run_options.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::app {
@@ -133,7 +134,7 @@ Result<int> conclude(const GatherOptions& o, Guide& guide, const PoseFeed& feed,
   if (feed.dropped_poses() > 0)
     log::warn("calibrate", "{} poses dropped: this machine measures slower than they come", feed.dropped_poses());
   if (guide.has_poses()) ENAMEL_TRY(guide.commit(target_text, o.sweeps, feed.temp_c()));
-  if (o.json) std::puts(json.dump(1).c_str());
+  if (o.json) std::puts(json_text(json, 1).c_str());
   if (!guide.has_poses()) {
     std::string detail = fmt::format("{} of {} poses taken, {} refused", coverage.poses, o.poses, guide.refused());
     for (auto row = json["poses"].rbegin(); row != json["poses"].rend(); ++row) {

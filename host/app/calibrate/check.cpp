@@ -11,6 +11,7 @@
 #include "host/app/calibrate/set.hpp"
 #include "host/app/calibrate/subcommand.hpp"
 #include "host/app/calibrate/verdict.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::app {
 namespace {
@@ -26,13 +27,13 @@ struct CheckOptions {
 
 Result<int> run_bar(const CheckOptions& o, const calib::Rig& rig) {
   ENAMEL_TRY_ASSIGN(const Json json, check_bar(rig, o.bar));
-  std::puts(json.dump(1).c_str());
+  std::puts(json_text(json, 1).c_str());
   return json["verdict"] == "accepted" ? 0 : exit_code(ErrorCode::kCalibrationRefused);
 }
 
 Result<int> run_self_check(const CheckOptions& o, const calib::Rig& rig) {
   ENAMEL_TRY_ASSIGN(const Json json, self_check(rig, o.scan));
-  std::puts(json.dump(1).c_str());
+  std::puts(json_text(json, 1).c_str());
   return json["verdict"] == "alarm" ? exit_code(ErrorCode::kCalibrationRefused) : 0;
 }
 
@@ -60,7 +61,7 @@ Result<int> run_check(const CheckOptions& o) {
   add_shapes(json, calib::shapes_over_depth(planes, range_of(rig)));
   json["planes"] = planes_json(planes);
   json["poses_rejected"] = notes_json(measured.rejected);
-  std::puts(json.dump(1).c_str());
+  std::puts(json_text(json, 1).c_str());
   return 0;
 }
 

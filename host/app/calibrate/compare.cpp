@@ -7,6 +7,7 @@
 #include "calib/judge/volume.hpp"
 #include "host/app/calibrate/set.hpp"
 #include "host/app/calibrate/subcommand.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::app {
 namespace {
@@ -27,7 +28,7 @@ Result<int> run_compare(const DriftOptions& o) {
     json["sag_um"].push_back(d.planes[k].sag_um());
     json["twist_um"].push_back(d.planes[k].twist_um);
   }
-  std::puts(json.dump(1).c_str());
+  std::puts(json_text(json, 1).c_str());
   return 0;
 }
 

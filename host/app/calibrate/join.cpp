@@ -16,6 +16,7 @@
 #include "host/app/calibrate/set.hpp"
 #include "host/app/calibrate/subcommand.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::app {
 namespace {
@@ -114,7 +115,7 @@ Result<int> run_join(const JoinOptions& o) {
   ENAMEL_TRY_ASSIGN(const std::string text, text_of(sets, fit));
   ENAMEL_TRY(write_file(o.out, text));
   const Json json = describe(o, fit);
-  o.json ? static_cast<void>(std::puts(json.dump(1).c_str())) : print_fit(json);
+  o.json ? static_cast<void>(std::puts(json_text(json, 1).c_str())) : print_fit(json);
   return 0;
 }
 

@@ -5,6 +5,7 @@
 #include "host/app/calibrate/set.hpp"
 #include "host/app/calibrate/verdict.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::app {
 namespace {
@@ -78,7 +79,7 @@ Result<void> write_report(const Outcome& o, Json verdict, const std::string& ste
   verdict["poses"] = poses_json(o.solution, o.folder.target);
   verdict["parameters"] = parameters_json(calib::rig_parameters(o.solution.state, o.solution.result.covariance));
   verdict["residuals"] = residuals_json(o.solution);
-  return write_file(stem + ".json", verdict.dump(1) + "\n");
+  return write_file(stem + ".json", json_text(verdict, 1) + "\n");
 }
 
 }  // namespace enamel::app

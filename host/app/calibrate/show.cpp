@@ -14,6 +14,7 @@
 #include "host/app/calibrate/subcommand.hpp"
 #include "host/app/calibrate/verdict.hpp"
 #include "host/app/calibration.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/utc.hpp"
 
 namespace enamel::app {
@@ -132,7 +133,7 @@ void print_rig(const Json& json) {
 Result<int> run_show(const ShowOptions& o) {
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, calib::load_rig(o.rig));
   const Json json = describe(o.rig, rig);
-  o.json ? static_cast<void>(std::puts(json.dump(1).c_str())) : print_rig(json);
+  o.json ? static_cast<void>(std::puts(json_text(json, 1).c_str())) : print_rig(json);
   return json["sha256"] == "broken" ? exit_code(ErrorCode::kRigInvalid) : 0;
 }
 

@@ -16,6 +16,7 @@
 #include "host/app/calibrate/subcommand.hpp"
 #include "host/app/calibrate/verdict.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::app {
@@ -49,7 +50,7 @@ void tell_unsolved(const SolveCommand& o, const calib::MeasuredFolder& measured,
                   {"poses_used", 0},
                   {"poses_rejected", notes_json(measured.rejected)},
                   {"seconds", seconds}};
-  std::puts(json.dump(1).c_str());
+  std::puts(json_text(json, 1).c_str());
 }
 
 /// rig.json, then its copy in the store; each whole or not at all.

@@ -6,6 +6,7 @@
 
 #include "calib/io/rig_store.hpp"
 #include "host/app/calibrate/subcommand.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::app {
 namespace {
@@ -35,7 +36,7 @@ Result<int> run_list(const StoreOptions& o) {
     }
   }
   if (o.json) {
-    std::puts(json.dump(1).c_str());
+    std::puts(json_text(json, 1).c_str());
     return 0;
   }
   if (json.empty()) std::printf("%s holds no calibration\n", store.folder().c_str());

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <string>
 
+#include "protocol/base/json_text.hpp"
+
 namespace enamel::app {
 namespace {
 
@@ -113,7 +115,7 @@ Json verdict_json(const calib::Solution& s, const calib::Judgement& j) {
 }
 
 void show_verdict(const Json& json, bool as_json) {
-  as_json ? static_cast<void>(std::puts(json.dump(1).c_str())) : print_verdict(json);
+  as_json ? static_cast<void>(std::puts(json_text(json, 1).c_str())) : print_verdict(json);
 }
 
 }  // namespace enamel::app

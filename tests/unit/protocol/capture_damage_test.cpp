@@ -77,7 +77,8 @@ TEST_P(Damage, a_flipped_bit_is_found_wherever_it_is) {
       for (const Error& e : all.errors) EXPECT_EQ(e.code, ErrorCode::kCaptureCorrupt);
       corrupt += all.errors.empty() ? 0 : 1;
       const auto mcap = mcap::Reader::open(path_);
-      found = !all.errors.empty() || in->info().truncated || !in->attachment("truth/x") || !mcap->verify_data_section();
+      found = !all.errors.empty() || in->info().truncated || !in->info().problems.empty() ||
+              !in->attachment("truth/x") || !mcap->verify_data_section();
     }
     EXPECT_TRUE(found) << "byte " << at << " of " << bytes_.size();
   }
@@ -86,8 +87,8 @@ TEST_P(Damage, a_flipped_bit_is_found_wherever_it_is) {
 
 TEST_P(Damage, a_damaged_chunk_is_named_and_the_others_are_read) {
   const auto mcap = mcap::Reader::open(path_);
-  ASSERT_EQ(mcap->chunks().size(), 6U);
-  const auto& chunk = mcap->chunks()[2];
+  ASSERT_EQ(mcap->blocks().size(), 6U);
+  const auto& chunk = mcap->blocks()[2];
   bytes_[chunk.offset + chunk.length - 5] ^= 4U;
   test::spill(path_, bytes_);
   auto in = CaptureReader::open(path_);
@@ -95,10 +96,56 @@ TEST_P(Damage, a_damaged_chunk_is_named_and_the_others_are_read) {
   const auto all = collect(*in);
   ASSERT_EQ(all.errors.size(), 1U);
   EXPECT_EQ(all.errors[0].code, ErrorCode::kCaptureCorrupt);
-  EXPECT_NE(all.errors[0].detail.find("chunk 2"), std::string::npos) << all.errors[0].detail;
+  EXPECT_NE(all.errors[0].detail.find("block 2"), std::string::npos) << all.errors[0].detail;
   EXPECT_EQ(all.records.size(), records_.size() - 4);
   EXPECT_TRUE(in->burst_with_id({12}).has_value());
   EXPECT_EQ(in->burst_with_id({14}).error().code, ErrorCode::kCaptureCorrupt);
+}
+
+// Of a damaged file everything outside of the damaged place is delivered, and what is missing is counted.
+TEST_P(Damage, a_flipped_bit_costs_no_more_than_the_chunk_it_is_in) {
+  test::Random random(17);
+  const auto whole = mcap::Reader::open(path_);
+  const auto is_burst = [](const Record& r) { return std::holds_alternative<proto::Burst>(r.value); };
+  for (int i = 0; i < 3000; ++i) {
+    const std::size_t at = random.below(bytes_.size());
+    auto damaged = bytes_;
+    damaged[at] ^= static_cast<std::uint8_t>(1U << random.below(8));
+    test::spill(path_, damaged);
+    auto in = CaptureReader::open(path_);
+    ASSERT_TRUE(in) << "byte " << at << ": " << in.error().message();
+    const auto all = collect(*in);
+    const auto bursts = static_cast<std::uint64_t>(std::count_if(all.records.begin(), all.records.end(), is_burst));
+    const bool in_a_block = std::any_of(whole->blocks().begin(), whole->blocks().end(), [&](const mcap::Block& b) {
+      return at >= b.offset && at < b.offset + b.length;
+    });
+    EXPECT_EQ(bursts + in->bursts_lost(), 5U) << "byte " << at;
+    EXPECT_LE(in->bursts_lost(), in_a_block ? 1U : 0U) << "byte " << at;
+    EXPECT_EQ(in->info().bursts, 5U) << "byte " << at;
+  }
+}
+
+// The same where the file has no end either: what a killed writer left, damaged later.
+TEST_P(Damage, a_flipped_bit_in_a_truncated_file_costs_no_more) {
+  test::Random random(18);
+  const auto whole = mcap::Reader::open(path_);
+  const mcap::Block last = whole->blocks()[3];
+  bytes_.resize(last.offset + last.length + 700);
+  for (int i = 0; i < 1000; ++i) {
+    const std::size_t at = random.below(bytes_.size() - 700);
+    auto damaged = bytes_;
+    damaged[at] ^= static_cast<std::uint8_t>(1U << random.below(8));
+    test::spill(path_, damaged);
+    auto in = CaptureReader::open(path_);
+    ASSERT_TRUE(in) << "byte " << at << ": " << in.error().message();
+    const auto all = collect(*in);
+    std::uint64_t bursts = 0;
+    for (const Record& r : all.records) {
+      if (std::holds_alternative<proto::Burst>(r.value)) ++bursts;
+      EXPECT_NE(std::find(records_.begin(), records_.end(), r), records_.end()) << "byte " << at;
+    }
+    EXPECT_GE(bursts, 3U) << "byte " << at;
+  }
 }
 
 // Random rubbish between the right magics, and rubbish with a right first part: an answer, never a crash.

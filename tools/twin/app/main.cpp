@@ -14,6 +14,7 @@
 
 #include "protocol/base/clock.hpp"
 #include "protocol/base/progress.hpp"
+#include "protocol/base/stdout_check.hpp"
 #include "tools/twin/app/burst_message.hpp"
 #include "tools/twin/app/calibration_folder.hpp"
 #include "tools/twin/app/preview.hpp"
@@ -200,5 +201,5 @@ int main(int argc, char** argv) {
   // A full file system or a closed pipe shall be an error value, not the end of the program.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
-  return run(argc, argv);
+  return enamel::with_stdout_written(run(argc, argv));
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "protocol/base/json_text.hpp"
 #include "tools/twin/optics/random.hpp"
 
 namespace enamel::twin {
@@ -68,7 +69,7 @@ Result<std::string> nominal_rig_text(const calib::Rig& truth, const MultiPattern
                       {"mean", patterns.mean()},
                       {"amplitude", patterns.amplitude()}};
   if (frames > 1) json["noise"]["averaged_frames"] = frames;
-  std::string text = json.dump(1) + "\n";
+  std::string text = json_text(json, 1) + "\n";
   ENAMEL_TRY(calib::parse_rig(text));
   return text;
 }

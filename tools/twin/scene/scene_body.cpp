@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "protocol/base/json_text.hpp"
 #include "tools/twin/scene/looks.hpp"
 #include "tools/twin/scene/scene.hpp"
 #include "tools/twin/surface/mesh_file.hpp"
@@ -132,7 +133,7 @@ Result<Body> make_body(const SceneConfig& config) {
   add_bar(config, body, objects);
   SortedJson scene{{"frame", "model"}, {"units", "mm"}, {"seed", config.seed}, {"objects", objects}};
   describe_look(config, body, scene);
-  body.description_json = scene.dump(1) + "\n";
+  body.description_json = json_text(scene, 1) + "\n";
   return body;
 }
 
@@ -150,7 +151,7 @@ Result<calib::Rig> apply_effects(const calib::Rig& rig, const Effects& effects) 
     json["noise"]["gain_e_per_dn"] = rig.noise->gain_e_per_dn / kFiner;
     json["noise"]["black_dn"] = rig.noise->black_dn * kFiner;
   }
-  return calib::parse_rig(json.dump(1) + "\n");
+  return calib::parse_rig(json_text(json, 1) + "\n");
 }
 
 }  // namespace enamel::twin

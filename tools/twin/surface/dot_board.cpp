@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "protocol/base/json_text.hpp"
 #include "tools/twin/optics/random.hpp"
 
 namespace enamel::twin {
@@ -65,7 +66,7 @@ Surroundings make_dot_board(const DotBoardConfig& c, std::uint64_t seed) {
 std::string target_json(const DotBoardConfig& c) {
   const nlohmann::ordered_json json{{"type", "circle_grid"},  {"cols", c.cols},           {"rows", c.rows},
                                     {"pitch_mm", c.pitch_mm}, {"radius_mm", c.radius_mm}, {"circles", "white on dark"}};
-  return json.dump(1) + "\n";
+  return json_text(json, 1) + "\n";
 }
 
 }  // namespace enamel::twin
