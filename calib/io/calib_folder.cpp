@@ -11,6 +11,7 @@
 #include <set>
 
 #include "protocol/base/file.hpp"
+#include "protocol/base/litter.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -106,7 +107,8 @@ Result<CalibFolder> open_calib_folder(const std::string& path) {
   folder.target = *design;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(path + "/poses", ignored))
-    if (entry.is_directory()) folder.poses.push_back(entry.path().filename().string());
+    if (entry.is_directory() && !is_litter_name(entry.path().filename().string()))
+      folder.poses.push_back(entry.path().filename().string());
   std::sort(folder.poses.begin(), folder.poses.end());
   if (folder.poses.empty()) return fail(ErrorCode::kCalibrationFolder, path + "/poses holds no pose");
   // A pose that lacks a frequency shall be told as such: the set is what most poses have, here the largest.

@@ -62,6 +62,11 @@ Result<std::optional<SimBurst>> CaptureSource::next() {
 
 SimBurst CaptureSource::convert(const proto::Burst& burst) {
   const auto start = static_cast<std::int64_t>(burst.meta[0].t_strobe_ns);
+  // A pause in the recording, or a clock that was set on, is not waited out.
+  constexpr std::int64_t kLongestPause_ns = 2'000'000'000;
+  if (round_begun_ && start + time_offset_ns_ - last_start_ns_ > kLongestPause_ns) {
+    time_offset_ns_ = last_start_ns_ + kLongestPause_ns - start;
+  }
   if (!round_begun_ && last_start_ns_ != 0) {  // a later round goes on where the last one ended
     time_offset_ns_ = last_start_ns_ + last_distance_ns_ - start;
     index_offset_ = last_index_ + 1 - burst.burst_index;

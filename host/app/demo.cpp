@@ -15,8 +15,10 @@
 #include "host/app/command.hpp"
 #include "host/app/demo_calibration.hpp"
 #include "host/app/input.hpp"
+#include "host/app/out_folder.hpp"
 #include "host/app/scan_run.hpp"
 #include "host/app/scene_names.hpp"
+#include "host/app/screen.hpp"
 #include "host/record/burst_stream.hpp"
 #include "protocol/base/file.hpp"
 #include "protocol/base/json_text.hpp"
@@ -37,11 +39,29 @@ struct Demo {
   bool show_uncalibrated = false;
 };
 
+/// Of a user without a home, or one whose home cannot be written: a folder of his own among the temporary files.
+std::string cache_without_home() {
+  const char* temporary = std::getenv("TMPDIR");
+  return std::string(temporary != nullptr && *temporary != 0 ? temporary : "/tmp") + "/enamel-cache-" +
+         std::to_string(::getuid());
+}
+
 std::string default_cache() {
   if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != 0) return std::string(xdg) + "/enamel";
   if (const char* home = std::getenv("HOME"); home != nullptr && *home != 0)
     return std::string(home) + "/.cache/enamel";
-  return "/tmp/enamel-cache";
+  return cache_without_home();
+}
+
+Result<std::string> usable_cache(const std::string& wanted) {
+  const auto usable = usable_folder(wanted);
+  if (usable) return wanted;
+  const std::string instead = cache_without_home();
+  if (wanted != default_cache() || !usable_folder(instead)) {
+    return fail(ErrorCode::kFileWrite, usable.error().detail + "; give another folder with --cache");
+  }
+  log::warn("demo", "{}: {} is used instead (--cache chooses another)", usable.error().detail, instead);
+  return instead;
 }
 
 // A recording is used again only for the same scene, seed, rigs and renderer.
@@ -90,8 +110,6 @@ Result<std::string> recording(const Demo& demo, const std::string& key, Clock& c
   return path;
 }
 
-bool has_display() { return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr; }
-
 nlohmann::json accuracy_of(const std::string& folder) {
   const auto text = read_file(folder + "/report.json");
   const auto report = nlohmann::json::parse(text ? *text : "", nullptr, /*allow_exceptions=*/false);
@@ -131,6 +149,7 @@ Result<int> run_live(Demo& demo, const std::string& path) {
   demo.scan.dds_tag = "enamel-demo-" + std::to_string(::getpid());
   demo.scan.serial = "TWIN-DEMO";
   demo.scan.start_at_once = true;
+  demo.scan.may_replace_simulated = true;
   demo.scan.wait_seconds = 30;
   demo.scan.notes = {{"seed", std::to_string(demo.seed)},
                      {"scene", demo.scene},
@@ -147,12 +166,16 @@ Result<int> run_demo(Demo& demo) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(demo.scene, scene_file(demo.scene));
   install_stop_signals();
-  ENAMEL_TRY(make_folder(demo.scan.run.out));
-  if (!demo.scan.run.headless && !has_display()) {
-    log::warn("demo", "no display: the same without a window (as with --headless)");
-    demo.scan.run.headless = true;
+  {
+    ENAMEL_TRY_ASSIGN(const OutFolder folder, OutFolder::open(demo.scan.run.out));  // told before anything is rendered
   }
-  ENAMEL_TRY(make_folder(demo.cache));
+  if (!demo.scan.run.headless) {
+    if (const auto display = Screen::try_display(clock); !display) {
+      log::warn("demo", "{}: the same without a window (as with --headless)", display.error().detail);
+      demo.scan.run.headless = true;
+    }
+  }
+  ENAMEL_TRY_ASSIGN(demo.cache, usable_cache(demo.cache));
   ENAMEL_TRY_ASSIGN(const std::string key, cache_key(demo));
   ENAMEL_TRY_ASSIGN(const std::string path, recording(demo, key, clock));
   ENAMEL_TRY_ASSIGN(const DemoCalibration calibration, demo_calibration(demo.scene, demo.seed, demo.cache, key, clock));

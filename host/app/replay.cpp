@@ -7,6 +7,7 @@
 #include "host/app/calibration.hpp"
 #include "host/app/command.hpp"
 #include "host/app/input.hpp"
+#include "host/app/out_folder.hpp"
 #include "host/app/run_session.hpp"
 #include "host/record/burst_stream.hpp"
 #include "host/session/replay_session.hpp"
@@ -43,7 +44,8 @@ Result<int> run_replay(const Options& o) {
   if (stream->info().bursts == 0) return fail(ErrorCode::kEmptyInput, o.input);
   ENAMEL_TRY_ASSIGN(const Calibration calibration, calibration_for(o.rig, *stream, o.input));
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, rig_to_measure(calibration, *stream));
-  ENAMEL_TRY(make_folder(o.run.out));
+  ENAMEL_TRY_ASSIGN(const OutFolder folder, OutFolder::open(o.run.out));
+  folder.clear_results();
   const host::ReplayConfig replay{.pipeline = config.pipeline,
                                   .workers = o.run.workers,
                                   .paced = o.paced,

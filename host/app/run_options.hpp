@@ -52,7 +52,7 @@ struct Truth {
 /// The short table at the end of a run, or the report as JSON, on stdout.
 void print_summary(const host::Report& report, bool json);
 
-/// Set by SIGINT or SIGTERM once install_stop_signals() was called.
+/// Set by SIGINT, SIGTERM or SIGHUP once install_stop_signals() was called.
 void install_stop_signals();
 [[nodiscard]] bool stop_requested();
 

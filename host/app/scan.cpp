@@ -2,16 +2,19 @@
 #include <memory>
 
 #include "host/app/command.hpp"
+#include "host/app/out_folder.hpp"
 #include "host/app/scan_run.hpp"
+#include "protocol/base/log.hpp"
 
 namespace enamel::app {
 
 Run add_scan(CLI::App& app) {
   auto scan = std::make_shared<ScanRun>();
-  scan->run.out = "out/session";
   add_run_options(app, scan->run);
   app.add_option("--probe", scan->serial, "serial of the probe; needed when there is more than one");
-  app.add_option("--session", scan->run.out, "folder for recording and results")->capture_default_str();
+  app.add_option(
+      "--session", scan->run.out,
+      "folder for recording and results (default: a new one, out/session-DATE-TIME; out/session links to it)");
   app.add_option("--rig", scan->rig_path, "calibration to measure with instead of the probe's own");
   app.add_option("--seconds", scan->seconds, "end after this long")->check(CLI::PositiveNumber);
   app.add_option("--wait-seconds", scan->wait_seconds, "how long to wait for a probe")->capture_default_str();
@@ -19,6 +22,10 @@ Run add_scan(CLI::App& app) {
   app.add_flag("!--no-record", scan->record, "keep no recording");
   return [scan]() -> Result<int> {
     scan->start_at_once = scan->run.headless;
+    if (scan->run.out.empty()) {
+      ENAMEL_TRY_ASSIGN(scan->run.out, new_session_folder());
+    }
+    log::info("scan", "recording and results go to {}", scan->run.out);
     return run_scan(*scan);
   };
 }

@@ -3,7 +3,9 @@
 #include <optional>
 
 #include "host/app/calibration.hpp"
+#include "host/app/out_folder.hpp"
 #include "host/app/run_session.hpp"
+#include "host/record/burst_stream.hpp"
 #include "host/session/live_session.hpp"
 #include "protocol/base/file.hpp"
 
@@ -31,6 +33,20 @@ host::LiveSessionConfig session_config(const ScanRun& scan, const LoadedConfig& 
   return c;
 }
 
+/// No recording is written over: it may be the only copy of a patient's scan.
+Result<void> keep_recording(const ScanRun& scan, const OutFolder& folder) {
+  if (!folder.has_recording()) return {};
+  if (scan.may_replace_simulated) {
+    const auto before = host::open_bursts(folder.path() + "/capture.mcap");
+    // Of a demo that was killed before its first burst nothing can be read, and nothing is lost.
+    if (!before ? before.error().code == ErrorCode::kCaptureInvalid : host::says_simulated((*before)->info()))
+      return {};
+  }
+  return fail(ErrorCode::kFileWrite, folder.path() +
+                                         ": holds the recording of a scan, which is not written over; "
+                                         "choose another folder, or move capture.mcap away");
+}
+
 }  // namespace
 
 Result<int> run_scan(const ScanRun& scan) {
@@ -40,7 +56,9 @@ Result<int> run_scan(const ScanRun& scan) {
   if (!scan.rig_path.empty()) {
     ENAMEL_TRY_ASSIGN(calibration, load_calibration(scan.rig_path));
   }
-  ENAMEL_TRY(make_folder(scan.run.out));
+  ENAMEL_TRY_ASSIGN(const OutFolder folder, OutFolder::open(scan.run.out));
+  ENAMEL_TRY(keep_recording(scan, folder));
+  folder.clear_results();
   ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create({.domain = 77, .tag = scan.dds_tag}));
   ENAMEL_TRY_ASSIGN(const auto session,
                     host::LiveSession::create(participant, session_config(scan, config, calibration, clock), clock));

@@ -12,7 +12,8 @@ namespace enamel::app {
 
 struct ScanRun {
   RunOptions run;
-  std::string serial;  ///< empty: the only probe there is
+  bool may_replace_simulated = false;  ///< a recording of a simulated scan in the folder is written over
+  std::string serial;                  ///< empty: the only probe there is
   std::string dds_tag = "enamel";
   double seconds = 0;          ///< 0: until the probe's session ends
   double wait_seconds = 15;    ///< for a probe to appear

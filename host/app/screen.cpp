@@ -29,6 +29,13 @@ Screen::Screen(std::string title, Clock& clock) : clock_(clock), trail_(options_
   options_.title = std::move(title);
 }
 
+Result<void> Screen::try_display(Clock& clock) {
+  view::ViewerOptions hidden;
+  hidden.visible = false;
+  ENAMEL_TRY(view::ViewerWindow::open(hidden, clock));
+  return {};
+}
+
 Result<void> Screen::open_window() {
   ENAMEL_TRY_ASSIGN(window_, view::ViewerWindow::open(options_, clock_));
   return {};

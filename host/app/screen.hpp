@@ -20,6 +20,8 @@ class Screen {
  public:
   /// A screen without a window. open_window() may follow.
   Screen(std::string title, Clock& clock);
+  /// Whether a window could be opened, by opening one that is not shown. Errors: kDisplay.
+  [[nodiscard]] static Result<void> try_display(Clock& clock);
   /// Errors: kDisplay.
   [[nodiscard]] Result<void> open_window();
   [[nodiscard]] bool has_window() const noexcept { return window_ != nullptr; }

@@ -97,4 +97,10 @@ Result<std::unique_ptr<BurstStream>> open_bursts(const std::string& path) {
   return std::unique_ptr<BurstStream>(std::make_unique<CaptureStream>(std::move(reader)));
 }
 
+bool says_simulated(const capture::CaptureInfo& info) {
+  return std::any_of(info.metadata.begin(), info.metadata.end(), [](const auto& entry) {
+    return entry.first == "simulated" || entry.second.find("SIMULATED") != std::string::npos;
+  });
+}
+
 }  // namespace enamel::host

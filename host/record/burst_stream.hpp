@@ -31,4 +31,7 @@ class BurstStream {
 /// A folder is an exchange folder, a file a recording. Errors: of CaptureReader::open and ExchangeReader::open.
 [[nodiscard]] Result<std::unique_ptr<BurstStream>> open_bursts(const std::string& path);
 
+/// What is in it was rendered, not seen by a probe.
+[[nodiscard]] bool says_simulated(const capture::CaptureInfo& info);
+
 }  // namespace enamel::host

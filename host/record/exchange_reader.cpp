@@ -8,6 +8,7 @@
 #include "host/record/png_image.hpp"
 #include "protocol/base/crc32.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/litter.hpp"
 
 namespace enamel::host {
 namespace {
@@ -42,7 +43,8 @@ Result<std::vector<std::string>> list_files(const std::string& folder) {
   std::error_code ec;
   for (fs::recursive_directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec)) {
     std::error_code kind;
-    if (it->is_regular_file(kind)) names.push_back(it->path().lexically_relative(folder).generic_string());
+    const fs::path name = it->path().lexically_relative(folder);
+    if (it->is_regular_file(kind) && !is_litter(name)) names.push_back(name.generic_string());
   }
   if (ec) return fail(ErrorCode::kFileRead, folder + ": " + ec.message());
   std::sort(names.begin(), names.end());

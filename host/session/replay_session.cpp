@@ -12,12 +12,6 @@ namespace enamel::host {
 
 namespace {
 
-bool says_simulated(const capture::CaptureInfo& info) {
-  return std::any_of(info.metadata.begin(), info.metadata.end(), [](const auto& entry) {
-    return entry.first == "simulated" || entry.second.find("SIMULATED") != std::string::npos;
-  });
-}
-
 /// When a live recording began, UTC; empty for one that does not say.
 std::string recorded_at(const capture::CaptureInfo& info) {
   for (const auto& [key, value] : info.metadata)

@@ -14,6 +14,7 @@
 #include "protocol/base/clock.hpp"
 #include "protocol/base/file.hpp"
 #include "protocol/base/json_text.hpp"
+#include "protocol/base/litter.hpp"
 
 namespace enamel::app {
 namespace {
@@ -31,6 +32,7 @@ Pictures pictures_of(const CameraJob& job) {
   const bool is_set = job.pictures.empty();
   for (const auto& entry : fs::directory_iterator(is_set ? job.folder + "/poses" : job.folder, ignored)) {
     const std::string name = entry.path().filename().string();
+    if (is_litter_name(name)) continue;
     if (is_set && entry.is_directory(ignored)) out.emplace_back(name, (entry.path() / "white.png").string());
     if (!is_set && ::fnmatch(job.pictures.c_str(), name.c_str(), 0) == 0) out.emplace_back(name, entry.path().string());
   }
