@@ -10,9 +10,17 @@ namespace enamel::host {
 namespace {
 
 constexpr const char* kModule = "ingest";
+constexpr Nanoseconds kStatusTimeout{2'000'000'000};  ///< ten times as long as a probe is silent
+constexpr Nanoseconds kAskAgain{1'000'000'000};
 constexpr Nanoseconds kLongestClose{1'000'000'000};  ///< more than twice what a probe takes to finish a burst
 
 std::string words(const Error& error) { return error.message(); }
+
+/// Scanning can be asked for; a probe that scans already says yes.
+bool ready(proto::ProbeState state) {
+  return state == proto::ProbeState::kReady || state == proto::ProbeState::kPaused ||
+         state == proto::ProbeState::kScanning;
+}
 
 /// The probe has stopped, and every burst that it began was sent or dropped.
 bool at_rest(const proto::Status& status) {
@@ -33,9 +41,12 @@ Result<void> LiveFeed::wait_for_probe(const std::stop_token& stop, bool came_bac
   std::optional<HostTime> first_seen;
   while (!stop.stop_requested()) {
     ENAMEL_TRY_ASSIGN(const auto found, link_.find());
+    if (came_back) ENAMEL_TRY(take_input());
     const bool present = found && (!came_back || link_.alive());
     if (present && !first_seen) first_seen = clock_.now();
-    if (present && clock_.now() - *first_seen >= config_.settle) return sink_.on_probe(*found, came_back);
+    // The one that was lost is known; at the begin a second one may take a moment longer to show itself.
+    const Nanoseconds settle = came_back ? Nanoseconds{0} : config_.settle;
+    if (present && clock_.now() - *first_seen >= settle) return sink_.on_probe(*found, came_back);
     if (clock_.now() > deadline) {
       return fail(came_back ? ErrorCode::kProbeLost : ErrorCode::kProbeNotFound,
                   came_back ? "it did not come back" : "none answered in time");
@@ -45,12 +56,33 @@ Result<void> LiveFeed::wait_for_probe(const std::stop_token& stop, bool came_bac
   return fail(ErrorCode::kCancelled);
 }
 
+Result<proto::Status> LiveFeed::fresh_status(const std::stop_token& stop) {
+  ENAMEL_TRY(take_input());
+  const HostTime deadline = clock_.now() + kStatusTimeout;
+  const std::optional<proto::Status> before = link_.last_status();
+  while (!stop.stop_requested() && clock_.now() < deadline) {
+    ENAMEL_TRY(take_input());
+    const auto& now = link_.last_status();
+    if (now && (!before || now->seq != before->seq)) return *now;
+    link_.wait_data(config_.poll_period);
+  }
+  return fail(stop.stop_requested() ? ErrorCode::kCancelled : ErrorCode::kProbeLost, "the probe says nothing");
+}
+
 Result<void> LiveFeed::wait_ready(const std::stop_token& stop) {
   const HostTime deadline = clock_.now() + config_.find_timeout;
+  HostTime ask_at = clock_.now();
   while (!stop.stop_requested()) {
     ENAMEL_TRY(take_input());
     const auto& status = link_.last_status();
-    if (status && status->state == proto::ProbeState::kReady) return {};
+    if (status && ready(status->state)) return {};
+    if (clock_.now() >= ask_at) {
+      ask_at = clock_.now() + kAskAgain;
+      // A probe that is already warming up, or in its self-test, refuses; what counts is that it becomes READY.
+      if (const auto reply = link_.command(proto::Opcode::kWarmup); !reply) {
+        log::debug(kModule, "WARMUP: {}", reply.error().detail);
+      }
+    }
     if (clock_.now() > deadline) {
       return fail(ErrorCode::kProbeRefused, "the probe is " + std::string(status ? name_of(status->state) : "silent") +
                                                 " and does not become READY");
@@ -62,16 +94,12 @@ Result<void> LiveFeed::wait_ready(const std::stop_token& stop) {
 
 Result<void> LiveFeed::open_session(const std::stop_token& stop) {
   started_ = false;
+  const std::uint32_t seq_before = link_.last_status() ? link_.last_status()->seq : 0;
   ENAMEL_TRY(link_.command(proto::Opcode::kSessionOpen));
-  ENAMEL_TRY(take_input());
-  const auto& status = link_.last_status();
-  if (!status || status->state != proto::ProbeState::kReady) {
-    // A probe that is already warming up refuses; what counts is that it becomes READY.
-    if (const auto reply = link_.command(proto::Opcode::kWarmup); !reply) {
-      log::debug(kModule, "WARMUP: {}", reply.error().detail);
-    }
-    ENAMEL_TRY(wait_ready(stop));
-  }
+  ENAMEL_TRY_ASSIGN(const proto::Status status, fresh_status(stop));
+  // Counters of our session that go on are those of the life before; a probe that was restarted knows no session yet.
+  if (ever_started_ && (status.session_id != config_.session_id || status.seq < seq_before)) sink_.on_restart();
+  if (!ready(status.state)) ENAMEL_TRY(wait_ready(stop));
   enter(FeedState::kPaused);
   return {};
 }
@@ -80,7 +108,8 @@ Result<void> LiveFeed::follow_wish() {
   const bool wanted = scanning_wanted();
   if (wanted && state_ != FeedState::kScanning) {
     ENAMEL_TRY(link_.command(proto::Opcode::kScanStart, {config_.session_id}));
-    started_ = true;
+    started_ = ever_started_ = true;
+    resting_since_.reset();
     enter(FeedState::kScanning);
   } else if (!wanted && state_ == FeedState::kScanning) {
     ENAMEL_TRY(link_.command(proto::Opcode::kScanPause));
@@ -122,6 +151,34 @@ void LiveFeed::close_session() {
   static_cast<void>(take_input());
 }
 
+bool LiveFeed::probe_left_scanning() {
+  const auto& status = link_.last_status();
+  const bool resting = started_ && state_ == FeedState::kScanning && status &&
+                       status->session_id == config_.session_id && status->state != proto::ProbeState::kScanning;
+  if (!resting) {
+    resting_since_.reset();
+    return false;
+  }
+  if (!resting_since_) resting_since_ = clock_.now();
+  return clock_.now() - *resting_since_ > config_.left_scanning;
+}
+
+// A probe that answers again at once is asked again; one that refuses for good, or stays away, ends the scan.
+Result<void> LiveFeed::come_back(const std::stop_token& stop, const Error& why) {
+  log::warn(kModule, "{}", words(why));
+  enter(FeedState::kLost, words(why));
+  resting_since_.reset();
+  const HostTime deadline = clock_.now() + config_.lost_timeout;
+  for (;;) {
+    ENAMEL_TRY(wait_for_probe(stop, true));
+    if (ended_) return {};
+    const auto opened = open_session(stop);
+    const bool again = !opened && opened.error().code == ErrorCode::kProbeLost && clock_.now() < deadline;
+    if (!again) return opened;
+    clock_.sleep_for(config_.poll_period);
+  }
+}
+
 Result<void> LiveFeed::run(const std::stop_token& stop) {
   enter(FeedState::kWaiting, "waiting for a probe");
   ENAMEL_TRY(wait_for_probe(stop, false));
@@ -129,17 +186,17 @@ Result<void> LiveFeed::run(const std::stop_token& stop) {
   while (!stop.stop_requested() && !ended_) {
     link_.wait_data(config_.poll_period);
     Result<void> step = take_input();
-    if (step) step = follow_wish();
-    if (link_.alive() && step) continue;
-    if (!step && step.error().code != ErrorCode::kProbeLost) return step;
+    if (step && !ended_) step = follow_wish();
+    const bool asleep = step && probe_left_scanning();
+    if (ended_ || (step && link_.alive() && !asleep)) continue;
+    // Refused: the lease ran out before it was noticed here.
+    if (!step && step.error().code != ErrorCode::kProbeLost && step.error().code != ErrorCode::kProbeRefused)
+      return step;
     const Error lost{ErrorCode::kProbeLost, link_.probe() ? link_.probe()->serial : ""};
-    log::warn(kModule, "{}", words(lost));
-    enter(FeedState::kLost, words(lost));
-    if (auto back = wait_for_probe(stop, true); !back) {
+    if (auto back = come_back(stop, step ? lost : step.error()); !back) {
       if (back.error().code == ErrorCode::kCancelled) break;
       return back;
     }
-    ENAMEL_TRY(open_session(stop));
   }
   close_session();
   enter(FeedState::kEnded);

@@ -20,6 +20,8 @@ class FeedSink {
   virtual ~FeedSink() = default;
   /// A probe was chosen, or the chosen one came back. An error ends the feed.
   [[nodiscard]] virtual Result<void> on_probe(const proto::DeviceInfo& info, bool came_back) = 0;
+  /// The probe that came back is in a new life: its counters and burst numbers begin again.
+  virtual void on_restart() {}
   virtual void on_burst(dds::Received<proto::Burst> burst, HostTime arrival) = 0;
   virtual void on_status(const proto::Status& status) = 0;
   virtual void on_event(const proto::Event& event) = 0;
@@ -33,6 +35,7 @@ struct FeedConfig {
   Nanoseconds lost_timeout{120'000'000'000};  ///< for a lost probe to come back; then the session ends with what it has
   Nanoseconds settle{300'000'000};            ///< two probes take this long to show themselves both
   Nanoseconds poll_period{10'000'000};
+  Nanoseconds left_scanning{500'000'000};  ///< a probe that says so long that it does not scan is asked to again
 };
 
 class LiveFeed {
@@ -50,7 +53,13 @@ class LiveFeed {
  private:
   [[nodiscard]] Result<void> wait_for_probe(const std::stop_token& stop, bool came_back);
   [[nodiscard]] Result<void> open_session(const std::stop_token& stop);
+  /// The probe's newest word, later than those that have come so far.
+  [[nodiscard]] Result<proto::Status> fresh_status(const std::stop_token& stop);
   [[nodiscard]] Result<void> wait_ready(const std::stop_token& stop);
+  /// Scanning was asked for and granted, and the probe has gone to rest without an end of its session: it had not heard
+  /// from here for longer than its lease (this machine slept, or was stopped or too busy).
+  [[nodiscard]] bool probe_left_scanning();
+  [[nodiscard]] Result<void> come_back(const std::stop_token& stop, const Error& why);
   [[nodiscard]] Result<void> take_input();
   [[nodiscard]] Result<void> follow_wish();
   void close_session();
@@ -63,6 +72,8 @@ class LiveFeed {
   std::atomic<bool> scanning_wanted_;
   FeedState state_ = FeedState::kWaiting;
   bool started_ = false;  ///< SCAN_START was accepted in this life of the probe
+  bool ever_started_ = false;
+  std::optional<HostTime> resting_since_;
   bool ended_ = false;
 };
 

@@ -115,6 +115,7 @@ Result<LinkInput> ProbeLink::poll() {
   for (const auto& status : statuses) {
     if (!status.valid || status.value.probe_id != probe_->probe_id) continue;
     status_ = status.value;
+    status_came_ = clock_.now();
     input.statuses.push_back(status.value);
   }
   for (const auto& event : events) {
@@ -151,6 +152,8 @@ void ProbeLink::keep_alive() {
   }
 }
 
-bool ProbeLink::alive() const { return statuses_.peers().alive > 0; }
+bool ProbeLink::alive() const {
+  return statuses_.peers().alive > 0 && (!status_ || clock_.now() - status_came_ < config_.silence);
+}
 
 }  // namespace enamel::host

@@ -25,6 +25,7 @@ struct ProbeLinkConfig {
   Nanoseconds command_retry{200'000'000};
   Nanoseconds lease_renewal{1'000'000'000};  ///< the probe pauses when nothing came for 3 s
   Nanoseconds time_sync_period{500'000'000};
+  Nanoseconds silence{3'000'000'000};  ///< without a status of the probe: it is gone, whoever else is on the network
 };
 
 /// What arrived since the last poll, in order of topics: nothing is dropped here.
@@ -54,7 +55,7 @@ class ProbeLink {
   [[nodiscard]] Result<LinkInput> poll();
   void wake() { bursts_.wake(); }
 
-  /// The probe answers: its status writer is alive.
+  /// A status writer is alive, and the probe's own status has come within `silence`.
   [[nodiscard]] bool alive() const;
   [[nodiscard]] const std::optional<proto::DeviceInfo>& probe() const noexcept { return probe_; }
   [[nodiscard]] const std::optional<proto::Status>& last_status() const noexcept { return status_; }
@@ -81,6 +82,7 @@ class ProbeLink {
   std::vector<proto::DeviceInfo> seen_;
   std::optional<proto::DeviceInfo> probe_;
   std::optional<proto::Status> status_;
+  HostTime status_came_{};
   ClockMap clock_map_;
   std::uint64_t next_cmd_id_ = 1;
   std::uint32_t sync_seq_ = 0;

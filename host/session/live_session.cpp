@@ -128,8 +128,12 @@ Result<void> LiveSession::on_probe(const proto::DeviceInfo& info, bool came_back
   if (rig_ && info.calib_crc32 != rig_->crc32) {
     return fail(ErrorCode::kRigForeign, "probe " + info.serial + " came back with another calibration");
   }
-  ledger_.probe_restarted();
   return {};
+}
+
+void LiveSession::on_restart() {
+  const std::lock_guard lock(mutex_);
+  ledger_.probe_restarted();
 }
 
 void LiveSession::on_burst(dds::Received<proto::Burst> burst, HostTime arrival) {

@@ -68,6 +68,7 @@ class LiveSession final : public Session, private FeedSink {
   [[nodiscard]] Result<void> start_pipeline(const proto::DeviceInfo& info);
 
   Result<void> on_probe(const proto::DeviceInfo& info, bool came_back) override;
+  void on_restart() override;
   void on_burst(dds::Received<proto::Burst> burst, HostTime arrival) override;
   void on_status(const proto::Status& status) override;
   void on_event(const proto::Event& event) override;
