@@ -116,4 +116,12 @@ Result<std::string> new_session_folder() {
   return "out/" + name;
 }
 
+void drop_if_empty(const std::string& session_folder) {
+  std::error_code ec;
+  if (!fs::is_empty(session_folder, ec) || ec) return;
+  fs::remove(session_folder, ec);
+  const fs::path link = "out/session";
+  if (fs::is_symlink(link, ec) && !fs::exists(link, ec)) fs::remove(link, ec);
+}
+
 }  // namespace enamel::app

@@ -39,5 +39,7 @@ class OutFolder {
 
 /// A new folder out/session-DATE-TIME (UTC) for a scan; out/session is a link to the newest one. Errors: kFileWrite.
 [[nodiscard]] Result<std::string> new_session_folder();
+/// Takes such a folder, and the link to it, away again when no scan came about.
+void drop_if_empty(const std::string& session_folder);
 
 }  // namespace enamel::app

@@ -1,6 +1,5 @@
 // enamel replay: lossless, deterministic reprocessing of a recording or exchange folder; --paced plays it at its
 // recorded speed with the live rules.
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -17,8 +16,6 @@ namespace enamel::app {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Options {
   RunOptions run;
   std::string input;
@@ -27,19 +24,12 @@ struct Options {
   bool view = false;
 };
 
-// A session folder stands for the recording in it.
-std::string resolved_input(const std::string& input) {
-  std::error_code ec;
-  const fs::path inside = fs::path(input) / "capture.mcap";
-  return fs::is_regular_file(inside, ec) ? inside.string() : input;
-}
-
 void tell(const Error& error) { std::fputs((error.message() + "\n").c_str(), stderr); }
 
 Result<int> run_replay(const Options& o) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const LoadedConfig config, load_config(o.run));
-  ENAMEL_TRY_ASSIGN(auto stream, host::open_bursts(resolved_input(o.input)));
+  ENAMEL_TRY_ASSIGN(auto stream, host::open_bursts(o.input));
   if (stream->info().truncated) tell({ErrorCode::kCaptureTruncated, o.input});
   if (stream->info().bursts == 0) return fail(ErrorCode::kEmptyInput, o.input);
   ENAMEL_TRY_ASSIGN(const Calibration calibration, calibration_for(o.rig, *stream, o.input));

@@ -12,21 +12,29 @@ Run add_scan(CLI::App& app) {
   auto scan = std::make_shared<ScanRun>();
   add_run_options(app, scan->run);
   app.add_option("--probe", scan->serial, "serial of the probe; needed when there is more than one");
-  app.add_option(
+  CLI::Option* const session = app.add_option(
       "--session", scan->run.out,
       "folder for recording and results (default: a new one, out/session-DATE-TIME; out/session links to it)");
+  const auto resume = std::make_shared<std::string>();
+  app.add_option("--resume", *resume, "go on with the session in this folder: its model is rebuilt from the recording")
+      ->excludes(session);
   app.add_option("--rig", scan->rig_path, "calibration to measure with instead of the probe's own");
   app.add_option("--seconds", scan->seconds, "end after this long")->check(CLI::PositiveNumber);
   app.add_option("--wait-seconds", scan->wait_seconds, "how long to wait for a probe")->capture_default_str();
   app.add_option("--dds-tag", scan->dds_tag, "only probes with the same tag are seen")->capture_default_str();
   app.add_flag("!--no-record", scan->record, "keep no recording");
-  return [scan]() -> Result<int> {
+  return [scan, resume]() -> Result<int> {
     scan->start_at_once = scan->run.headless;
-    if (scan->run.out.empty()) {
+    scan->resume = !resume->empty();
+    if (scan->resume) scan->run.out = *resume;
+    const bool made = scan->run.out.empty();
+    if (made) {
       ENAMEL_TRY_ASSIGN(scan->run.out, new_session_folder());
     }
     log::info("scan", "recording and results go to {}", scan->run.out);
-    return run_scan(*scan);
+    auto code = run_scan(*scan);
+    if (made && !code) drop_if_empty(scan->run.out);
+    return code;
   };
 }
 

@@ -6,6 +6,8 @@
 #include "host/app/out_folder.hpp"
 #include "host/app/run_session.hpp"
 #include "host/record/burst_stream.hpp"
+#include "host/record/calibration_attachment.hpp"
+#include "host/record/session_stream.hpp"
 #include "host/session/live_session.hpp"
 #include "protocol/base/file.hpp"
 
@@ -27,15 +29,27 @@ host::LiveSessionConfig session_config(const ScanRun& scan, const LoadedConfig& 
   }
   c.config_text = config.text;
   c.program = "enamel " ENAMEL_VERSION;
-  if (scan.record) c.recording_path = scan.run.out + "/capture.mcap";
+  if (scan.resume) c.resume = host::session_parts(scan.run.out);
+  if (scan.record) c.recording_path = host::next_part(scan.run.out);
   c.workers = scan.run.workers;
   c.preview_model = !scan.run.headless;
   return c;
 }
 
+/// That measured so far, where it is not the probe's own.
+Result<std::optional<Calibration>> recorded_calibration(const std::string& folder) {
+  ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(folder));
+  if (!stream->attachment(host::kCalibrationAttachment)) return std::optional<Calibration>{};
+  ENAMEL_TRY_ASSIGN(Calibration calibration, calibration_for("", *stream, folder));
+  return std::optional<Calibration>(std::move(calibration));
+}
+
 /// No recording is written over: it may be the only copy of a patient's scan.
 Result<void> keep_recording(const ScanRun& scan, const OutFolder& folder) {
-  if (!folder.has_recording()) return {};
+  if (scan.resume && !folder.has_recording()) {
+    return fail(ErrorCode::kFileNotFound, folder.path() + "/capture.mcap: there is no session to go on with");
+  }
+  if (scan.resume || !folder.has_recording()) return {};
   if (scan.may_replace_simulated) {
     const auto before = host::open_bursts(folder.path() + "/capture.mcap");
     // Of a demo that was killed before its first burst nothing can be read, and nothing is lost.
@@ -44,7 +58,8 @@ Result<void> keep_recording(const ScanRun& scan, const OutFolder& folder) {
   }
   return fail(ErrorCode::kFileWrite, folder.path() +
                                          ": holds the recording of a scan, which is not written over; "
-                                         "choose another folder, or move capture.mcap away");
+                                         "choose another folder, or go on with it by enamel scan --resume " +
+                                         folder.path());
 }
 
 }  // namespace
@@ -59,6 +74,9 @@ Result<int> run_scan(const ScanRun& scan) {
   ENAMEL_TRY_ASSIGN(const OutFolder folder, OutFolder::open(scan.run.out));
   ENAMEL_TRY(keep_recording(scan, folder));
   folder.clear_results();
+  if (scan.resume && !calibration) {
+    ENAMEL_TRY_ASSIGN(calibration, recorded_calibration(scan.run.out));
+  }
   ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create({.domain = 77, .tag = scan.dds_tag}));
   ENAMEL_TRY_ASSIGN(const auto session,
                     host::LiveSession::create(participant, session_config(scan, config, calibration, clock), clock));

@@ -12,6 +12,7 @@ namespace enamel::app {
 
 struct ScanRun {
   RunOptions run;
+  bool resume = false;                 ///< go on with the session whose recording is in the folder
   bool may_replace_simulated = false;  ///< a recording of a simulated scan in the folder is written over
   std::string serial;                  ///< empty: the only probe there is
   std::string dds_tag = "enamel";

@@ -10,7 +10,9 @@ namespace enamel::host {
 namespace {
 
 constexpr const char* kModule = "ingest";
-constexpr Nanoseconds kStatusTimeout{2'000'000'000};  ///< ten times as long as a probe is silent
+constexpr Nanoseconds kStatusTimeout{2'000'000'000};   ///< ten times as long as a probe is silent
+constexpr Nanoseconds kLeaseOfAnother{4'000'000'000};  ///< a probe's lease is 2.5 s
+constexpr Nanoseconds kAskForLease{250'000'000};
 constexpr Nanoseconds kAskAgain{1'000'000'000};
 constexpr Nanoseconds kLongestClose{1'000'000'000};  ///< more than twice what a probe takes to finish a burst
 
@@ -92,14 +94,34 @@ Result<void> LiveFeed::wait_ready(const std::stop_token& stop) {
   return fail(ErrorCode::kCancelled);
 }
 
+// A host that was killed a moment ago holds the probe until its lease has run out.
+Result<void> LiveFeed::take_lease(const std::stop_token& stop) {
+  const HostTime deadline = clock_.now() + kLeaseOfAnother;
+  for (;;) {
+    const auto opened = link_.command(proto::Opcode::kSessionOpen);
+    if (opened) return {};
+    const bool again = opened.error().code == ErrorCode::kProbeRefused && clock_.now() < deadline;
+    if (!again || stop.stop_requested()) return tl::unexpected<Error>(opened.error());
+    sink_.on_state(state_, "another host holds the probe: waiting for it to let go");
+    clock_.sleep_for(kAskForLease);
+  }
+}
+
 Result<void> LiveFeed::open_session(const std::stop_token& stop) {
   started_ = false;
   const std::uint32_t seq_before = link_.last_status() ? link_.last_status()->seq : 0;
-  ENAMEL_TRY(link_.command(proto::Opcode::kSessionOpen));
+  ENAMEL_TRY(take_lease(stop));
   ENAMEL_TRY_ASSIGN(const proto::Status status, fresh_status(stop));
   // Counters of our session that go on are those of the life before; a probe that was restarted knows no session yet.
   if (ever_started_ && (status.session_id != config_.session_id || status.seq < seq_before)) sink_.on_restart();
   if (!ready(status.state)) ENAMEL_TRY(wait_ready(stop));
+  // Counters of the session before ours, of a host that was killed, are told as they end: nothing of it is under way.
+  const HostTime deadline = clock_.now() + kLongestClose;
+  while (link_.last_status()->session_id != config_.session_id && !at_rest(*link_.last_status()) &&
+         clock_.now() < deadline) {
+    link_.wait_data(config_.poll_period);
+    ENAMEL_TRY(take_input());
+  }
   enter(FeedState::kPaused);
   return {};
 }

@@ -53,6 +53,7 @@ class LiveFeed {
  private:
   [[nodiscard]] Result<void> wait_for_probe(const std::stop_token& stop, bool came_back);
   [[nodiscard]] Result<void> open_session(const std::stop_token& stop);
+  [[nodiscard]] Result<void> take_lease(const std::stop_token& stop);
   /// The probe's newest word, later than those that have come so far.
   [[nodiscard]] Result<proto::Status> fresh_status(const std::stop_token& stop);
   [[nodiscard]] Result<void> wait_ready(const std::stop_token& stop);

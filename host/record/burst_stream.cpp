@@ -6,6 +6,7 @@
 #include "host/record/exchange_folder.hpp"
 #include "host/record/exchange_names.hpp"
 #include "host/record/media_type.hpp"
+#include "host/record/session_stream.hpp"
 #include "protocol/base/file.hpp"
 
 namespace enamel::host {
@@ -90,6 +91,8 @@ class FolderStream final : public BurstStream {
 Result<std::unique_ptr<BurstStream>> open_bursts(const std::string& path) {
   std::error_code ec;
   if (std::filesystem::is_directory(path, ec)) {
+    const auto parts = session_parts(path);
+    if (!parts.empty()) return open_parts(parts);
     ENAMEL_TRY_ASSIGN(ExchangeReader reader, ExchangeReader::open(path));
     return std::unique_ptr<BurstStream>(std::make_unique<FolderStream>(std::move(reader)));
   }

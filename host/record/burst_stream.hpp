@@ -28,7 +28,8 @@ class BurstStream {
   [[nodiscard]] virtual Result<proto::Bytes> attachment(const std::string& name) = 0;
 };
 
-/// A folder is an exchange folder, a file a recording. Errors: of CaptureReader::open and ExchangeReader::open.
+/// A file is a recording, a folder that of a session (all its parts) or an exchange folder. Errors: of
+/// CaptureReader::open and ExchangeReader::open.
 [[nodiscard]] Result<std::unique_ptr<BurstStream>> open_bursts(const std::string& path);
 
 /// What is in it was rendered, not seen by a probe.

@@ -5,7 +5,10 @@
 
 #include "calib/model/measuring_rig.hpp"
 #include "host/record/calibration_attachment.hpp"
+#include "host/record/session_stream.hpp"
 #include "host/session/probe_counts.hpp"
+#include "host/session/recorded_counts.hpp"
+#include "protocol/base/crc32.hpp"
 #include "protocol/base/log.hpp"
 #include "protocol/base/utc.hpp"
 
@@ -39,7 +42,15 @@ ScanState scan_state(FeedState state) {
 Result<std::unique_ptr<LiveSession>> LiveSession::create(const dds::Participant& participant,
                                                          const LiveSessionConfig& config, Clock& clock) {
   ENAMEL_TRY_ASSIGN(auto link, ProbeLink::create(participant, config.link, clock));
-  return std::unique_ptr<LiveSession>(new LiveSession(std::move(link), config, clock));
+  LiveSessionConfig its_own = config;
+  // The model is there before anything is added to it.
+  if (!config.resume.empty()) its_own.feed.start_at_once = false;
+  auto session = std::unique_ptr<LiveSession>(new LiveSession(std::move(link), its_own, clock));
+  if (config.resume.empty()) return session;
+  session->wanted_after_rebuild_ = config.feed.start_at_once;
+  ENAMEL_TRY_ASSIGN(session->past_, open_parts(config.resume));
+  session->rebuilt_ = false;
+  return session;
 }
 
 LiveSession::LiveSession(std::unique_ptr<ProbeLink> link, const LiveSessionConfig& config, Clock& clock)
@@ -55,6 +66,14 @@ LiveSession::~LiveSession() {
 }
 
 void LiveSession::start() {
+  if (past_) {
+    if (const auto begun = start_pipeline(past_->rig_text(), says_simulated(past_->info())); !begun) {
+      feed_error_ = begun.error();
+      on_state(FeedState::kEnded, begun.error().message());
+      ended_.store(true, std::memory_order_release);
+      return;
+    }
+  }
   ingest_thread_ = std::jthread([this](const std::stop_token& token) { run_ingest(token); });
 }
 
@@ -75,6 +94,7 @@ void LiveSession::run_ingest(const std::stop_token& stop) {
 // Everything that passes the gate is on disk before it enters the graph: the recording is what the pipeline saw.
 void LiveSession::run_record() {
   BurstNumbering numbering;
+  if (past_) rebuild(numbering);
   while (auto arrived = gate_.pop()) {
     if (recorder_) recorder_->write_burst(arrived->burst.cdr, arrived->arrival);
     {
@@ -90,45 +110,95 @@ void LiveSession::run_record() {
   ended_.store(true, std::memory_order_release);
 }
 
-Result<void> LiveSession::start_pipeline(const proto::DeviceInfo& info) {
-  std::string text(info.calibration_blob.begin(), info.calibration_blob.end());
-  if (text.empty()) return fail(ErrorCode::kRigMissing, "probe " + info.serial + " carries none");
+// The same records in the same order as a replay of the whole recording: the same bits.
+void LiveSession::rebuild(BurstNumbering& numbering) {
+  RecordedCounts counts(ledger_);
+  const std::uint64_t total = past_->info().bursts;
+  std::uint64_t done = 0;
+  for (;;) {
+    auto record = past_->next();
+    if (record && !*record) break;
+    std::shared_ptr<const proto::Burst> burst;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!record) {
+        damages_.push_back(record.error());
+        counts.lost_so_far(past_->bursts_lost());
+        if (record.error().code == ErrorCode::kFileRead) break;
+        continue;
+      }
+      if (counts.take(**record) == nullptr) continue;
+      ledger_.accepted();
+      burst = std::make_shared<const proto::Burst>(std::get<proto::Burst>(std::move((*record)->value)));
+      view_.message = "rebuilding the model: burst " + std::to_string(++done) + " of " + std::to_string(total);
+    }
+    const BurstId id = numbering.number(*burst);
+    pipeline_->push({id, std::move(burst), std::nullopt});
+  }
+  const std::lock_guard lock(mutex_);
+  resumed_session_ = counts.session_id();
+  // It came while the model was being rebuilt.
+  if (resumed_session_ && status_before_ && status_before_->session_id == *resumed_session_)
+    ledger_.probe_status(counts_of(*status_before_));
+  view_.message.clear();
+  rebuilt_.store(true, std::memory_order_release);
+  feed_.set_scanning(wanted_after_rebuild_);
+}
+
+void LiveSession::enter_session(std::uint32_t session_id) {
+  if (!resumed_session_ || session_id != config_.feed.session_id) return;
+  ledger_.probe_restarted();
+  resumed_session_.reset();
+}
+
+Result<void> LiveSession::start_pipeline(const std::string& text, bool simulated) {
   ENAMEL_TRY_ASSIGN(calib::Rig rig, calib::parse_rig(text));
-  if (rig.crc32 != info.calib_crc32) return fail(ErrorCode::kRigInvalid, "damaged on its way from the probe");
+  probe_rig_crc32_ = rig.crc32;
   if (config_.calibration) {
     ENAMEL_TRY_ASSIGN(rig, calib::measuring_rig(*config_.calibration, rig));
   }
   const ScanPipelineOptions options{
       .workers = config_.workers, .preview_model = config_.preview_model, .calib_crc32 = rig.crc32};
   ENAMEL_TRY_ASSIGN(pipeline_, ScanPipeline::create(rig, config_.pipeline, options, clock_));
-  if (!config_.recording_path.empty()) {
-    const capture::CaptureHeader header{
-        text, config_.program, {{"serial", info.serial}, {"model", info.model}, {kRecordedAt, utc_text(wall_time())}}};
-    ENAMEL_TRY_ASSIGN(recorder_, Recorder::create(config_.recording_path, header));
-    recorder_->attach(capture::kConfigAttachment, "application/toml", config_.config_text);
-    if (config_.calibration) {
-      recorder_->attach(kCalibrationAttachment, "application/json", config_.calibration->text);
-      recorder_->attach(kCalibrationReportAttachment, "application/json", config_.calibration_report);
-    }
-    recorder_->note(info, clock_.now());
-  }
   {
     const std::lock_guard lock(mutex_);
     rig_ = rig;
-    view_.simulated = info.model.find("SIMULATED") != std::string::npos;
+    view_.simulated = simulated;
   }
   pipeline_ready_.store(pipeline_.get(), std::memory_order_release);
   record_thread_ = std::jthread([this] { run_record(); });
   return {};
 }
 
-Result<void> LiveSession::on_probe(const proto::DeviceInfo& info, bool came_back) {
-  if (!came_back) return start_pipeline(info);
-  const std::lock_guard lock(mutex_);
-  if (rig_ && info.calib_crc32 != rig_->crc32) {
-    return fail(ErrorCode::kRigForeign, "probe " + info.serial + " came back with another calibration");
+Result<void> LiveSession::start_recorder(const proto::DeviceInfo& info, const std::string& text) {
+  if (config_.recording_path.empty()) return {};
+  const capture::CaptureHeader header{
+      text, config_.program, {{"serial", info.serial}, {"model", info.model}, {kRecordedAt, utc_text(wall_time())}}};
+  ENAMEL_TRY_ASSIGN(recorder_, Recorder::create(config_.recording_path, header));
+  recorder_->attach(capture::kConfigAttachment, "application/toml", config_.config_text);
+  if (config_.calibration) {
+    recorder_->attach(kCalibrationAttachment, "application/json", config_.calibration->text);
+    recorder_->attach(kCalibrationReportAttachment, "application/json", config_.calibration_report);
   }
+  recorder_->note(info, clock_.now());
   return {};
+}
+
+Result<void> LiveSession::on_probe(const proto::DeviceInfo& info, bool came_back) {
+  const bool known = came_back || past_ != nullptr;
+  if (known && info.calib_crc32 != probe_rig_crc32_) {
+    return fail(ErrorCode::kRigForeign, "probe " + info.serial +
+                                            (came_back ? " came back with another calibration"
+                                                       : " is not calibrated as the one that began this session"));
+  }
+  if (came_back) return {};
+  const std::string text(info.calibration_blob.begin(), info.calibration_blob.end());
+  if (text.empty()) return fail(ErrorCode::kRigMissing, "probe " + info.serial + " carries none");
+  if (crc32(std::as_bytes(std::span(text))) != info.calib_crc32)
+    return fail(ErrorCode::kRigInvalid, "damaged on its way from the probe");
+  ENAMEL_TRY(start_recorder(info, text));
+  if (past_) return {};
+  return start_pipeline(text, info.model.find("SIMULATED") != std::string::npos);
 }
 
 void LiveSession::on_restart() {
@@ -140,6 +210,7 @@ void LiveSession::on_burst(dds::Received<proto::Burst> burst, HostTime arrival) 
   const bool whole = burst.valid && proto::is_consistent(burst.value);
   {
     const std::lock_guard lock(mutex_);
+    if (burst.valid) enter_session(burst.value.session_id);
     burst.valid ? ledger_.received(burst.value.burst_seq) : ledger_.received_unreadable();
     if (!whole) ledger_.damaged();
   }
@@ -160,8 +231,14 @@ void LiveSession::note_shed(const proto::Burst& burst) {
 
 void LiveSession::on_status(const proto::Status& status) {
   if (recorder_) recorder_->note(status, clock_.now());
-  if (status.session_id != config_.feed.session_id) return;  // counters of a session before ours
   const std::lock_guard lock(mutex_);
+  enter_session(status.session_id);
+  // What a resumed session's probe began while nobody listened is told by its counters as they are now.
+  const bool resumed = resumed_session_ && status.session_id == *resumed_session_;
+  if (status.session_id != config_.feed.session_id && !resumed) {  // counters of a session before ours
+    status_before_ = status;
+    return;
+  }
   ledger_.probe_status(counts_of(status));
 }
 
@@ -172,7 +249,7 @@ void LiveSession::on_event(const proto::Event& event) {
 void LiveSession::on_state(FeedState state, const std::string& message) {
   const std::lock_guard lock(mutex_);
   view_.state = scan_state(state);
-  view_.message = message;
+  if (rebuilt_.load(std::memory_order_acquire)) view_.message = message;
 }
 
 PreviewFrame LiveSession::view() const {
@@ -218,6 +295,7 @@ Result<Outcome> LiveSession::finish() {
   outcome.device_serial = rig_->serial;
   outcome.scanned_at = utc_text(wall_time());
   outcome.broken_off = feed_error_;
+  outcome.damages = std::move(damages_);
   return outcome;
 }
 

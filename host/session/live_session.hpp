@@ -10,9 +10,11 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "host/ingest/ingress_gate.hpp"
 #include "host/ingest/live_feed.hpp"
+#include "host/record/burst_stream.hpp"
 #include "host/report/accounting.hpp"
 #include "host/session/burst_numbering.hpp"
 #include "host/session/pipeline_config.hpp"
@@ -29,15 +31,17 @@ struct LiveSessionConfig {
   std::string calibration_report;         ///< JSON of the solver, attached to the recording; may be empty
   std::string config_text;                ///< resolved configuration, attached to the recording
   std::string recording_path;             ///< empty: none
-  std::string program;                    ///< "enamel 0.1.0"
-  std::size_t gate_bursts = 8;            ///< waiting room; a burst is 1.2 MB
+  /// Recordings of the session so far, in order: the model is rebuilt from them, then the scan goes on.
+  std::vector<std::string> resume;
+  std::string program;          ///< "enamel 0.1.0"
+  std::size_t gate_bursts = 8;  ///< waiting room; a burst is 1.2 MB
   int workers = 2;
   bool preview_model = true;  ///< mesh the growing model for a window
 };
 
 class LiveSession final : public Session, private FeedSink {
  public:
-  /// Errors: kDds, kFileWrite.
+  /// Errors: kDds, kFileWrite; with `resume` those of open_parts.
   [[nodiscard]] static Result<std::unique_ptr<LiveSession>> create(const dds::Participant& participant,
                                                                    const LiveSessionConfig& config, Clock& clock);
   ~LiveSession() override;
@@ -65,7 +69,13 @@ class LiveSession final : public Session, private FeedSink {
   void run_ingest(const std::stop_token& stop);
   void run_record();
   void note_shed(const proto::Burst& burst);
-  [[nodiscard]] Result<void> start_pipeline(const proto::DeviceInfo& info);
+  /// Pipeline and thread, for the rig in `text` of a probe that may be simulated.
+  [[nodiscard]] Result<void> start_pipeline(const std::string& text, bool simulated);
+  [[nodiscard]] Result<void> start_recorder(const proto::DeviceInfo& info, const std::string& text);
+  /// Pushes the recorded bursts of the session so far.
+  void rebuild(BurstNumbering& numbering);
+  /// Counters of `session_id` follow: those of the session that is resumed are over once ours have begun.
+  void enter_session(std::uint32_t session_id);
 
   Result<void> on_probe(const proto::DeviceInfo& info, bool came_back) override;
   void on_restart() override;
@@ -80,15 +90,22 @@ class LiveSession final : public Session, private FeedSink {
   LiveFeed feed_;
   IngressGate<Arrived> gate_;
   std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<BurstStream> past_;  ///< record thread, once it runs
+  std::atomic<bool> rebuilt_{true};
+  bool wanted_after_rebuild_ = false;
+  std::uint32_t probe_rig_crc32_ = 0;
   std::atomic<ScanPipeline*> pipeline_ready_{nullptr};
   std::unique_ptr<ScanPipeline> pipeline_;
 
   mutable std::mutex mutex_;  // guards ledger_, view_, rig_
   LossLedger ledger_;
-  PreviewFrame view_;  ///< state, message and badge
+  PreviewFrame view_;                             ///< state, message and badge
+  std::optional<proto::Status> status_before_;    ///< newest of another session than ours
+  std::optional<std::uint32_t> resumed_session_;  ///< until the probe has begun ours
   std::optional<calib::Rig> rig_;
 
   std::optional<Error> feed_error_;
+  std::vector<Error> damages_;  ///< of the recordings so far; record thread, then the owner
   std::atomic<bool> ended_{false};
   std::jthread ingest_thread_, record_thread_;
 };

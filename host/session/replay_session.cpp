@@ -5,7 +5,6 @@
 #include <variant>
 
 #include "host/record/calibration_attachment.hpp"
-#include "host/session/probe_counts.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::host {
@@ -81,10 +80,7 @@ void ReplaySession::run_reader(const std::stop_token& stop) {
       log::warn("replay", "{}", next.error().detail);
       damages_.push_back(next.error());
       const std::lock_guard lock(mutex_);
-      for (; lost_ < stream_->bursts_lost(); ++lost_) {
-        ledger_.received_unreadable();
-        ledger_.damaged();
-      }
+      counts_.lost_so_far(stream_->bursts_lost());
       continue;
     }
     if (!next->has_value()) break;
@@ -94,32 +90,18 @@ void ReplaySession::run_reader(const std::stop_token& stop) {
 }
 
 void ReplaySession::take(capture::Record record, const std::stop_token& stop) {
-  if (auto* burst = std::get_if<proto::Burst>(&record.value)) {
-    take_burst(std::move(*burst), stop);
-  } else if (const auto* note = std::get_if<proto::ShedNote>(&record.value)) {
-    const std::lock_guard lock(mutex_);
-    ledger_.received(note->burst_seq);
-    ledger_.shed();
-  } else if (const auto* status = std::get_if<proto::Status>(&record.value)) {
-    const std::lock_guard lock(mutex_);
-    if (session_id_ && status->session_id == *session_id_) ledger_.probe_status(counts_of(*status));
-  }
-}
-
-void ReplaySession::take_burst(proto::Burst burst, const std::stop_token& stop) {
-  const bool whole = proto::is_consistent(burst);
   {
     const std::lock_guard lock(mutex_);
-    if (last_seq_ && burst.burst_seq <= *last_seq_) ledger_.probe_restarted();
-    last_seq_ = burst.burst_seq;
-    session_id_ = burst.session_id;
-    ledger_.received(burst.burst_seq);
-    if (!whole) ledger_.damaged();
+    const auto* burst = counts_.take(record);
+    if (burst == nullptr) {
+      if (const auto* damaged = std::get_if<proto::Burst>(&record.value)) {
+        damages_.push_back(
+            {ErrorCode::kCaptureCorrupt, "burst " + std::to_string(damaged->burst_index) + " is inconsistent"});
+      }
+      return;
+    }
   }
-  if (!whole) {
-    damages_.push_back({ErrorCode::kCaptureCorrupt, "burst " + std::to_string(burst.burst_index) + " is inconsistent"});
-    return;
-  }
+  auto burst = std::get<proto::Burst>(std::move(record.value));
   if (config_.paced) pace(burst, stop);
   if (gate_.push(std::move(burst))) {
     const std::lock_guard lock(mutex_);

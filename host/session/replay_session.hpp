@@ -14,6 +14,7 @@
 #include "host/record/burst_stream.hpp"
 #include "host/session/burst_numbering.hpp"
 #include "host/session/pipeline_config.hpp"
+#include "host/session/recorded_counts.hpp"
 #include "host/session/session.hpp"
 
 namespace enamel::host {
@@ -53,7 +54,6 @@ class ReplaySession final : public Session {
   void wait_while_paused();
   void run_reader(const std::stop_token& stop);
   void take(capture::Record record, const std::stop_token& stop);
-  void take_burst(proto::Burst burst, const std::stop_token& stop);
   void run_forwarder();
   void pace(const proto::Burst& burst, const std::stop_token& stop);
 
@@ -68,10 +68,8 @@ class ReplaySession final : public Session {
 
   mutable std::mutex mutex_;  // guards ledger_, stopped_
   LossLedger ledger_;
-  std::optional<std::uint64_t> last_seq_;
-  std::optional<std::uint32_t> session_id_;
+  RecordedCounts counts_{ledger_};
   std::vector<Error> damages_;  ///< reader thread, then the owner
-  std::uint64_t lost_ = 0;      // bursts in what was damaged
   std::atomic<bool> wanted_{true};
   bool stopped_ = false;  ///< for good: no pause any more
   std::atomic<bool> ended_{false};
