@@ -175,6 +175,8 @@ Result<void> LiveSession::start_recorder(const proto::DeviceInfo& info, const st
   const capture::CaptureHeader header{
       text, config_.program, {{"serial", info.serial}, {"model", info.model}, {kRecordedAt, utc_text(wall_time())}}};
   ENAMEL_TRY_ASSIGN(recorder_, Recorder::create(config_.recording_path, header));
+  disk_ = std::make_unique<DiskGuard>(config_.recording_path, config_.disk, [this] { stop(); });
+  disk_ready_.store(disk_.get(), std::memory_order_release);
   recorder_->attach(capture::kConfigAttachment, "application/toml", config_.config_text);
   if (config_.calibration) {
     recorder_->attach(kCalibrationAttachment, "application/json", config_.calibration->text);
@@ -258,6 +260,10 @@ PreviewFrame LiveSession::view() const {
   PreviewFrame view = view_;
   view.counters = counters_of(ledger_.counts());
   if (pipeline != nullptr) pipeline->count_into(view);
+  if (const DiskGuard* disk = disk_ready_.load(std::memory_order_acquire);
+      disk != nullptr && disk->state() != DiskState::kAmple && view.message.empty()) {
+    view.message = "DISK NEARLY FULL: " + std::to_string(disk->free_bytes() >> 20U) + " MB left";
+  }
   return view;
 }
 
@@ -295,6 +301,12 @@ Result<Outcome> LiveSession::finish() {
   outcome.device_serial = rig_->serial;
   outcome.scanned_at = utc_text(wall_time());
   outcome.broken_off = feed_error_;
+  if (disk_ && disk_->state() == DiskState::kFull) {
+    outcome.broken_off = Error{ErrorCode::kFileWrite, config_.recording_path +
+                                                          ": the disk is nearly full: the scan was ended with what "
+                                                          "there is"};
+  }
+  if (disk_) disk_->release_reserve();
   outcome.damages = std::move(damages_);
   return outcome;
 }

@@ -17,6 +17,7 @@
 #include "host/record/burst_stream.hpp"
 #include "host/report/accounting.hpp"
 #include "host/session/burst_numbering.hpp"
+#include "host/session/disk_guard.hpp"
 #include "host/session/pipeline_config.hpp"
 #include "host/session/recorder.hpp"
 #include "host/session/session.hpp"
@@ -33,6 +34,7 @@ struct LiveSessionConfig {
   std::string recording_path;             ///< empty: none
   /// Recordings of the session so far, in order: the model is rebuilt from them, then the scan goes on.
   std::vector<std::string> resume;
+  DiskLimits disk;              ///< of where the recording lies
   std::string program;          ///< "enamel 0.1.0"
   std::size_t gate_bursts = 8;  ///< waiting room; a burst is 1.2 MB
   int workers = 2;
@@ -90,6 +92,8 @@ class LiveSession final : public Session, private FeedSink {
   LiveFeed feed_;
   IngressGate<Arrived> gate_;
   std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<DiskGuard> disk_;  ///< with the recorder
+  std::atomic<DiskGuard*> disk_ready_{nullptr};
   std::unique_ptr<BurstStream> past_;  ///< record thread, once it runs
   std::atomic<bool> rebuilt_{true};
   bool wanted_after_rebuild_ = false;
