@@ -51,7 +51,6 @@ std::string segment_folder(SegmentId id) { return fmt::format("segments/{:02}", 
 // What is apart lies beside the model in files of the same kind. Returns the meshes, for the hash.
 Result<std::string> write_apart(const std::string& folder, const std::vector<host::ApartSegment>& apart) {
   std::error_code ec;
-  std::filesystem::remove_all(folder + "/segments", ec);  // of a run before into the same folder
   std::string meshes;
   for (const host::ApartSegment& segment : apart) {
     const std::string into = folder + "/" + segment_folder(segment.id);

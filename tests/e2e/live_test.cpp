@@ -3,44 +3,15 @@
 #include <signal.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <thread>
 
-#include "tests/e2e/small_capture.hpp"
-#include "tests/support/run.hpp"
+#include "tests/e2e/live_scan.hpp"
 
 namespace enamel::test {
 namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::seconds;
-
-app::ChildProcess start_probe(const TempFolder& tmp, const std::string& tag, const std::string& serial,
-                              const std::string& loops = "1") {
-  auto child = app::ChildProcess::start(
-      {program("enamel-probe"), "--play", small_capture(), "--serial", serial, "--dds-tag", tag, "--loops", loops},
-      {tmp / (serial + ".out"), tmp / (serial + ".log")});
-  EXPECT_TRUE(child);
-  return std::move(*child);
-}
-
-nlohmann::json report_of(const std::string& folder) {
-  return nlohmann::json::parse(read_file(folder + "/report.json").value_or("{}"), nullptr, false);
-}
-
-std::vector<std::string> scan_command(const TempFolder& tmp, const std::string& tag) {
-  return {program("enamel"), "scan", "--headless", "--session", tmp / "session", "--dds-tag", tag};
-}
-
-void expect_balanced(const nlohmann::json& bursts) {
-  std::uint64_t rejected = 0;
-  for (const auto& [reason, count] : bursts["rejected"].items()) rejected += count.get<std::uint64_t>();
-  EXPECT_EQ(bursts["captured"].get<std::uint64_t>(),
-            bursts["lost_on_wire"].get<std::uint64_t>() + bursts["incomplete"].get<std::uint64_t>() +
-                bursts["shed"].get<std::uint64_t>() + bursts["accepted"].get<std::uint64_t>())
-      << bursts;
-  EXPECT_EQ(bursts["accepted"].get<std::uint64_t>(), bursts["fused"].get<std::uint64_t>() + rejected) << bursts;
-}
 
 TEST(Live, every_burst_is_accounted_for_and_the_session_replays_to_the_same_bits) {
   const TempFolder tmp;

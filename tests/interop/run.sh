@@ -1,9 +1,11 @@
 #!/bin/sh
-# run.sh WRITER WORK_FOLDER: makes recordings with WRITER and reads them with independent readers from npm.
+# run.sh WRITER SAME WORK_FOLDER: makes recordings with WRITER and reads them with independent readers from npm; has the
+# official writer write them in other forms, and SAME read those.
 # Exit 77: skipped, because npm or its registry is not to be had.
 set -eu
 writer=$1
-work=$2
+same=$2
+work=$3
 here=$(cd "$(dirname "$0")" && pwd)
 
 skip() {
@@ -53,3 +55,13 @@ PY
 must_fail "$work/zstd.mcap" "$work/digit.json" "one digit"
 must_fail "$work/zstd.mcap" "$work/pixel.json" "one pixel"
 must_fail "$work/bit.mcap" "$work/plain.json" "one bit of the file"
+
+mkdir -p "$work/forms"
+node "$here/write_variants.js" "$work" "$work/plain.mcap" "$work/forms" >"$work/forms.txt"
+# shellcheck disable=SC2046  # names without blanks, of our own making
+"$same" "$work/plain.mcap" $(grep -v control "$work/forms.txt")
+if "$same" "$work/plain.mcap" "$work/forms/control.mcap" >"$work/control.log"; then
+  echo "negative control 'one message less' was not noticed"
+  exit 1
+fi
+echo "control 'one message less': $(cat "$work/control.log")"
