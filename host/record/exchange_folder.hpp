@@ -19,11 +19,12 @@ struct ExchangeRow {
   std::array<std::int64_t, 4> t_ns{};  ///< start of exposure of each frame, device clock
   std::uint32_t exposure_us = 0;
   double temp_c = 0;
-  std::string text;  ///< the line as written
+  std::string text;  ///< the line, with commas and points whatever a spreadsheet made of them
   int line = 0;      ///< 1-based
 };
 
-/// Rows in file order, ids strictly ascending. Errors: kExchangeInvalid with file and line.
+/// Rows in file order, ids strictly ascending; a table that a spreadsheet saved will do (protocol/base/plain_text.hpp).
+/// Errors: kExchangeInvalid with file and line.
 [[nodiscard]] Result<std::vector<ExchangeRow>> parse_bursts_csv(const std::string& text, const std::string& path);
 
 /// Reads a folder burst by burst; nothing is kept in memory but the table. One thread.

@@ -6,6 +6,7 @@
 
 #include "host/record/exchange_folder.hpp"
 #include "host/record/exchange_names.hpp"
+#include "protocol/base/plain_text.hpp"
 
 namespace enamel::host {
 namespace {
@@ -53,7 +54,8 @@ std::string parse_row(std::string_view line, ExchangeRow& row) {
 
 Result<std::vector<ExchangeRow>> parse_bursts_csv(const std::string& text, const std::string& path) {
   std::vector<ExchangeRow> rows;
-  std::string_view rest = text;
+  const std::string table = plain_table(text);
+  std::string_view rest = table;
   for (int number = 1; !rest.empty(); ++number) {
     const auto invalid = [&](const std::string& what) {
       return fail(ErrorCode::kExchangeInvalid, at_line(path, number) + what);
@@ -61,7 +63,6 @@ Result<std::vector<ExchangeRow>> parse_bursts_csv(const std::string& text, const
     const std::size_t end = rest.find('\n');
     std::string_view line = rest.substr(0, end);
     rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
-    if (line.ends_with('\r')) line.remove_suffix(1);
     if (number == 1) {
       if (line != kColumns) return invalid("first line must be " + std::string(kColumns));
       continue;
@@ -73,7 +74,7 @@ Result<std::vector<ExchangeRow>> parse_bursts_csv(const std::string& text, const
     row.line = number;
     rows.push_back(std::move(row));
   }
-  if (text.empty()) return fail(ErrorCode::kExchangeInvalid, path + ":1: the file is empty");
+  if (table.empty()) return fail(ErrorCode::kExchangeInvalid, path + ":1: the file is empty");
   return rows;
 }
 

@@ -6,6 +6,8 @@
 #include <charconv>
 #include <sstream>
 
+#include "protocol/base/plain_text.hpp"
+
 namespace enamel::host {
 
 namespace {
@@ -50,7 +52,7 @@ std::string StageTrace::hash(const std::string& mesh_digest) const {
 }
 
 Result<StageTrace> StageTrace::from_csv(const std::string& text, const std::string& path) {
-  std::istringstream in(text);
+  std::istringstream in(plain_table(text));
   std::string line;
   if (!std::getline(in, line) || line != header())
     return fail(ErrorCode::kExchangeInvalid, path + ":1: no stage trace");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace enamel::host {
 namespace {
 
@@ -52,6 +54,14 @@ TEST(StageTrace, reports_a_burst_that_one_run_lacks) {
   ASSERT_TRUE(d);
   EXPECT_EQ(d->stage, "presence");
   EXPECT_EQ(d->burst_id, 1U);
+}
+
+TEST(StageTrace, a_table_that_a_spreadsheet_saved_is_read) {
+  std::string text = "\xef\xbb\xbf" + three_bursts().to_csv();
+  std::replace(text.begin(), text.end(), ',', ';');
+  const auto back = StageTrace::from_csv(text, "stages.csv");
+  ASSERT_TRUE(back) << back.error().detail;
+  EXPECT_EQ(back->to_csv(), three_bursts().to_csv());
 }
 
 TEST(StageTrace, refuses_a_damaged_file_naming_the_line) {

@@ -162,6 +162,20 @@ const Fault kFaults[] = {
      ErrorCode::kImageInvalid, "640 x 480"},
 };
 
+TEST(Exchange, a_table_that_a_spreadsheet_saved_is_read) {
+  const auto rows = host::parse_bursts_csv(
+      "\xef\xbb\xbf"
+      "burst_id;t0_ns;t1_ns;t2_ns;t3_ns;exposure_us;temp_c\r\n0;1;2;3;4;3700,0;32,5\r\n;;;;;;\r\n",
+      "b.csv");
+  ASSERT_TRUE(rows) << rows.error().detail;
+  ASSERT_EQ(rows->size(), 1U);
+  EXPECT_EQ((*rows)[0].temp_c, 32.5);
+  EXPECT_EQ((*rows)[0].text, "0,1,2,3,4,3700.0,32.5");
+  EXPECT_EQ((*rows)[0].line, 2);
+  EXPECT_FALSE(
+      host::parse_bursts_csv("burst_id;t0_ns;t1_ns;t2_ns;t3_ns;exposure_us;temp_c\n0;1,5;2;3;4;3700;32\n", "b.csv"));
+}
+
 class BadFolder : public ::testing::TestWithParam<Fault> {};
 INSTANTIATE_TEST_SUITE_P(Faults, BadFolder, ::testing::ValuesIn(kFaults),
                          [](const auto& p) { return std::string(p.param.name); });

@@ -1,0 +1,19 @@
+// Text however other programs save it.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace enamel {
+
+/// The text without its byte order mark. UTF-16 (known by its mark) becomes UTF-8 in `room`, what is not ASCII as '?';
+/// else the result is a view of `bytes`. `room` must outlive the result.
+[[nodiscard]] std::string_view plain_text(std::string_view bytes, std::string& room);
+
+/// A table as spreadsheets save it, rewritten with commas, decimal points and LF. The first line tells the separator:
+/// semicolon, tab or comma (Excel's own first line "sep=;" is dropped). Quotes and blanks about fields go; a comma
+/// inside a number (0,5 between other separators or in quotes) becomes a point; rows of separators alone become empty
+/// lines, and those at the end go. Lines keep their numbers. What is no number is left for the reader to refuse.
+[[nodiscard]] std::string plain_table(std::string_view bytes);
+
+}  // namespace enamel
