@@ -10,6 +10,7 @@
 
 #include "host/app/command.hpp"
 #include "host/compare/deviation_picture.hpp"
+#include "host/compare/doubts.hpp"
 #include "host/mesh_files/mesh_file.hpp"
 #include "host/mesh_files/poses_csv.hpp"
 #include "protocol/base/file.hpp"
@@ -40,14 +41,25 @@ void print_result(const host::CompareResult& r) {
   if (r.end->scale_ppm) std::printf("scale          %8.1f ppm\n", *r.end->scale_ppm);
 }
 
-Result<void> write_pictures(const CompareOptions& o, const Mesh& mesh, const host::CompareResult& result) {
+Result<void> write_pictures(const CompareOptions& o, const host::MeshFile& file, const host::CompareResult& result,
+                            const std::string& json) {
   if (o.out.empty()) return {};
   ENAMEL_TRY(make_folder(o.out));
-  const auto png = host::deviation_png(mesh, result);
+  const auto png = host::deviation_png(file.mesh, result);
   ENAMEL_TRY(write_file(o.out + "/deviation.png", {reinterpret_cast<const char*>(png.data()), png.size()}));
-  ENAMEL_TRY(
-      write_file(o.out + "/deviation.ply", host::ply_bytes(mesh, host::deviation_colours(result.deviation_um, 100.0))));
-  return write_file(o.out + "/compare.json", host::compare_json(result));
+  const auto colours = host::deviation_colours(result.deviation_um, 100.0);
+  ENAMEL_TRY(write_file(o.out + "/deviation.ply", host::ply_bytes(file.mesh, colours, file.origin_mm)));
+  return write_file(o.out + "/compare.json", json);
+}
+
+// A gate is not passed by figures that mean nothing.
+int verdict(const CompareOptions& o, const host::CompareResult& result, const host::Doubts& doubts) {
+  const bool gate = o.max_mean_um > 0 || o.min_coverage_pct > 0;
+  const bool missed = (gate && doubts.unit) || (o.max_mean_um > 0 && !(result.mean_abs_um <= o.max_mean_um)) ||
+                      (o.min_coverage_pct > 0 && !(result.coverage_pct >= o.min_coverage_pct));
+  if (!missed) return 0;
+  std::fputs((Error{ErrorCode::kQualityGate, o.mesh}.message() + "\n").c_str(), stderr);
+  return exit_code(ErrorCode::kQualityGate);
 }
 
 Result<int> run_compare(const CompareOptions& o) {
@@ -69,14 +81,16 @@ Result<int> run_compare(const CompareOptions& o) {
   for (const std::string& path : o.references) {
     ENAMEL_TRY_ASSIGN(references.emplace_back(), host::read_mesh(path));
   }
+  input.mesh_origin_mm = mesh.origin_mm;
   ENAMEL_TRY_ASSIGN(const auto result, host::compare(mesh.mesh, references, input));
-  ENAMEL_TRY(write_pictures(o, mesh.mesh, result));
-  o.json ? static_cast<void>(std::puts(host::compare_json(result).c_str())) : print_result(result);
-  const bool missed = (o.max_mean_um > 0 && !(result.mean_abs_um <= o.max_mean_um)) ||
-                      (o.min_coverage_pct > 0 && !(result.coverage_pct >= o.min_coverage_pct));
-  if (!missed) return 0;
-  std::fputs((Error{ErrorCode::kQualityGate, o.mesh}.message() + "\n").c_str(), stderr);
-  return exit_code(ErrorCode::kQualityGate);
+  std::vector<std::string> names{o.mesh};
+  names.insert(names.end(), o.references.begin(), o.references.end());
+  const host::Doubts doubts = host::doubts_of(mesh, references, names, result);
+  for (const std::string& words : doubts.words) std::fprintf(stderr, "warning: %s\n", words.c_str());
+  const std::string json = host::compare_json(result, doubts);
+  ENAMEL_TRY(write_pictures(o, mesh, result, json));
+  o.json ? static_cast<void>(std::puts(json.c_str())) : print_result(result);
+  return verdict(o, result, doubts);
 }
 
 }  // namespace

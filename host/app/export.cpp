@@ -22,6 +22,9 @@ struct ExportOptions {
 
 Result<int> run_export(const ExportOptions& o) {
   ENAMEL_TRY_ASSIGN(const auto file, host::read_mesh((fs::path(o.session) / "mesh.ply").string()));
+  if (!file.origin_mm.isZero(0)) {
+    return fail(ErrorCode::kMeshInvalid, o.session + ": mesh.ply lies too far from the origin to be of a scan");
+  }
   const std::string path = o.out.empty() ? (fs::path(o.session) / ("export." + o.format)).string() : o.out;
   nlohmann::json sidecar = {{"format", o.format},
                             {"units", "mm"},

@@ -177,9 +177,9 @@ Result<StartAlignment> align_start(const std::vector<PoseRow>& estimate, const s
   return out;
 }
 
-Pose align_best(const Mesh& mesh, const SignedSurface& reference) {
+Pose align_best(const Mesh& mesh, const SignedSurface& reference, const Pose& T_reference_mesh) {
   const std::vector<Vec3d> coarse = sampled(mesh, kCoarsePoints);
-  Pose best = Pose::Identity();
+  Pose best = T_reference_mesh;
   double best_mm = refine(coarse, reference, kCoarseRounds, best);
   if (best_mm > kFitsMm) {
     for (Pose T : starts(coarse, reference)) {

@@ -28,7 +28,7 @@ struct StartAlignment {
                                                  const std::vector<PoseRow>& truth);
 
 /// Rigid motion of the mesh that minimises the point-to-plane distances to the reference, outliers weighted down
-/// (Welsch). Starts from identity and, if that does not fit, from the principal axes.
-[[nodiscard]] Pose align_best(const Mesh& mesh, const SignedSurface& reference);
+/// (Welsch). Starts from `T_reference_mesh` and, if that does not fit, from the principal axes.
+[[nodiscard]] Pose align_best(const Mesh& mesh, const SignedSurface& reference, const Pose& T_reference_mesh);
 
 }  // namespace enamel::host

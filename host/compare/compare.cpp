@@ -10,18 +10,23 @@
 namespace enamel::host {
 namespace {
 
-/// The references as one mesh, and which of its triangles the probe saw.
+/// The references as one mesh about the first one's origin, and which of its triangles the probe saw.
 struct Union {
   Mesh mesh;
+  Vec3d origin_mm = Vec3d::Zero();
   std::vector<bool> seen;  ///< one a triangle
 };
 
 Union united(std::span<const MeshFile> references, double seen_at_least) {
   Union out;
+  out.origin_mm = references.empty() ? Vec3d(Vec3d::Zero()) : references.front().origin_mm;
   for (const MeshFile& file : references) {
     const auto first = static_cast<std::uint32_t>(out.mesh.vertices.size());
     const auto values = file.vertex_values.find("seen");
-    out.mesh.vertices.insert(out.mesh.vertices.end(), file.mesh.vertices.begin(), file.mesh.vertices.end());
+    const Vec3d shift = file.origin_mm - out.origin_mm;
+    for (const Vec3f& v : file.mesh.vertices) {
+      out.mesh.vertices.emplace_back((v.cast<double>() + shift).cast<float>());
+    }
     for (const auto& t : file.mesh.triangles) {
       bool seen = true;
       for (const std::uint32_t corner : t) {
@@ -111,19 +116,25 @@ void summarise(CompareResult& result) {
   result.max_um = values.back();
 }
 
-Result<void> place(const Mesh& mesh, const SignedSurface& reference, const CompareInput& input, CompareResult& result) {
+Pose shifted(const Vec3d& by) { return Pose(Eigen::Translation3d(by)); }
+
+/// The motion between vertices, each about its own origin: nowhere is a position far out rounded to float.
+Result<Pose> place(const Mesh& mesh, const SignedSurface& reference, const Vec3d& origin_mm, const CompareInput& input,
+                   CompareResult& result) {
   result.alignment = input.alignment;
+  Pose T = shifted(input.mesh_origin_mm - origin_mm);
   if (input.alignment == Alignment::kBest) {
-    result.T_reference_mesh = align_best(mesh, reference);
+    T = align_best(mesh, reference, T);
   } else if (input.alignment == Alignment::kStart) {
     if (input.estimate_poses == nullptr || input.truth_poses == nullptr) {
       return fail(ErrorCode::kUsage, "--align start needs --poses and --truth-poses");
     }
     ENAMEL_TRY_ASSIGN(const StartAlignment start, align_start(*input.estimate_poses, *input.truth_poses));
-    result.T_reference_mesh = start.T_truth_estimate;
+    T = shifted(-origin_mm) * start.T_truth_estimate * shifted(input.mesh_origin_mm);
     result.end = start.end;
   }
-  return {};
+  result.T_reference_mesh = shifted(origin_mm) * T * shifted(-input.mesh_origin_mm);
+  return T;
 }
 
 }  // namespace
@@ -136,12 +147,12 @@ Result<CompareResult> compare(const Mesh& mesh, std::span<const MeshFile> refere
   }
   const SignedSurface reference(std::move(all.mesh));
   CompareResult result;
-  ENAMEL_TRY(place(mesh, reference, input, result));
+  ENAMEL_TRY_ASSIGN(const Pose T, place(mesh, reference, all.origin_mm, input, result));
   Mesh moved;
   moved.triangles = mesh.triangles;
   std::size_t beyond = 0;
   for (const Vec3f& v : mesh.vertices) {
-    const Vec3d p = result.T_reference_mesh * v.cast<double>();
+    const Vec3d p = T * v.cast<double>();
     const SignedDistance d = reference.distance(p);
     moved.vertices.emplace_back(p.cast<float>());
     result.deviation_um.push_back(static_cast<float>(1e3 * d.distance_mm));

@@ -25,6 +25,7 @@ struct CompareInput {
   Alignment alignment = Alignment::kNone;
   const std::vector<PoseRow>* estimate_poses = nullptr;  ///< both needed for kStart
   const std::vector<PoseRow>* truth_poses = nullptr;
+  Vec3d mesh_origin_mm = Vec3d::Zero();  ///< MeshFile::origin_mm of the mesh
 };
 
 /// Figures in um over the vertices of the mesh, each counted once. All of them count, also those beyond an open border
@@ -38,8 +39,8 @@ struct CompareResult {
   double foreign_pct = 0;       ///< of the mesh's area: tongue, cheek, wrong orders; what is not the reference at all
   std::optional<EndError> end;  ///< with kStart
   Alignment alignment = Alignment::kNone;
-  Pose T_reference_mesh = Pose::Identity();
-  std::vector<float> deviation_um;  ///< signed, one a vertex of the mesh, positive outside the reference
+  Pose T_reference_mesh = Pose::Identity();  ///< of the files' positions, their origins included
+  std::vector<float> deviation_um;           ///< signed, one a vertex of the mesh, positive outside the reference
 };
 
 /// Several references are one surface (their union). Errors: kMeshInvalid (mesh or reference empty), kUsage (kStart

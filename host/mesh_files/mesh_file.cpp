@@ -1,10 +1,7 @@
 #include "host/mesh_files/mesh_file.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
-#include "host/mesh_files/mesh_check.hpp"
 #include "host/mesh_files/obj.hpp"
 #include "host/mesh_files/ply_read.hpp"
 #include "host/mesh_files/stl.hpp"
@@ -13,24 +10,21 @@
 
 namespace enamel::host {
 
-Result<void> check_mesh(const Mesh& mesh, const std::string& format) {
-  constexpr float kFarthestMm = 1e6F;
-  if (mesh.vertices.empty() || mesh.triangles.empty()) {
-    return fail(ErrorCode::kMeshInvalid, format + ": empty: no vertex or no triangle");
-  }
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Vec3f& v = mesh.vertices[i];
-    const bool ok = std::fabs(v.x()) < kFarthestMm && std::fabs(v.y()) < kFarthestMm && std::fabs(v.z()) < kFarthestMm;
-    if (!ok) {
-      return fail(ErrorCode::kMeshInvalid, format + ": vertex " + std::to_string(i) + " is not a finite position");
+std::string left_out_text(const LeftOut& left_out) {
+  std::string text;
+  const auto add = [&](std::uint64_t count, const char* one, const char* many, const char* what) {
+    if (count > 0) {
+      text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + (count == 1 ? one : many) + " " + what;
     }
+  };
+  add(left_out.unused_vertices, "vertex", "vertices", "that no face uses");
+  add(left_out.broken_vertices, "vertex", "vertices", "without a finite position");
+  add(left_out.broken_faces, "face", "faces", "with such a corner");
+  add(left_out.flat_faces, "face", "faces", "without area");
+  if (left_out.normals) {
+    text += std::string(text.empty() ? "" : ", ") + "normals (some are not finite)";
   }
-  for (const Vec3f& n : mesh.normals) {
-    if (!n.allFinite()) {
-      return fail(ErrorCode::kMeshInvalid, format + ": a normal is not finite");
-    }
-  }
-  return {};
+  return text;
 }
 
 Result<MeshFormat> mesh_format(const std::string& path) {
@@ -73,13 +67,15 @@ Result<MeshFile> read_mesh(const std::string& path) {
   return mesh;
 }
 
-std::string ply_bytes(const Mesh& mesh, const VertexColours& colours) {
+std::string ply_bytes(const Mesh& mesh, const VertexColours& colours, const Vec3d& origin_mm) {
+  const bool moved = !origin_mm.isZero(0);
   const bool normals = mesh.normals.size() == mesh.vertices.size() && !mesh.normals.empty();
   const bool quality = mesh.quality.size() == mesh.vertices.size() && !mesh.quality.empty();
   const bool coloured = colours.size() == mesh.vertices.size() && !colours.empty();
   std::string header = "ply\nformat binary_little_endian 1.0\ncomment enamel, mm\nelement vertex " +
                        std::to_string(mesh.vertices.size()) +
-                       "\nproperty float x\nproperty float y\nproperty float z\n";
+                       (moved ? "\nproperty double x\nproperty double y\nproperty double z\n"
+                              : "\nproperty float x\nproperty float y\nproperty float z\n");
   header += normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "";
   header += quality ? "property float quality\n" : "";
   header += coloured ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
@@ -87,13 +83,13 @@ std::string ply_bytes(const Mesh& mesh, const VertexColours& colours) {
             "\nproperty list uchar int vertex_indices\nend_header\n";
   ByteWriter writer;
   writer.put_text(header);
-  const auto put = [&](const Vec3f& v) {
+  const auto put = [&](const auto& v) {
     writer.put(v.x());
     writer.put(v.y());
     writer.put(v.z());
   };
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    put(mesh.vertices[i]);
+    moved ? put(Vec3d(mesh.vertices[i].cast<double>() + origin_mm)) : put(mesh.vertices[i]);
     if (normals) {
       put(mesh.normals[i]);
     }

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <iterator>
 #include <optional>
+#include <utility>
 
-#include "host/mesh_files/mesh_check.hpp"
+#include "host/mesh_files/mesh_soup.hpp"
 #include "host/mesh_files/text_scan.hpp"
+#include "protocol/base/plain_text.hpp"
 
 namespace enamel::host {
 namespace {
@@ -15,10 +18,10 @@ tl::unexpected<Error> bad_obj(std::size_t line, const char* reason) {
   return fail(ErrorCode::kMeshInvalid, "OBJ line " + std::to_string(line) + ": " + reason);
 }
 
-std::optional<Vec3f> vector_of(std::string_view line) {
-  Vec3f v;
+std::optional<Vec3d> vector_of(std::string_view line) {
+  Vec3d v;
   for (int k = 0; k < 3; ++k) {
-    const auto value = to_number<float>(next_word(line));
+    const auto value = to_real(next_word(line));
     if (!value) {
       return std::nullopt;
     }
@@ -27,56 +30,118 @@ std::optional<Vec3f> vector_of(std::string_view line) {
   return v;
 }
 
-// First number of v, v/vt, v//vn, v/vt/vn; counted from 1, negative from the end.
-std::optional<std::uint32_t> corner_of(std::string_view word, std::size_t vertices) {
-  const auto number = to_number<std::int64_t>(word.substr(0, word.find('/')));
-  if (!number) {
+/// From 0; counted from 1 in the file, negative from the end of what it has so far. Positive ones may lie ahead.
+std::optional<std::uint32_t> index_of(std::string_view word, std::size_t so_far) {
+  constexpr std::int64_t kMost = 0xFFFFFFFE;
+  const auto number = to_number<std::int64_t>(word);
+  if (!number || *number == 0 || *number > kMost) {
     return std::nullopt;
   }
-  const auto count = static_cast<std::int64_t>(vertices);
-  const std::int64_t index = *number > 0 ? *number - 1 : count + *number;
-  if (*number == 0 || index < 0 || index >= count) {
-    return std::nullopt;
-  }
-  return static_cast<std::uint32_t>(index);
+  const std::int64_t index = *number > 0 ? *number - 1 : static_cast<std::int64_t>(so_far) + *number;
+  return index < 0 ? std::nullopt : std::optional(static_cast<std::uint32_t>(index));
 }
+
+bool continues(std::string_view line) {
+  while (!line.empty() && is_space(line.back())) {
+    line.remove_suffix(1);
+  }
+  return line.ends_with('\\');
+}
+
+/// A # inside a word (1.#QNAN) begins none.
+std::string_view without_comment(std::string_view line) {
+  for (std::size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1)) {
+    if (at == 0 || is_space(line[at - 1])) {
+      return line.substr(0, at);
+    }
+  }
+  return line;
+}
+
+class ObjReader {
+ public:
+  explicit ObjReader(std::string_view text) : text_(text) {}
+
+  Result<MeshSoup> read() {
+    std::string_view line;
+    while (next_line(text_, line)) {
+      ++number_;
+      std::string_view rest = line;
+      const std::string_view word = next_word(rest);
+      const std::size_t first = number_;  // of the lines that a backslash joins
+      if (word == "v" || word == "vn") {
+        const auto v = vector_of(statement(rest));
+        if (!v) {
+          return bad_obj(first, "no three numbers");
+        }
+        word == "v" ? soup_.positions.push_back(*v) : soup_.normals.push_back(v->cast<float>());
+      } else if (word == "f" && !face(statement(rest), first)) {
+        return bad_obj(first, "names a vertex that does not exist");
+      }
+    }
+    if (farthest_ >= soup_.positions.size() && farthest_line_ > 0) {
+      return bad_obj(farthest_line_, "names a vertex that does not exist");
+    }
+    if (!normals_match_ || soup_.normals.size() != soup_.positions.size()) {
+      soup_.normals.clear();
+    }
+    return std::move(soup_);
+  }
+
+ private:
+  /// The rest of a line without its comment, with the lines that a backslash at its end joins to it.
+  std::string_view statement(std::string_view line) {
+    line = without_comment(line);
+    if (!continues(line)) {
+      return line;
+    }
+    joined_.clear();
+    for (bool more = true; more;) {
+      more = continues(line);
+      joined_.append(more ? line.substr(0, line.find_last_of('\\')) : line).push_back(' ');
+      more = more && next_line(text_, line);
+      number_ += more ? 1U : 0U;
+      line = without_comment(line);
+    }
+    return joined_;
+  }
+
+  /// Corners as v, v/vt, v//vn, v/vt/vn.
+  bool face(std::string_view words, std::size_t line) {
+    corners_.clear();
+    for (std::string_view word = next_word(words); !word.empty(); word = next_word(words)) {
+      const std::size_t slash = word.find('/'), last = word.rfind('/');
+      const auto corner = index_of(word.substr(0, slash), soup_.positions.size());
+      if (!corner) {
+        return false;
+      }
+      const bool has_normal = last != slash;
+      normals_match_ = normals_match_ && has_normal && index_of(word.substr(last + 1), soup_.normals.size()) == corner;
+      if (farthest_line_ == 0 || *corner > farthest_) {
+        farthest_ = *corner;
+        farthest_line_ = line;
+      }
+      corners_.push_back(*corner);
+    }
+    soup_.add_face(corners_);
+    return true;
+  }
+
+  std::string_view text_;
+  std::size_t number_ = 0;
+  std::string joined_;
+  MeshSoup soup_;
+  std::vector<std::uint32_t> corners_;
+  std::size_t farthest_ = 0, farthest_line_ = 0;  ///< largest index that a face names
+  bool normals_match_ = true;                     ///< every corner names the normal of its own index
+};
 
 }  // namespace
 
-Result<MeshFile> parse_obj(std::string_view text) {
-  MeshFile out;
-  std::string_view line;
-  std::vector<std::uint32_t> corners;
-  for (std::size_t number = 1; next_line(text, line); ++number) {
-    const std::string_view word = next_word(line);
-    if (word == "v" || word == "vn") {
-      const auto v = vector_of(line);
-      if (!v) {
-        return bad_obj(number, "no three numbers");
-      }
-      (word == "v" ? out.mesh.vertices : out.mesh.normals).push_back(*v);
-    } else if (word == "f") {
-      corners.clear();
-      for (std::string_view c = next_word(line); !c.empty(); c = next_word(line)) {
-        const auto corner = corner_of(c, out.mesh.vertices.size());
-        if (!corner) {
-          return bad_obj(number, "names a vertex that does not exist");
-        }
-        corners.push_back(*corner);
-      }
-      if (corners.size() < 3) {
-        return bad_obj(number, "a face with fewer than three corners");
-      }
-      for (std::size_t k = 2; k < corners.size(); ++k) {
-        out.mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});
-      }
-    }
-  }
-  if (out.mesh.normals.size() != out.mesh.vertices.size()) {
-    out.mesh.normals.clear();
-  }
-  ENAMEL_TRY(check_mesh(out.mesh, "OBJ"));
-  return out;
+Result<MeshFile> parse_obj(std::string_view bytes) {
+  std::string room;
+  ENAMEL_TRY_ASSIGN(MeshSoup soup, ObjReader(plain_text(bytes, room)).read());
+  return finish_mesh(std::move(soup), "OBJ");
 }
 
 std::string obj_text(const Mesh& mesh) {

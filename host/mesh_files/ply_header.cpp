@@ -59,6 +59,31 @@ Result<PlyProperty> property_of(std::string_view line) {
   return property;
 }
 
+Result<PlyForm> form_named(std::string_view word) {
+  if (word == "ascii") {
+    return PlyForm::kAscii;
+  }
+  if (word == "binary_little_endian") {
+    return PlyForm::kLittleEndian;
+  }
+  if (word == "binary_big_endian") {
+    return PlyForm::kBigEndian;
+  }
+  return bad_header("format '" + std::string(word.substr(0, 40)) +
+                    "' is not ascii, binary_little_endian or binary_big_endian");
+}
+
+/// Where lines end in CR alone, an LF after one is the first byte of a binary body.
+bool next_header_line(std::string_view& bytes, std::string_view& line, bool only_cr) {
+  if (!only_cr) {
+    return next_line(bytes, line);
+  }
+  const std::size_t end = bytes.find('\r');
+  line = bytes.substr(0, end);
+  bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
+  return end != std::string_view::npos;
+}
+
 }  // namespace
 
 std::size_t size_of(PlyType type) noexcept {
@@ -79,22 +104,19 @@ std::size_t size_of(PlyType type) noexcept {
 Result<PlyHeader> take_ply_header(std::string_view& bytes) {
   PlyHeader header;
   std::string_view line;
-  if (!next_line(bytes, line) || line != "ply") {
+  const bool only_cr = bytes.size() > 4 && bytes[3] == '\r' && bytes[4] != '\n';
+  if (!next_line(bytes, line) || next_word(line) != "ply") {
     return bad_header("the file does not begin with 'ply'");
   }
-  bool has_format = false;
-  while (next_line(bytes, line)) {
+  bool has_form = false;
+  while (next_header_line(bytes, line, only_cr)) {
     const std::string_view word = next_word(line);
     if (word == "end_header") {
-      return has_format ? Result<PlyHeader>(std::move(header)) : bad_header("no format line");
+      return has_form ? Result<PlyHeader>(std::move(header)) : bad_header("no format line");
     }
     if (word == "format") {
-      const std::string_view format = next_word(line);
-      header.ascii = format == "ascii";
-      has_format = header.ascii || format == "binary_little_endian";
-      if (!has_format) {
-        return bad_header("format '" + std::string(format.substr(0, 40)) + "' is not ascii or binary_little_endian");
-      }
+      ENAMEL_TRY_ASSIGN(header.form, form_named(next_word(line)));
+      has_form = true;
     } else if (word == "element") {
       const std::string_view name = next_word(line);
       const auto count = to_number<std::uint64_t>(next_word(line));

@@ -25,12 +25,14 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 };
 
+enum class PlyForm : std::uint8_t { kAscii, kLittleEndian, kBigEndian };
+
 struct PlyHeader {
-  bool ascii = false;  ///< else binary little endian
+  PlyForm form = PlyForm::kAscii;
   std::vector<PlyElement> elements;
 };
 
-/// Takes the header off the front of `bytes`. Errors: kMeshInvalid.
+/// Takes the header off the front of `bytes`; its lines end in LF, CRLF or CR. Errors: kMeshInvalid.
 [[nodiscard]] Result<PlyHeader> take_ply_header(std::string_view& bytes);
 
 [[nodiscard]] std::size_t size_of(PlyType type) noexcept;

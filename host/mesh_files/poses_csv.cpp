@@ -9,6 +9,7 @@
 
 #include "host/mesh_files/text_scan.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/plain_text.hpp"
 
 namespace enamel::host {
 namespace {
@@ -19,12 +20,11 @@ tl::unexpected<Error> bad_poses(std::size_t line, const char* reason) {
   return fail(ErrorCode::kExchangeInvalid, "poses.csv line " + std::to_string(line) + ": " + reason);
 }
 
-// Next comma-separated field without blanks around it.
 std::string_view next_field(std::string_view& line) {
   const std::size_t comma = line.find(',');
-  std::string_view field = line.substr(0, comma);
+  const std::string_view field = line.substr(0, comma);
   line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
-  return next_word(field);
+  return field;
 }
 
 Result<PoseRow> row_of(std::string_view line, std::size_t number) {
@@ -56,8 +56,9 @@ Result<PoseRow> row_of(std::string_view line, std::size_t number) {
 
 }  // namespace
 
-Result<std::vector<PoseRow>> parse_poses_csv(std::string_view text) {
-  std::string_view line;
+Result<std::vector<PoseRow>> parse_poses_csv(std::string_view bytes) {
+  const std::string table = plain_table(bytes);
+  std::string_view text = table, line;
   if (!next_line(text, line) || line != kHeader) {
     return bad_poses(1, "the header is not burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw");
   }

@@ -17,9 +17,10 @@ struct PoseRow {
   Pose T_model_cam = Pose::Identity();
 };
 
-/// Rows in order of burst_id. Errors: kExchangeInvalid (header, number of fields, not a finite number, no unit
-/// quaternion within 1e-3, burst named twice; the detail names the line).
-[[nodiscard]] Result<std::vector<PoseRow>> parse_poses_csv(std::string_view text);
+/// Rows in order of burst_id; a table that a spreadsheet saved will do (protocol/base/plain_text.hpp). Errors:
+/// kExchangeInvalid (header, number of fields, not a finite number, no unit quaternion within 1e-3, burst named twice;
+/// the detail names the line).
+[[nodiscard]] Result<std::vector<PoseRow>> parse_poses_csv(std::string_view bytes);
 /// Errors: kFileNotFound, kFileRead and those of parse_poses_csv.
 [[nodiscard]] Result<std::vector<PoseRow>> read_poses_csv(const std::string& path);
 

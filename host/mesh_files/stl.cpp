@@ -1,28 +1,28 @@
 #include "host/mesh_files/stl.hpp"
 
 #include <bit>
-#include <cmath>
 #include <unordered_map>
 
-#include "host/mesh_files/mesh_check.hpp"
+#include "host/mesh_files/mesh_soup.hpp"
 #include "host/mesh_files/text_scan.hpp"
 #include "protocol/base/bytes.hpp"
+#include "protocol/base/plain_text.hpp"
 
 namespace enamel::host {
 namespace {
 
 constexpr std::size_t kPreamble = 84;  ///< 80 bytes of anything, 4 of count
-constexpr std::size_t kFacet = 50;
+constexpr std::size_t kFacetBytes = 50;
 
 struct Position {
-  std::array<std::uint32_t, 3> bits;
+  std::array<std::uint64_t, 3> bits;
   friend bool operator==(const Position&, const Position&) = default;
 };
 
 struct PositionHash {
   std::size_t operator()(const Position& p) const noexcept {
     std::uint64_t h = p.bits[0];
-    h = (h ^ (h >> 15U)) * 0x9e3779b97f4a7c15ULL + p.bits[1];
+    h = (h ^ (h >> 31U)) * 0x9e3779b97f4a7c15ULL + p.bits[1];
     h = (h ^ (h >> 29U)) * 0xbf58476d1ce4e5b9ULL + p.bits[2];
     return static_cast<std::size_t>((h ^ (h >> 31U)) * 0x94d049bb133111ebULL);
   }
@@ -31,32 +31,33 @@ struct PositionHash {
 /// Corners become vertices in order of first use.
 class Welder {
  public:
-  explicit Welder(Mesh& mesh) : mesh_(mesh) {}
-  std::uint32_t vertex(const Vec3f& p) {
-    const auto bits = [](float f) { return std::bit_cast<std::uint32_t>(f + 0.0F); };  // -0 becomes +0
+  explicit Welder(MeshSoup& soup) : soup_(soup) {}
+  std::uint32_t vertex(const Vec3d& p) {
+    const auto bits = [](double f) { return std::bit_cast<std::uint64_t>(f + 0.0); };  // -0 becomes +0
     const Position key{{bits(p.x()), bits(p.y()), bits(p.z())}};
-    const auto [at, is_new] = index_.try_emplace(key, static_cast<std::uint32_t>(mesh_.vertices.size()));
+    const auto [at, is_new] = index_.try_emplace(key, static_cast<std::uint32_t>(soup_.positions.size()));
     if (is_new) {
-      mesh_.vertices.push_back(p);
+      soup_.positions.push_back(p);
     }
     return at->second;
   }
 
  private:
-  Mesh& mesh_;
+  MeshSoup& soup_;
   std::unordered_map<Position, std::uint32_t, PositionHash> index_;  // looked up only
 };
 
-Result<MeshFile> parse_binary(std::string_view bytes) {
+Result<MeshSoup> parse_binary(std::string_view bytes) {
   ByteReader reader(std::as_bytes(std::span(bytes.data(), bytes.size())));
   reader.skip(kPreamble - 4);
   const auto count = reader.get<std::uint32_t>();
-  if (!reader.ok() || reader.remaining() < static_cast<std::uint64_t>(count) * kFacet) {
+  if (!reader.ok() || reader.remaining() < static_cast<std::uint64_t>(count) * kFacetBytes) {
     return fail(ErrorCode::kMeshInvalid, "STL: truncated");
   }
-  MeshFile out;
-  Welder welder(out.mesh);
-  out.mesh.triangles.reserve(count);
+  MeshSoup out;
+  out.floats = true;
+  Welder welder(out);
+  out.triangles.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     reader.skip(12);
     std::array<std::uint32_t, 3> triangle{};
@@ -64,62 +65,96 @@ Result<MeshFile> parse_binary(std::string_view bytes) {
       const auto x = reader.get<float>();
       const auto y = reader.get<float>();
       const auto z = reader.get<float>();
-      corner = welder.vertex(Vec3f(x, y, z));
+      corner = welder.vertex(Vec3f(x, y, z).cast<double>());
     }
     reader.skip(2);
-    out.mesh.triangles.push_back(triangle);
+    out.triangles.push_back(triangle);
   }
   return out;
 }
 
-Result<MeshFile> parse_ascii(std::string_view text) {
-  MeshFile out;
-  Welder welder(out.mesh);
-  std::string_view line;
+enum class Keyword { kSolid, kEndSolid, kFacet, kEndFacet, kVertex, kOther };
+
+Keyword keyword_of(std::string_view word, Words& words) {
+  if (same_letters(word, "end")) {  // "end facet"
+    const std::string_view what = words.next();
+    if (same_letters(what, "solid")) {
+      return Keyword::kEndSolid;
+    }
+    return same_letters(what, "facet") ? Keyword::kEndFacet : Keyword::kOther;
+  }
+  constexpr std::array<std::pair<std::string_view, Keyword>, 5> kWords{{{"vertex", Keyword::kVertex},
+                                                                        {"endfacet", Keyword::kEndFacet},
+                                                                        {"facet", Keyword::kFacet},
+                                                                        {"solid", Keyword::kSolid},
+                                                                        {"endsolid", Keyword::kEndSolid}}};
+  for (const auto& [name, keyword] : kWords) {
+    if (same_letters(word, name)) {
+      return keyword;
+    }
+  }
+  return Keyword::kOther;  // normals, outer, loop, endloop, colours
+}
+
+Result<MeshSoup> parse_ascii(std::string_view text) {
+  MeshSoup out;
+  Welder welder(out);
+  Words words(text);
   std::vector<std::uint32_t> corners;
-  bool ended = false;
-  for (std::size_t number = 1; next_line(text, line); ++number) {
-    const std::string_view word = next_word(line);
-    if (word == "vertex") {
-      Vec3f p;
+  bool in_solid = false, in_facet = false;
+  for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+    const Keyword keyword = keyword_of(word, words);
+    if (keyword == Keyword::kSolid || keyword == Keyword::kEndSolid) {
+      in_solid = keyword == Keyword::kSolid;
+      words.skip_line();  // its name may hold anything
+    } else if (keyword == Keyword::kVertex) {
+      Vec3d p;
       for (int k = 0; k < 3; ++k) {
-        const auto value = to_number<float>(next_word(line));
+        const auto value = to_real(words.next());
         if (!value) {
-          return fail(ErrorCode::kMeshInvalid, "STL: line " + std::to_string(number) + " has no three numbers");
+          return fail(ErrorCode::kMeshInvalid, "STL: line " + std::to_string(words.line()) + " has no three numbers");
         }
         p[k] = *value;
       }
       corners.push_back(welder.vertex(p));
-    } else if (word == "endfacet") {
-      if (corners.size() != 3) {
-        return fail(ErrorCode::kMeshInvalid,
-                    "STL: the facet that ends in line " + std::to_string(number) + " is no triangle");
+    } else if (keyword != Keyword::kOther) {
+      if (in_facet) {
+        out.add_face(corners);
       }
-      out.mesh.triangles.push_back({corners[0], corners[1], corners[2]});
       corners.clear();
+      in_facet = keyword == Keyword::kFacet;
+      in_solid = in_solid || in_facet;
     }
-    ended = word == "endsolid" || (ended && word.empty());
   }
-  if (!ended) {
+  if (in_solid) {
     return fail(ErrorCode::kMeshInvalid, "STL: no endsolid: truncated");
   }
   return out;
 }
 
+/// By what it says and not by its first five letters: headers of binary files may begin with "solid", texts with
+/// blanks.
+bool is_text(std::string_view text) {
+  constexpr std::size_t kLooked = 1024;
+  const std::string_view head = text.substr(0, kLooked);
+  const std::string_view word = Words(head).next();
+  return (same_letters(word, "solid") || same_letters(word, "facet")) && head.find('\0') == std::string_view::npos;
+}
+
 }  // namespace
 
 Result<MeshFile> parse_stl(std::string_view bytes) {
-  // Many binary files also begin with "solid": the size decides.
   std::uint32_t count = 0;
   if (bytes.size() >= kPreamble) {
     std::memcpy(&count, bytes.data() + kPreamble - 4, sizeof count);
   }
-  const bool fits = bytes.size() >= kPreamble && bytes.size() == kPreamble + static_cast<std::uint64_t>(count) * kFacet;
-  auto out = !fits && bytes.substr(0, 5) == "solid" ? parse_ascii(bytes) : parse_binary(bytes);
-  if (out) {
-    ENAMEL_TRY(check_mesh(out->mesh, "STL"));
-  }
-  return out;
+  const bool fits =
+      bytes.size() >= kPreamble && bytes.size() == kPreamble + static_cast<std::uint64_t>(count) * kFacetBytes;
+  std::string room;
+  std::string_view text = fits ? std::string_view{} : plain_text(bytes, room);
+  text = text.substr(0, text.find_last_not_of('\0') + 1);  // some systems fill up the last block
+  ENAMEL_TRY_ASSIGN(MeshSoup soup, is_text(text) ? parse_ascii(text) : parse_binary(bytes));
+  return finish_mesh(std::move(soup), "STL");
 }
 
 std::string stl_bytes(const Mesh& mesh) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <charconv>
-#include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
@@ -12,17 +12,18 @@ namespace enamel::host {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
-/// Next line without its end; false at the end of the text.
+/// Next line without its end (LF, CR or both); false at the end of the text.
 inline bool next_line(std::string_view& text, std::string_view& line) noexcept {
   if (text.empty()) {
     return false;
   }
-  const std::size_t end = text.find('\n');
-  line = text.substr(0, end);
-  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  if (!line.empty() && line.back() == '\r') {
-    line.remove_suffix(1);
+  std::size_t end = 0;
+  while (end < text.size() && text[end] != '\n' && text[end] != '\r') {
+    ++end;
   }
+  line = text.substr(0, end);
+  const bool both = end + 1 < text.size() && text[end] == '\r' && text[end + 1] == '\n';
+  text.remove_prefix(end == text.size() ? end : end + (both ? 2 : 1));
   return true;
 }
 
@@ -41,6 +42,42 @@ inline std::string_view next_word(std::string_view& line) noexcept {
   return word;
 }
 
+/// Words of a whole text, and the line that they are in, counted from 1.
+class Words {
+ public:
+  explicit Words(std::string_view text) noexcept : text_(text) {}
+  /// Empty at the end of the text.
+  std::string_view next() noexcept {
+    std::string_view word = next_word(line_);
+    while (word.empty() && next_line(text_, line_)) {
+      ++number_;
+      word = next_word(line_);
+    }
+    return word;
+  }
+  void skip_line() noexcept { line_ = {}; }
+  [[nodiscard]] std::size_t line() const noexcept { return number_; }
+  [[nodiscard]] std::size_t left() const noexcept { return text_.size() + line_.size(); }
+
+ private:
+  std::string_view text_, line_;
+  std::size_t number_ = 0;
+};
+
+/// ASCII letters alone; `lower` is in small letters.
+[[nodiscard]] constexpr bool same_letters(std::string_view word, std::string_view lower) noexcept {
+  if (word.size() != lower.size()) {
+    return false;
+  }
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    const char c = word[i] >= 'A' && word[i] <= 'Z' ? static_cast<char>(word[i] - 'A' + 'a') : word[i];
+    if (c != lower[i]) {
+      return false;
+    }
+  }
+  return true;
+}
+
 /// The whole word as a number, or nothing.
 template <class T>
 [[nodiscard]] std::optional<T> to_number(std::string_view word) noexcept {
@@ -54,5 +91,9 @@ template <class T>
   }
   return value;
 }
+
+/// A real number as any program prints it: sign, exponent (also Fortran's D), decimal comma, too small (0), and what is
+/// none to their authors: nan, inf, -nan(ind), 1.#QNAN, an exponent too large. Nothing for another word.
+[[nodiscard]] std::optional<double> to_real(std::string_view word) noexcept;
 
 }  // namespace enamel::host

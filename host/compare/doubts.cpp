@@ -1,0 +1,161 @@
+#include "host/compare/doubts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+namespace enamel::host {
+namespace {
+
+constexpr double kSmallestMm = 5.0, kLargestMm = 400.0;        ///< across: half a tooth … a head
+constexpr double kLikelyLeastMm = 8.0, kLikelyMostMm = 150.0;  ///< across: a tooth … a full jaw on its base
+constexpr double kSameSize = 1.25;   ///< two meshes of one thing differ by less, parts and borders aside
+constexpr double kNoFit_um = 500.0;  ///< mean deviation beyond which two meshes do not lie on each other
+constexpr double kCoarseStepMm = 1e-3;
+constexpr std::size_t kStray = 100;  ///< one vertex in so many, at either end of an axis, does not count as size
+
+struct Unit {
+  const char* name;
+  double mm;
+};
+constexpr std::array<Unit, 6> kUnits{{{"metres", 1000.0},
+                                      {"centimetres", 10.0},
+                                      {"inches", 25.4},
+                                      {"feet", 304.8},
+                                      {"micrometres", 1e-3},
+                                      {"nanometres", 1e-6}}};
+
+/// Diagonal of the box of all references (or the mesh), stray vertices aside.
+double size_mm(std::span<const MeshFile> files) {
+  Vec3d extent = Vec3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const MeshFile& file : files) {
+      for (const Vec3f& v : file.mesh.vertices) {
+        values.push_back(static_cast<double>(v[axis]) + file.origin_mm[axis]);
+      }
+    }
+    const std::size_t off = values.size() / kStray;
+    const auto low = values.begin() + static_cast<std::ptrdiff_t>(off);
+    const auto high = values.end() - 1 - static_cast<std::ptrdiff_t>(off);
+    std::nth_element(values.begin(), low, values.end());
+    const double first = *low;
+    std::nth_element(values.begin(), high, values.end());
+    extent[axis] = *high - first;
+  }
+  return extent.norm();
+}
+
+bool is_mouth(double mm) { return mm >= kSmallestMm && mm <= kLargestMm; }
+
+double apart(double a, double b) { return std::max(a / b, b / a); }
+
+/// The units in which a size could be a mouth's; one alone where it is then the size of the other mesh.
+std::vector<Unit> units_for(double size, double other) {
+  std::vector<Unit> out;
+  for (const Unit& unit : kUnits) {
+    const double mm = size * unit.mm;
+    if (is_mouth(other) && apart(mm, other) < kSameSize) {
+      return {unit};
+    }
+    if (mm >= kLikelyLeastMm && mm <= kLikelyMostMm) {
+      out.push_back(unit);
+    }
+  }
+  return out;
+}
+
+std::optional<std::string> size_words(double size, double other) {
+  if (is_mouth(size)) {
+    return std::nullopt;
+  }
+  std::string words = fmt::format("{:.3g} mm across, too {} for a mouth", size, size < kSmallestMm ? "small" : "large");
+  const auto units = units_for(size, other);
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    words += fmt::format("{} in {} (times {:g}) {:.3g} mm", i == 0 ? "; it would be" : ", or", units[i].name,
+                         units[i].mm, size * units[i].mm);
+  }
+  return words + (units.empty() ? "; no common unit fits" : ": is the unit wrong?");
+}
+
+/// Sizes that both could be, one of them in another unit: told only where the two do not lie on each other.
+std::optional<std::string> ratio_words(double mesh, double reference, const CompareResult& result) {
+  if (!is_mouth(mesh) || !is_mouth(reference) || result.mean_abs_um < kNoFit_um) {
+    return std::nullopt;
+  }
+  for (const Unit& unit : kUnits) {
+    if (unit.mm > 1 && apart(apart(mesh, reference), unit.mm) < kSameSize) {
+      return fmt::format(
+          "{:.3g} mm across, the other {:.3g} mm; in {} (times {:g}) it would be {:.3g} mm: is the unit wrong?",
+          std::min(mesh, reference), std::max(mesh, reference), unit.name, unit.mm,
+          std::min(mesh, reference) * unit.mm);
+    }
+  }
+  return std::nullopt;
+}
+
+void tell_file(const MeshFile& file, const std::string& name, Doubts& out) {
+  if (const std::string left_out = left_out_text(file.left_out); !left_out.empty()) {
+    out.words.push_back(name + ": left out: " + left_out);
+  }
+  if (file.step_mm > kCoarseStepMm) {
+    out.words.push_back(
+        fmt::format("{}: lies {:.4g} m from the origin, where its numbers go in steps of {:.3g} um: what is finer is "
+                    "lost in the file",
+                    name, file.origin_mm.norm() * 1e-3, file.step_mm * 1e3));
+  }
+}
+
+void add(const LeftOut& file, LeftOut& sum) {
+  sum.unused_vertices += file.unused_vertices;
+  sum.broken_vertices += file.broken_vertices;
+  sum.broken_faces += file.broken_faces;
+  sum.flat_faces += file.flat_faces;
+  sum.normals = sum.normals || file.normals;
+}
+
+nlohmann::ordered_json counts(const LeftOut& left_out) {
+  return {{"unused_vertices", left_out.unused_vertices},
+          {"broken_vertices", left_out.broken_vertices},
+          {"broken_faces", left_out.broken_faces},
+          {"flat_faces", left_out.flat_faces}};
+}
+
+}  // namespace
+
+Doubts doubts_of(const MeshFile& mesh, std::span<const MeshFile> references, std::span<const std::string> names,
+                 const CompareResult& result) {
+  Doubts out;
+  tell_file(mesh, names[0], out);
+  out.mesh = mesh.left_out;
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    tell_file(references[i], names[i + 1], out);
+    add(references[i].left_out, out.reference);
+  }
+  const double mesh_mm = size_mm({&mesh, 1}), reference_mm = size_mm(references);
+  const std::string reference_name = names[1] + (references.size() > 1 ? " and the other references" : "");
+  const auto tell = [&](const std::string& name, const std::optional<std::string>& words) {
+    if (words) {
+      out.words.push_back(name + ": " + *words);
+      out.unit = true;
+    }
+  };
+  tell(names[0], size_words(mesh_mm, reference_mm));
+  tell(reference_name, size_words(reference_mm, mesh_mm));
+  tell(mesh_mm < reference_mm ? names[0] : reference_name, ratio_words(mesh_mm, reference_mm, result));
+  return out;
+}
+
+std::string compare_json(const CompareResult& result, const Doubts& doubts) {
+  auto j = nlohmann::ordered_json::parse(compare_json(result));
+  j["left_out"] = {{"mesh", counts(doubts.mesh)}, {"reference", counts(doubts.reference)}};
+  j["warnings"] = doubts.words;
+  return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // a path may be no UTF-8
+}
+
+}  // namespace enamel::host
