@@ -80,8 +80,65 @@ def boot_seeds():
     yield "raw", YES + YES + b"\1" + b"EBCB" + b"\1" * 508 + b"\1" + b"\xff" * 512
 
 
+CORNERS = ((0, 0, 0), (12.5, 0, 0), (0, 15, 0), (0, 0.25, -48.125))
+FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))
+
+
+def ply(form, types="float", vertex_more="", face_list="uchar int", body=b""):
+    axes = "".join(f"property {types} {axis}\n" for axis in "xyz")
+    return (f"ply\nformat {form} 1.0\ncomment c\nobj_info i\nelement vertex 4\n{axes}{vertex_more}element face 4\n"
+            f"property list {face_list} vertex_indices\nend_header\n").encode() + body
+
+
+def mesh_seeds():
+    to_ply, to_stl, to_obj = b"\0", b"\1", b"\2"
+    rows = "".join("%g %g %g\n" % p for p in CORNERS) + "".join("3 %d %d %d\n" % f for f in FACES)
+    yield "ply_ascii", to_ply + ply("ascii", "double", body=rows.encode())
+    yield "ply_ascii_crlf", to_ply + b"\xef\xbb\xbf" + ply("ascii", body=rows.encode()).replace(b"\n", b"\r\n")
+    yield "ply_faces_of_nothing", to_ply + ply("ascii", body=rows.replace("3 0 3 1", "2 0 3").replace("12.5", "nan").encode())
+    for order, form in (("<", "binary_little_endian"), (">", "binary_big_endian")):
+        body = b"".join(struct.pack(order + "3f", *p) for p in CORNERS) + b"".join(struct.pack(order + "B3i", 3, *f) for f in FACES)
+        yield f"ply_{form}", to_ply + ply(form, body=body)
+        body = b"".join(struct.pack(order + "3dhHd", *p, -1, 1, 0.5) for p in CORNERS)
+        body += b"".join(struct.pack(order + "H3I", 3, *f) for f in FACES)
+        more = "property short seen\nproperty list ushort double weights\n"
+        yield f"ply_{form}_lists", to_ply + ply(form, "float64", more, "uint16 uint32", body)
+    strips = b"ply\nformat ascii 1.0\nelement vertex 4\nproperty int x\nproperty int y\nproperty int z\nproperty float nx\n" \
+             b"property float ny\nproperty float nz\nproperty float quality\nelement tristrips 1\n" \
+             b"property list int int vertex_indices\nend_header\n"
+    yield "ply_strips", to_ply + strips + b"0 0 0 0 0 1 1\n1 0 0 0 0 1 1\n0 1 0 0 0 1 1\n1 1 0 0 0 1 1\n8 0 1 2 3 -1 0 1 3\n"
+
+    def facet(f):
+        return "facet normal 0 0 0\nouter loop\n" + "".join("vertex %e %e %e\n" % CORNERS[i] for i in f) + "endloop\nendfacet\n"
+    text = ("solid a b\n" + "".join(map(facet, FACES)) + "endsolid a b\n").encode()
+    yield "stl_text", to_stl + text
+    yield "stl_text_capitals_crlf", to_stl + b" \r\n" + text.upper().replace(b"\n", b"\r\n")
+    yield "stl_text_utf16", to_stl + b"\xff\xfe" + facet(FACES[0]).encode("utf-16-le") + "endsolid".encode("utf-16-le")
+    binary = struct.pack("<I", 4) + b"".join(struct.pack("<12fH", 0, 0, 0, *(c for i in f for c in CORNERS[i]), 0) for f in FACES)
+    yield "stl_binary", to_stl + b"any".ljust(80) + binary
+    yield "stl_binary_solid_spare", to_stl + b"solid cad".ljust(80) + binary + b"\0\0"
+    vertices = "".join("v %g %g %g\n" % p for p in CORNERS)
+    yield "obj", to_obj + (vertices + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in FACES)).encode()
+    yield "obj_forms", to_obj + (f"# c \\\no jaw\n{vertices}vn 0 0 1\nvt 0 0\nf 1/1 2/1/1 3//1 \\\n4\nf -4 -3 -1 # c\ng a b\nf 1 2\nv 1,5 1e999 1.#QNAN\n"
+                               "f 5 1 2\n").encode()
+    yield "obj_far", to_obj + b"v 700000.25 650000 5e9\nv 700001.25 650000 5e9\nv 700000.25 650002 5e9\nf 1 2 3\n"
+
+
+def table_seeds():
+    poses = "burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw\n0,5,0.5,-1.25,48,0,0,0,1\n3,9,1e-3,0,0,0.6,0,0,0.8\n"
+    bursts = "burst_id,t0_ns,t1_ns,t2_ns,t3_ns,exposure_us,temp_c\n0,1,2,3,4,3700,32.0\n3,11,12,13,14,3700,-0.5\n"
+    stages = "burst_id,input,decode,track,fuse,verdict\n0,00000000000000ab,0000000000000001,0,0,fused\n"
+    for kind, (name, text) in enumerate((("poses", poses), ("bursts", bursts), ("stages", stages))):
+        german = text.replace(",", ";").replace(".", ",").replace("\n", "\r\n")
+        yield name, bytes([kind]) + text.encode()
+        yield f"{name}_german", bytes([kind]) + b"\xef\xbb\xbfsep=;\r\n" + german.encode() + b";;;;\r\n"
+        yield f"{name}_utf16", bytes([kind]) + b"\xfe\xff" + german.replace(";", "\t").encode("utf-16-be")
+        yield f"{name}_quoted", bytes([kind]) + ('"' + text.replace(",", '", "').replace("\n", '"\n"')).encode()
+
+
 def seeds():
-    for target, made in (("image", image_seeds), ("dfu", dfu_seeds), ("status", status_seeds), ("boot", boot_seeds)):
+    for target, made in (("image", image_seeds), ("dfu", dfu_seeds), ("status", status_seeds), ("boot", boot_seeds),
+                         ("mesh", mesh_seeds), ("table", table_seeds)):
         for name, content in made():
             yield CORPUS / target / name, content
 
