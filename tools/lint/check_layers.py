@@ -62,7 +62,8 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "calib/report": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve", "calib/judge"] +
                      ALGORITHMS),
     "calib/guide": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] + ALGORITHMS),
-    "tools/twin": (4, PROTOCOL + FIRMWARE + ["calib/model"]),
+    # Readers of mesh files are no algorithm that the twin has to be a second opinion on.
+    "tools/twin": (4, PROTOCOL + FIRMWARE + ["calib/model", "host/mesh_files"]),
     "viewer/scene": (4, BASE + ["pipeline/types"]),
     "viewer/gl": (4, BASE + ["pipeline/types", "viewer/scene"]),
     "host/ingest": (4, PROTOCOL + ["pipeline/flow", "calib/model", "host/report"]),

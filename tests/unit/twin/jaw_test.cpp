@@ -1,7 +1,9 @@
 // The procedural jaw: a mesh without holes, fine enough, made by its seed alone; artefacts and mesh files.
 #include <algorithm>
+#include <filesystem>
 #include <map>
 
+#include "protocol/base/file.hpp"
 #include "tests/unit/twin/twin_fixture.hpp"
 #include "tools/twin/optics/random.hpp"
 #include "tools/twin/surface/mesh_file.hpp"
@@ -184,40 +186,50 @@ TriSurface triangle() {
   return m;
 }
 
-TEST(TwinMeshFile, ply_round_trip_keeps_vertices_and_faces) {
+class TwinMeshFile : public ::testing::Test {
+ protected:
+  TwinMeshFile() { std::filesystem::create_directories(folder_); }
+  ~TwinMeshFile() override { std::filesystem::remove_all(folder_); }
+  Result<TriSurface> loaded(const std::string& name, const std::string& bytes) {
+    EXPECT_TRUE(write_file(folder_ + name, bytes));
+    return load_mesh(folder_ + name, 0.8F);
+  }
+  std::string folder_ =
+      ::testing::TempDir() + "twin_mesh_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)) + "/";
+};
+
+TEST_F(TwinMeshFile, ply_round_trip_keeps_vertices_and_faces) {
   const TriSurface m = triangle();
   const std::vector<std::uint8_t> seen{1, 2, 255};
   for (const bool with : {false, true}) {
     const auto back =
-        parse_ply(write_ply(m, with ? std::span<const std::uint8_t>(seen) : std::span<const std::uint8_t>()));
+        loaded("a.ply", write_ply(m, with ? std::span<const std::uint8_t>(seen) : std::span<const std::uint8_t>()));
     ASSERT_TRUE(back) << back.error().message();
     EXPECT_TRUE(std::equal(m.vertices.begin(), m.vertices.end(), back->vertices.begin(), back->vertices.end()));
     EXPECT_EQ(back->triangles, m.triangles);
+    EXPECT_EQ(back->albedo, std::vector<float>(3, 0.8F));
+    EXPECT_EQ(back->normals.size(), 3U);
   }
 }
 
-TEST(TwinMeshFile, reads_ascii_forms_and_splits_polygons) {
-  const auto obj = parse_obj("# square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1 2/2 3/3 -1\n");
-  ASSERT_TRUE(obj);
+TEST_F(TwinMeshFile, other_programs_files_are_read) {
+  const auto obj = loaded("a.OBJ", "# square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1 2/2 \\\n3/3 -1\n");
+  ASSERT_TRUE(obj) << obj.error().message();
   EXPECT_EQ(obj->triangles.size(), 2U);
-  const auto ply = parse_ply(
-      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty float y\nproperty float z\nproperty uchar "
-      "q\n"
-      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2\n");
-  ASSERT_TRUE(ply) << ply.error().message();
-  const auto stl = parse_stl(
-      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
-      "endloop\nendfacet\nendsolid\n");
+  const auto stl = loaded("a.stl",
+                          "\nSOLID a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                          "endloop\nendfacet\nendsolid\n");
   ASSERT_TRUE(stl) << stl.error().message();
   EXPECT_EQ(stl->vertices.size(), 3U);
 }
 
-TEST(TwinMeshFile, damaged_files_are_errors_not_crashes) {
+TEST_F(TwinMeshFile, damaged_files_are_errors_not_crashes) {
   const std::string good = write_ply(triangle(), {});
-  for (std::size_t length = 0; length < good.size(); length += 7) EXPECT_FALSE(parse_ply(good.substr(0, length)));
-  EXPECT_FALSE(parse_obj("v 0 0 0\nv 1 0 0\nv nan 0 0\nf 1 2 3\n"));
-  EXPECT_FALSE(parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"));
-  EXPECT_FALSE(parse_stl(std::string(84, 'x')));
+  for (std::size_t length = 0; length < good.size(); length += 7) EXPECT_FALSE(loaded("a.ply", good.substr(0, length)));
+  EXPECT_FALSE(loaded("a.obj", "v 0 0 0\nv 1 0 0\nv nan 0 0\nf 1 2 3\n"));
+  EXPECT_FALSE(loaded("a.obj", "v 0 0 9000\nv 1 0 9000\nv 0 1 9000\nf 1 2 3\n"));
+  EXPECT_FALSE(loaded("a.stl", std::string(84, 'x')));
+  EXPECT_FALSE(loaded("a.xyz", good));
   EXPECT_FALSE(load_mesh("/nonexistent.ply", 0.8F));
 }
 

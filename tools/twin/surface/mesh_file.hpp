@@ -9,15 +9,9 @@
 
 namespace enamel::twin {
 
-/// By extension; polygons are split into fans, unused vertices stay. Vertices of STL are merged when their coordinates
-/// are equal. Normals are computed, albedo is `albedo`. Errors: kFileNotFound, kFileRead, kMeshInvalid (names what is
-/// wrong).
+/// What host/mesh_files reads; what it leaves out is logged. Normals are computed, albedo is `albedo`. Errors:
+/// kFileNotFound, kFileRead, kMeshInvalid (names what is wrong; also a mesh more than 1 m from the origin).
 [[nodiscard]] Result<TriSurface> load_mesh(const std::string& path, float albedo);
-
-/// Parsers behind load_mesh, on the file's bytes. Errors: kMeshInvalid.
-[[nodiscard]] Result<TriSurface> parse_ply(const std::string& bytes);
-[[nodiscard]] Result<TriSurface> parse_stl(const std::string& bytes);
-[[nodiscard]] Result<TriSurface> parse_obj(const std::string& bytes);
 
 /// Binary little-endian PLY: x y z, uchar `seen`, uchar `material` and float `film_mm` a vertex, and faces. `seen` may
 /// be empty, a mesh without materials or dry: then the property is absent.
