@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "host/mesh_files/number_step.hpp"
+#include "host/mesh_files/polygon.hpp"
 
 namespace enamel::host {
 namespace {
@@ -16,6 +18,9 @@ constexpr double kNearMm = 1000.0;
 constexpr float kFarthestMm = 1e6F;
 /// Of the longest edge squared: what double rounding leaves of three points on a line.
 constexpr double kNoArea = 1e-12;
+
+/// Looked at for polygons with dents: a second, or one of some ten thousand corners.
+constexpr std::uint64_t kMostPoints = 200'000'000;
 
 bool is_position(const Vec3f& p) {
   return std::fabs(p.x()) < kFarthestMm && std::fabs(p.y()) < kFarthestMm && std::fabs(p.z()) < kFarthestMm;
@@ -110,6 +115,9 @@ void leave_out_vertices(MeshFile& file) {
 
 void MeshSoup::add_face(const std::vector<std::uint32_t>& corners) {
   short_faces += corners.size() < 3 ? 1U : 0U;
+  if (corners.size() > 3) {
+    fans.push_back({triangles.size(), corners.size() - 2});
+  }
   for (std::size_t k = 2; k < corners.size(); ++k) {
     triangles.push_back({corners[0], corners[k - 1], corners[k]});
   }
@@ -117,6 +125,10 @@ void MeshSoup::add_face(const std::vector<std::uint32_t>& corners) {
 
 Result<MeshFile> finish_mesh(MeshSoup soup, const std::string& format) {
   MeshFile file;
+  std::uint64_t budget = kMostPoints;
+  for (const MeshSoup::Fan& fan : soup.fans) {
+    unfold_fan(std::span(soup.triangles).subspan(fan.first, fan.count), soup.positions, budget);
+  }
   if (const auto used = used_positions(soup); !used.empty()) {
     file.origin_mm = origin_of(used);
     file.step_mm = number_step(used, file.origin_mm, soup.floats);

@@ -22,7 +22,12 @@ struct MeshSoup {
   std::uint64_t short_faces = 0;                        ///< with fewer than three corners, not among the triangles
   bool floats = false;                                  ///< the file keeps positions in single precision
 
-  /// A face of any number of corners, as a fan.
+  struct Fan {
+    std::size_t first = 0, count = 0;  ///< among the triangles
+  };
+  std::vector<Fan> fans;  ///< faces of more than three corners
+
+  /// A face of any number of corners, as a fan until all positions are known.
   void add_face(const std::vector<std::uint32_t>& corners);
 };
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "host/mesh_files/mesh_file.hpp"
 #include "tests/unit/host/tetrahedron.hpp"
@@ -245,26 +244,6 @@ TEST(MeshDialect, obj_in_every_form_is_read) {
   EXPECT_THAT(parse_mesh(f + v.substr(v.find('v', 1)), MeshFormat::kObj).error().detail, HasSubstr("line 2: names"));
   EXPECT_THAT(parse_mesh(v + "f 1 2 -5\n", MeshFormat::kObj).error().detail, HasSubstr("line 5: names"));
   EXPECT_THAT(parse_mesh(v + "f 1 2 0\n", MeshFormat::kObj).error().detail, HasSubstr("line 5: names"));
-}
-
-TEST(MeshDialect, polygons_of_any_size_become_triangles) {
-  std::string obj,
-      ply =
-          "ply\nformat ascii 1.0\nelement vertex 2000\nproperty float x\nproperty float y\nproperty float z\n"
-          "element face 1\nproperty list int int vertex_indices\nend_header\n";
-  std::string face = "f", list = "2000";
-  for (int k = 0; k < 2000; ++k) {
-    const double angle = 2 * M_PI * k / 2000;
-    const std::string p = std::to_string(9 * std::cos(angle)) + " " + std::to_string(9 * std::sin(angle)) + " 1\n";
-    obj += "v " + p;
-    ply += p;
-    face += " " + std::to_string(k + 1);
-    list += " " + std::to_string(k);
-  }
-  for (const auto& file : {parse_mesh(obj + face, MeshFormat::kObj), parse_mesh(ply + list, MeshFormat::kPly)}) {
-    ASSERT_TRUE(file.has_value()) << file.error().detail;
-    EXPECT_EQ(file->mesh.triangles.size(), 1998U);
-  }
 }
 
 }  // namespace
