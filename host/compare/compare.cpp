@@ -40,10 +40,31 @@ Union united(std::span<const MeshFile> references, double seen_at_least) {
   return out;
 }
 
+/// Sides of the equal parts that a triangle is cut into along each of its edges.
+int parts_of(const Mesh& mesh, std::size_t triangle, double sample_mm) {
+  const auto corner = [&](std::size_t k) -> Vec3d { return mesh.vertices[mesh.triangles[triangle][k]].cast<double>(); };
+  const Vec3d ab = corner(1) - corner(0), ac = corner(2) - corner(0);
+  const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
+  return std::clamp(static_cast<int>(std::ceil(longest / sample_mm)), 1, 256);
+}
+
+/// By so much fewer parts, 1 or more, where the reference is so large (a mouth in micrometres) that its samples would
+/// take minutes.
+double coarser(const Mesh& reference, double sample_mm) {
+  constexpr double kMostSamples = 1e7;
+  double samples = 0;
+  for (std::size_t t = 0; t < reference.triangles.size(); ++t) {
+    const double n = parts_of(reference, t, sample_mm);
+    samples += n * n;
+  }
+  return std::max(1.0, std::sqrt(samples / kMostSamples));
+}
+
 /// Share of the seen area of the reference with the mesh near: each triangle sampled at the centres of equal parts.
 double coverage_pct(const Mesh& reference, const std::vector<bool>& seen, const Mesh& moved,
                     const CompareConfig& config) {
   const TriangleTree tree(moved);
+  const double fewer = coarser(reference, config.coverage_sample_mm);
   double area = 0;
   double covered = 0;
   for (std::size_t t = 0; t < reference.triangles.size(); ++t) {
@@ -56,8 +77,7 @@ double coverage_pct(const Mesh& reference, const std::vector<bool>& seen, const 
     const Vec3d a = corner(0);
     const Vec3d ab = corner(1) - a;
     const Vec3d ac = corner(2) - a;
-    const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
-    const int n = std::clamp(static_cast<int>(std::ceil(longest / config.coverage_sample_mm)), 1, 256);
+    const int n = std::max(1, static_cast<int>(parts_of(reference, t, config.coverage_sample_mm) / fewer));
     const double part = 0.5 * ab.cross(ac).norm() / (static_cast<double>(n) * n);
     for (int i = 0; i < n; ++i) {
       for (int j = 0; i + j < n; ++j) {

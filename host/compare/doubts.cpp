@@ -15,7 +15,9 @@ namespace {
 constexpr double kSmallestMm = 5.0, kLargestMm = 400.0;        ///< across: half a tooth … a head
 constexpr double kLikelyLeastMm = 8.0, kLikelyMostMm = 150.0;  ///< across: a tooth … a full jaw on its base
 constexpr double kSameSize = 1.25;   ///< two meshes of one thing differ by less, parts and borders aside
-constexpr double kNoFit_um = 500.0;  ///< mean deviation beyond which two meshes do not lie on each other
+constexpr double kSameThing = 1.03;  ///< two meshes of all of one thing
+constexpr double kApart_um = 500.0;  ///< mean deviation of two meshes that do not lie on each other
+constexpr double kNoFit_um = 50.0;   ///< the least of two that are not of one form
 constexpr double kCoarseStepMm = 1e-3;
 constexpr std::size_t kStray = 100;  ///< one vertex in so many, at either end of an axis, does not count as size
 
@@ -83,17 +85,20 @@ std::optional<std::string> size_words(double size, double other) {
   return words + (units.empty() ? "; no common unit fits" : ": is the unit wrong?");
 }
 
-/// Sizes that both could be, one of them in another unit: told only where the two do not lie on each other.
+/// Sizes that both could be, one of them in another unit: told only where the two do not lie on each other, be they
+/// laid on each other as well as it goes.
 std::optional<std::string> ratio_words(double mesh, double reference, const CompareResult& result) {
-  if (!is_mouth(mesh) || !is_mouth(reference) || result.mean_abs_um < kNoFit_um) {
+  if (!is_mouth(mesh) || !is_mouth(reference)) {
     return std::nullopt;
   }
   for (const Unit& unit : kUnits) {
-    if (unit.mm > 1 && apart(apart(mesh, reference), unit.mm) < kSameSize) {
+    const double off = apart(apart(mesh, reference), unit.mm);
+    if (unit.mm > 1 &&
+        ((off < kSameSize && result.mean_abs_um > kApart_um) || (off < kSameThing && result.mean_abs_um > kNoFit_um))) {
+      const double small = std::min(mesh, reference), large = std::max(mesh, reference);
       return fmt::format(
-          "{:.3g} mm across, the other {:.3g} mm; in {} (times {:g}) it would be {:.3g} mm: is the unit wrong?",
-          std::min(mesh, reference), std::max(mesh, reference), unit.name, unit.mm,
-          std::min(mesh, reference) * unit.mm);
+          "{:.3g} mm across, the other {:.3g} mm; it would be in {} (times {:g}) {:.3g} mm: is the unit wrong?", small,
+          large, unit.name, unit.mm, small * unit.mm);
     }
   }
   return std::nullopt;

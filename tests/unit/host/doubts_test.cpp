@@ -18,9 +18,9 @@ MeshFile scaled(MeshFile file, double factor) {
   return file;
 }
 
-Doubts doubts(const MeshFile& mesh, const MeshFile& reference) {
+Doubts doubts(const MeshFile& mesh, const MeshFile& reference, Alignment alignment = Alignment::kNone) {
   const std::vector<MeshFile> references{reference};
-  const auto result = compare(mesh.mesh, references, {.mesh_origin_mm = mesh.origin_mm});
+  const auto result = compare(mesh.mesh, references, {.alignment = alignment, .mesh_origin_mm = mesh.origin_mm});
   EXPECT_TRUE(result.has_value());
   const std::vector<std::string> names{"scan.ply", "ref.stl"};
   return doubts_of(mesh, references, names, *result);
@@ -65,6 +65,7 @@ TEST(Doubts, two_meshes_in_the_same_wrong_unit_are_told_both) {
 TEST(Doubts, two_sizes_a_unit_apart_that_both_could_be_are_told_when_they_do_not_lie_on_each_other) {
   const MeshFile arch = scaled(relief(0.5), 3.0);
   EXPECT_THAT(only(doubts(scaled(arch, 0.1), arch)), HasSubstr("centimetres (times 10)"));
+  EXPECT_THAT(only(doubts(scaled(arch, 0.1), arch, Alignment::kBest)), HasSubstr("centimetres (times 10)"));
   // Control: a patch a tenth as large that lies on it.
   MeshFile patch = arch;
   std::erase_if(patch.mesh.triangles, [&](const auto& t) {
