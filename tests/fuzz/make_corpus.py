@@ -136,9 +136,51 @@ def table_seeds():
         yield f"{name}_quoted", bytes([kind]) + ('"' + text.replace(",", '", "').replace("\n", '"\n"')).encode()
 
 
+def recording_seeds():
+    flip, other, cut = pick(0), pick(0), pick(5)
+    for form in range(2):
+        for at in (3, 20, 900, 2500, 4000, 6000):
+            yield f"bit_{form}_{at}", pick(form) + pick(0) + pick(0) + pick(at) + pick(0) + flip + pick(at % 8)
+        for at in (100, 3000, 5000):
+            yield f"cut_{form}_{at}", pick(form) + pick(0) + pick(0) + pick(at) + other + cut
+        for kind, name in ((1, "rubbish"), (2, "zeros"), (3, "gap"), (4, "twice")):
+            yield f"{name}_{form}", pick(form) + pick(0) + pick(1) + (pick(2800) + pick(250) + pick(kind) + b"\x06" * 8) * 2
+    magic = b"\x89MCAP0\r\n"
+    header = b"\x01" + struct.pack("<Q", 8) + struct.pack("<II", 0, 0)
+    end = b"\x0f" + struct.pack("<QI", 4, 0) + b"\x02" + struct.pack("<QQQI", 20, 0, 0, 0) + magic
+    yield "empty_mcap", pick(0) + pick(7) + magic + header + end
+    chunk = struct.pack("<QQQII", 0, 0, 1 << 40, 0, 3) + b"lz4" + struct.pack("<Q", 1)
+    yield "huge_chunk", pick(0) + pick(7) + magic + header + b"\x06" + struct.pack("<Q", len(chunk) + 1) + chunk + b"x" + end
+
+
+def message_seeds():
+    plain = b"\0\1\0\0"
+    for kind in range(9):
+        yield f"zeros_{kind}", bytes([kind]) + plain + bytes(400)
+        yield f"delimited_{kind}", bytes([kind]) + b"\0\x09\0\0" + struct.pack("<I", 300) + bytes(300)
+    yield "long_sequence", b"\0" + plain + bytes(112) + struct.pack("<I", 0xFFFFFFFF) + bytes(64)
+
+
+def rig_seeds():
+    rigs = pathlib.Path(__file__).parents[2] / "config" / "rigs"
+    for path in sorted(rigs.glob("*.json")):
+        yield path.stem, path.read_bytes()
+    yield "deep", b"[" * 500
+    yield "numbers", b'{"format": "rig/1", "camera": {"width": 1e400, "height": -1, "fx": NaN}}'
+
+
+def config_seeds():
+    yield "all", (b'count=5\nseed = 3\nname = "a \\u00e9"\nknots = [1, 2.5]\noffset = [1.0, -2, 3e0]\ntags = ["x", ""]\nmode = "exact"\n'
+                  b"[grid]\nstep_mm = 0.25\nenabled = false\n[[ball]]\nradius = 0.5\n[[ball]]\n")
+    yield "setting", b"grid.step_mm = 0.5\n[grid]\nenabled = true\n"
+    yield "limits", b"seed = 18446744073709551616\ncount = -1\nknots = [nan, inf, 1e400]\noffset = [1]\n"
+    yield "no_toml", b"[[[\n= 3\n\"\xff"
+
+
 def seeds():
     for target, made in (("image", image_seeds), ("dfu", dfu_seeds), ("status", status_seeds), ("boot", boot_seeds),
-                         ("mesh", mesh_seeds), ("table", table_seeds)):
+                         ("mesh", mesh_seeds), ("table", table_seeds), ("recording", recording_seeds),
+                         ("message", message_seeds), ("rig", rig_seeds), ("config", config_seeds)):
         for name, content in made():
             yield CORPUS / target / name, content
 
