@@ -85,7 +85,7 @@ Run add_inspect(CLI::App& app) {
     if (!manifest) return refused(manifest.error());
     nlohmann::json j = sign::describe(*manifest);
     j["signatures"] = trusted.empty() ? "not checked: no --key" : "good";
-    std::printf("%s\n", json_text(j, 1).c_str());
+    std::printf("%s\n", enamel::json_text(j, 1).c_str());
     return 0;
   };
 }

@@ -33,6 +33,25 @@ TEST(LossLedger, counts_loss_on_the_wire_including_the_tail) {
   EXPECT_EQ(verdict.error().code, ErrorCode::kDataLoss);
 }
 
+// Damaged places of a recording do not tell their numbers: before the first burst that does, among them, or behind.
+TEST(LossLedger, damaged_bursts_are_counted_wherever_they_lie) {
+  for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{1}}) {
+    LossLedger ledger;
+    for (std::uint64_t seq = first; seq < first + 7; ++seq) {
+      ledger.received(seq);
+      ledger.accepted();
+      ledger.fused();
+    }
+    ledger.received_unreadable();
+    ledger.damaged();
+    const BurstCounts counts = ledger.counts();
+    EXPECT_EQ(counts.captured, 8U) << first;
+    EXPECT_EQ(counts.incomplete, 1U) << first;
+    EXPECT_EQ(counts.lost_on_wire, 0U) << first;
+    EXPECT_EQ(check(counts).error().code, ErrorCode::kDataLoss) << first;
+  }
+}
+
 TEST(LossLedger, shedding_alone_is_no_error) {
   LossLedger ledger = ledger_of_ten();
   ledger.received(10);

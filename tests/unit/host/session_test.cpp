@@ -32,6 +32,7 @@ class MadeUpStream final : public test::BareStream {
     burst.calib_crc32 = kForeign;
     return std::optional(capture::Record{.value = std::move(burst)});
   }
+  [[nodiscard]] std::uint64_t bursts_lost() const noexcept override { return damaged_ && next_ > *damaged_ ? 1 : 0; }
   void rewind() noexcept override { next_ = 0; }
 
  private:
