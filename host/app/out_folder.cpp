@@ -8,12 +8,12 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <utility>
 
 #include "protocol/base/file.hpp"
 #include "protocol/base/log.hpp"
+#include "protocol/base/utc.hpp"
 
 namespace enamel::app {
 
@@ -98,17 +98,18 @@ bool OutFolder::has_recording() const {
 
 Result<std::string> new_session_folder() {
   ENAMEL_TRY(make_folder("out"));
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  ::gmtime_r(&now, &utc);
-  std::array<char, 64> text{};
-  std::strftime(text.data(), text.size(), "session-%Y%m%d-%H%M%S", &utc);
-  std::string name = text.data();
+  std::string date_time;
+  for (const char c : utc_text(wall_time())) {
+    if (c >= '0' && c <= '9') date_time += c;
+    if (c == 'T') date_time += '-';
+  }
+  const std::string dated = "session-" + date_time;
+  std::string name = dated;
   // Two scans begun in the same second get folders of their own: creating one is what decides.
   std::error_code ec;
   for (int again = 2; !fs::create_directory("out/" + name, ec); ++again) {
     if (ec) return not_usable("out/" + name, ec.message());
-    name = std::string(text.data()) + "-" + std::to_string(again);
+    name = dated + "-" + std::to_string(again);
   }
   const fs::path link = "out/session";
   if (fs::is_symlink(link, ec)) fs::remove(link, ec);
