@@ -26,7 +26,7 @@ Result<void> write_grey(const std::string& path, const Map<float>& image, int bi
   } catch (const cv::Exception& e) {
     return fail(ErrorCode::kFileWrite, path + ": " + e.what());
   }
-  return write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, Sync::kLater);
 }
 
 Result<void> write_levels(const std::string& folder, char letter, const std::vector<FringeLevel>& levels, int bits) {

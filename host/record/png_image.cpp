@@ -52,7 +52,7 @@ Result<void> write_grey_png(const std::string& path, int width, int height, int 
   } catch (const cv::Exception& e) {
     return fail(ErrorCode::kInternal, path + ": " + e.err);
   }
-  return write_file(path, {reinterpret_cast<const char*>(encoded.data()), encoded.size()});
+  return write_file(path, {reinterpret_cast<const char*>(encoded.data()), encoded.size()}, Sync::kLater);
 }
 
 }  // namespace enamel::host

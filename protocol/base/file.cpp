@@ -36,11 +36,13 @@ Result<std::string> read_file(const std::string& path) {
   return std::move(content).str();
 }
 
-Result<void> write_file(const std::string& path, std::string_view content) {
+Result<void> write_file(const std::string& path, std::string_view content, Sync sync) {
   const std::string temporary = path + ".partial";
   const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (fd < 0) return fail(ErrorCode::kFileWrite, path + ": " + std::strerror(errno));
-  const bool written = write_all(fd, content);
+  bool written = write_all(fd, content);
+  // Pipes and devices cannot be synchronised.
+  if (written && sync == Sync::kNow && ::fdatasync(fd) != 0) written = errno == EINVAL || errno == EROFS;
   const int reason = errno;
   const bool closed = ::close(fd) == 0;
   if (!written || !closed || ::rename(temporary.c_str(), path.c_str()) != 0) {
