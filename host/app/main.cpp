@@ -19,7 +19,7 @@ constexpr std::array<enamel::Subcommand<enamel::app::Run>, 11> kCommands{{
     {"scan", "live scan of a probe on the network", enamel::app::add_scan},
     {"replay", "reprocess a recording or exchange folder: same capture, same bits", enamel::app::add_replay},
     {"decode", "one burst, every intermediate map", enamel::app::add_decode},
-    {"capture", "work on recordings: import export info verify cut diff", enamel::app::add_capture},
+    {"capture", "work on recordings: import export info verify cut repair diff", enamel::app::add_capture},
     {"calibrate", "from pictures of a target to rig.json: solve check compare show list revert",
      enamel::app::add_calibrate},
     {"patterns", "a rig's four fringe pictures, to load into its projector", enamel::app::add_patterns},
