@@ -9,6 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include "protocol/base/json_text.hpp"
+
 namespace enamel::host {
 namespace {
 
@@ -160,7 +162,7 @@ std::string compare_json(const CompareResult& result, const Doubts& doubts) {
   auto j = nlohmann::ordered_json::parse(compare_json(result));
   j["left_out"] = {{"mesh", counts(doubts.mesh)}, {"reference", counts(doubts.reference)}};
   j["warnings"] = doubts.words;
-  return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // a path may be no UTF-8
+  return json_text(j, 2);
 }
 
 }  // namespace enamel::host

@@ -95,7 +95,8 @@ Exit save_calibration(const Choice& choice, const std::string& path) {
   const auto length = copy_calibration(*bus, probe, path);
   if (!length) return report(length.error(), choice.json);
   if (choice.json) {
-    std::printf("%s\n", json_text({{"serial", probe.serial}, {"bytes", *length}, {"exit_code", 0}}).c_str());
+    std::printf("%s\n",
+                json_text(nlohmann::json{{"serial", probe.serial}, {"bytes", *length}, {"exit_code", 0}}).c_str());
   } else {
     std::printf("%s: %zu bytes written to %s\n", probe.serial.c_str(), *length, path.c_str());
   }

@@ -39,7 +39,8 @@ Exit for_each(const Choice& choice, Act act) {
       const Exit code = report(done.error(), choice.json);
       if (exit == Exit::kOk) exit = code;
     } else if (choice.json) {
-      std::printf("%s\n", enamel::json_text({{"serial", p.serial}, {"port", p.port}, {"exit_code", 0}}).c_str());
+      std::printf("%s\n",
+                  enamel::json_text(nlohmann::json{{"serial", p.serial}, {"port", p.port}, {"exit_code", 0}}).c_str());
     } else {
       std::printf("%s: ok\n", p.serial.c_str());
     }

@@ -158,48 +158,11 @@ std::optional<Channel> read_channel(ByteSpan body) {
   return checked(in, std::move(c));
 }
 
-std::optional<ChunkIndex> read_chunk_index(ByteSpan body) {
-  ByteReader in(body);
-  ChunkIndex c;
-  c.start_ns = in.get<std::uint64_t>();
-  c.end_ns = in.get<std::uint64_t>();
-  c.offset = in.get<std::uint64_t>();
-  c.length = in.get<std::uint64_t>();
-  c.message_index_offsets = take_counts(in);
-  c.message_index_length = in.get<std::uint64_t>();
-  c.compression = take_string(in);
-  c.compressed_size = in.get<std::uint64_t>();
-  c.uncompressed_size = in.get<std::uint64_t>();
-  return checked(in, std::move(c));
-}
-
-std::optional<AttachmentIndex> read_attachment_index(ByteSpan body) {
-  ByteReader in(body);
-  AttachmentIndex a;
-  a.offset = in.get<std::uint64_t>();
-  a.length = in.get<std::uint64_t>();
-  a.log_ns = in.get<std::uint64_t>();
-  a.create_ns = in.get<std::uint64_t>();
-  a.data_size = in.get<std::uint64_t>();
-  a.name = take_string(in);
-  a.media_type = take_string(in);
-  return checked(in, std::move(a));
-}
-
 std::optional<Metadata> read_metadata(ByteSpan body) {
   ByteReader in(body);
   Metadata m;
   m.name = take_string(in);
   m.values = take_key_values(in);
-  return checked(in, std::move(m));
-}
-
-std::optional<MetadataIndex> read_metadata_index(ByteSpan body) {
-  ByteReader in(body);
-  MetadataIndex m;
-  m.offset = in.get<std::uint64_t>();
-  m.length = in.get<std::uint64_t>();
-  m.name = take_string(in);
   return checked(in, std::move(m));
 }
 

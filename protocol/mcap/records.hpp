@@ -31,10 +31,7 @@ struct RecordHead {
 [[nodiscard]] std::string take_string(ByteReader& in);
 [[nodiscard]] std::optional<Schema> read_schema(ByteSpan body);
 [[nodiscard]] std::optional<Channel> read_channel(ByteSpan body);
-[[nodiscard]] std::optional<ChunkIndex> read_chunk_index(ByteSpan body);
-[[nodiscard]] std::optional<AttachmentIndex> read_attachment_index(ByteSpan body);
 [[nodiscard]] std::optional<Metadata> read_metadata(ByteSpan body);
-[[nodiscard]] std::optional<MetadataIndex> read_metadata_index(ByteSpan body);
 [[nodiscard]] std::optional<Statistics> read_statistics(ByteSpan body);
 
 }  // namespace enamel::mcap
