@@ -1,5 +1,6 @@
 #include "host/app/scan_run.hpp"
 
+#include <filesystem>
 #include <optional>
 
 #include "host/app/calibration.hpp"
@@ -30,7 +31,7 @@ host::LiveSessionConfig session_config(const ScanRun& scan, const LoadedConfig& 
   c.config_text = config.text;
   c.program = "enamel " ENAMEL_VERSION;
   if (scan.resume) c.resume = host::session_parts(scan.run.out);
-  if (scan.record) c.recording_path = host::next_part(scan.run.out);
+  if (scan.record) c.recording_path = scan.resume ? host::next_part(scan.run.out) : scan.run.out + "/capture.mcap";
   c.workers = scan.run.workers;
   c.preview_model = !scan.run.headless;
   return c;
@@ -53,8 +54,11 @@ Result<void> keep_recording(const ScanRun& scan, const OutFolder& folder) {
   if (scan.may_replace_simulated) {
     const auto before = host::open_bursts(folder.path() + "/capture.mcap");
     // Of a demo that was killed before its first burst nothing can be read, and nothing is lost.
-    if (!before ? before.error().code == ErrorCode::kCaptureInvalid : host::says_simulated((*before)->info()))
+    if (!before ? before.error().code == ErrorCode::kCaptureInvalid : host::says_simulated((*before)->info())) {
+      std::error_code ec;
+      for (const std::string& part : host::session_parts(folder.path())) std::filesystem::remove(part, ec);
       return {};
+    }
   }
   return fail(ErrorCode::kFileWrite, folder.path() +
                                          ": holds the recording of a scan, which is not written over; "
