@@ -54,8 +54,8 @@ double RidgeField::value(const Eigen::Vector3d& p) const {
   constexpr double kHalfMm = 0.05;
   const double slope = (profile({a.s, a.n + kHalfMm}) - profile({a.s, a.n - kHalfMm})) / (2 * kHalfMm);
   const double distance = (p.z() - profile(a)) / std::sqrt(1.0 + slope * slope);
-  constexpr double kReachMm = 1.0;  // the relief matters near the surface only
-  return std::abs(distance) < kReachMm ? distance - relief(a, p) : distance;
+  constexpr double kReliefReachMm = 1.0;  // the relief matters near the surface only
+  return std::abs(distance) < kReliefReachMm ? distance - relief(a, p) : distance;
 }
 
 Ridge make_ridge(const RidgeConfig& config, std::uint64_t seed) {
