@@ -102,7 +102,7 @@ Result<void> LiveFeed::take_lease(const std::stop_token& stop) {
     if (opened) return {};
     const bool again = opened.error().code == ErrorCode::kProbeRefused && clock_.now() < deadline;
     if (!again || stop.stop_requested()) return tl::unexpected<Error>(opened.error());
-    sink_.on_state(state_, "another host holds the probe: waiting for it to let go");
+    enter(state_, "another host holds the probe: waiting for it to let go");
     clock_.sleep_for(kAskForLease);
   }
 }

@@ -11,6 +11,7 @@
 #include "host/mesh_files/ply_header.hpp"
 #include "host/mesh_files/text_scan.hpp"
 #include "protocol/base/bytes.hpp"
+#include "protocol/base/plain_text.hpp"
 
 namespace enamel::host {
 namespace {
@@ -253,8 +254,7 @@ Result<void> read_element(const PlyElement& element, std::uint64_t vertices, Val
 }  // namespace
 
 Result<MeshFile> parse_ply(std::string_view bytes) {
-  constexpr std::string_view kMark = "\xef\xbb\xbf";
-  bytes.remove_prefix(bytes.starts_with(kMark) ? kMark.size() : 0);
+  bytes = without_utf8_mark(bytes);
   ENAMEL_TRY_ASSIGN(const PlyHeader header, take_ply_header(bytes));
   Values values(bytes, header.form);
   MeshSoup out;

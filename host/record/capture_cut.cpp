@@ -53,7 +53,7 @@ class RangeCopy {
   std::vector<capture::Record> pending_;
 };
 
-// Copies every record, damaged bursts excepted.
+// Copies every record that it is given.
 class WholeCopy {
  public:
   explicit WholeCopy(capture::CaptureWriter& out) : out_(out) {}

@@ -69,10 +69,14 @@ char separator_of(std::string_view header) {
 
 }  // namespace
 
+std::string_view without_utf8_mark(std::string_view bytes) noexcept {
+  bytes.remove_prefix(bytes.starts_with(kUtf8Mark) ? kUtf8Mark.size() : 0);
+  return bytes;
+}
+
 std::string_view plain_text(std::string_view bytes, std::string& room) {
-  if (bytes.starts_with(kUtf8Mark)) return bytes.substr(kUtf8Mark.size());
   const bool big = bytes.starts_with(kBigMark);
-  if (!big && !bytes.starts_with(kLittleMark)) return bytes;
+  if (!big && !bytes.starts_with(kLittleMark)) return without_utf8_mark(bytes);
   room.clear();
   for (std::size_t i = 2; i + 1 < bytes.size(); i += 2) {
     const auto low = static_cast<unsigned char>(bytes[i + (big ? 1 : 0)]);

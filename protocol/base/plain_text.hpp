@@ -6,6 +6,9 @@
 
 namespace enamel {
 
+/// Without the mark of UTF-8 in front, where there is one.
+[[nodiscard]] std::string_view without_utf8_mark(std::string_view bytes) noexcept;
+
 /// The text without its byte order mark. UTF-16 (known by its mark) becomes UTF-8 in `room`, what is not ASCII as '?';
 /// else the result is a view of `bytes`. `room` must outlive the result.
 [[nodiscard]] std::string_view plain_text(std::string_view bytes, std::string& room);

@@ -45,8 +45,9 @@ struct Reader::Impl {
 
   /// Length of a record's body as its own fields tell it; nullopt for one that tells none, or no such record.
   [[nodiscard]] Result<std::optional<std::uint64_t>> own_length(Op op, std::uint64_t at) const;
-  /// Length of the body at `at`: the one that its head tells, or its fields where the next record follows upon that.
-  [[nodiscard]] Result<std::optional<std::uint64_t>> body_length(Op op, std::uint64_t at, std::uint64_t told) const;
+  /// Length of the body at `at`: the one that its head tells, or `own` where the next record follows upon that.
+  [[nodiscard]] Result<std::optional<std::uint64_t>> body_length(const RecordHead& head, std::uint64_t at,
+                                                                 std::optional<std::uint64_t> own) const;
   /// A record begins here: its head and its fields agree.
   [[nodiscard]] Result<bool> begins(std::uint64_t at) const;
   /// First such place from `at` on.

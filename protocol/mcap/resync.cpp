@@ -152,19 +152,20 @@ Result<bool> Reader::Impl::begins(std::uint64_t at) const {
   return own == head.length;
 }
 
-Result<std::optional<std::uint64_t>> Reader::Impl::body_length(Op op, std::uint64_t at, std::uint64_t told) const {
-  const std::uint64_t room = source.size() - at - kRecordHeader;
-  const bool fits = told <= room;
+Result<std::optional<std::uint64_t>> Reader::Impl::body_length(const RecordHead& head, std::uint64_t at,
+                                                               std::optional<std::uint64_t> own) const {
   using Length = std::optional<std::uint64_t>;
-  ENAMEL_TRY_ASSIGN(const Length own, own_length(op, at));
+  const std::uint64_t room = source.size() - at - kRecordHeader;
+  const std::uint64_t told = head.length;
+  const bool fits = told <= room;
   const auto follows = [&](std::uint64_t length) -> Result<bool> {
     if (length == room) return true;
     return begins(at + kRecordHeader + length);
   };
   constexpr auto kReserved = std::uint8_t{0x10};  // opcodes from here on belong to later versions and to others
   if (!own) {
-    if (!fits || (op != Op::kMessage && static_cast<std::uint8_t>(op) < kReserved)) return Length{};
-    if (op != Op::kMessage) return Length(told);
+    if (!fits || (head.op != Op::kMessage && static_cast<std::uint8_t>(head.op) < kReserved)) return Length{};
+    if (head.op != Op::kMessage) return Length(told);
     ENAMEL_TRY_ASSIGN(const bool message, begins(at));
     return message ? Length(told) : Length{};
   }

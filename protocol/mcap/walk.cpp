@@ -41,7 +41,8 @@ Result<std::uint64_t> Reader::Impl::read_header() {
   if (right < kMagic.size() / 2) return foreign("not an MCAP file");
   if (right < kMagic.size()) problems.push_back("the first eight bytes are damaged");
   const auto head = read_head(ByteSpan(begin).subspan(kMagic.size()));
-  ENAMEL_TRY_ASSIGN(const auto length, body_length(Op::kHeader, kMagic.size(), head->length));
+  ENAMEL_TRY_ASSIGN(const auto own, own_length(Op::kHeader, kMagic.size()));
+  ENAMEL_TRY_ASSIGN(const auto length, body_length({Op::kHeader, head->length}, kMagic.size(), own));
   if (head->op != Op::kHeader || !length) {
     ENAMEL_TRY_ASSIGN(const auto next, find_record(kMagic.size()));
     if (!next) return foreign("the header is not whole");
@@ -95,7 +96,7 @@ Result<bool> Reader::Impl::take_record(std::uint64_t& at) {
     at += kRecordHeader + head.length;
     return take_body(guess, at - kRecordHeader - head.length, head.length);
   }
-  ENAMEL_TRY_ASSIGN(const Length length, body_length(head.op, at, head.length));
+  ENAMEL_TRY_ASSIGN(const Length length, body_length(head, at, own));
   if (!length) return false;
   ENAMEL_TRY_ASSIGN(const bool taken, take_body(head.op, at, *length));
   if (!taken) return false;

@@ -39,6 +39,18 @@ class Promises : public ::testing::Test {
     EXPECT_TRUE(child);
     return std::move(*child);
   }
+  /// `sleeper` is the host or a probe that plays 240 bursts.
+  void expect_to_go_on_after_sleep_of(const app::ChildProcess& sleeper, app::ChildProcess& host) {
+    ASSERT_TRUE(recorded(session_, kSomeBursts)) << said();
+    sleeper.signal(SIGSTOP);
+    clock_.sleep_for(milliseconds(3500));  // longer than the probe's lease and its liveliness
+    sleeper.signal(SIGCONT);
+    const int code = host.wait(clock_, seconds(90)).value_or(-1);
+    EXPECT_TRUE(code == 0 || code == 4) << code << said();
+    const auto bursts = report_of(session_)["bursts"];
+    expect_balanced(bursts);
+    EXPECT_EQ(bursts["captured"], 240) << said();
+  }
   [[nodiscard]] std::string said() const { return read_file(tmp_ / "err").value_or(""); }
   TempFolder tmp_;
   std::string tag_ = unique_tag();
@@ -76,30 +88,14 @@ TEST_F(Promises, a_killed_scan_is_resumed_and_equals_the_replay_of_the_whole) {
 TEST_F(Promises, a_host_that_slept_goes_on) {
   const auto probe = start_probe(tmp_, tag_, "P1", "6");
   auto host = scan();
-  ASSERT_TRUE(recorded(session_, kSomeBursts)) << said();
-  host.signal(SIGSTOP);
-  clock_.sleep_for(milliseconds(3500));  // longer than the probe's lease
-  host.signal(SIGCONT);
-  const int code = host.wait(clock_, seconds(90)).value_or(-1);
-  EXPECT_TRUE(code == 0 || code == 4) << code << said();
-  const auto bursts = report_of(session_)["bursts"];
-  expect_balanced(bursts);
-  EXPECT_EQ(bursts["captured"], 240) << said();
+  expect_to_go_on_after_sleep_of(host, host);
   EXPECT_TRUE(fs::exists(session_ + "/mesh.stl"));
 }
 
 TEST_F(Promises, a_probe_that_slept_is_counted_as_one) {
   auto probe = start_probe(tmp_, tag_, "P1", "6");
   auto host = scan();
-  ASSERT_TRUE(recorded(session_, kSomeBursts)) << said();
-  probe.signal(SIGSTOP);
-  clock_.sleep_for(milliseconds(3500));  // longer than its liveliness
-  probe.signal(SIGCONT);
-  const int code = host.wait(clock_, seconds(90)).value_or(-1);
-  EXPECT_TRUE(code == 0 || code == 4) << code << said();
-  const auto bursts = report_of(session_)["bursts"];
-  expect_balanced(bursts);
-  EXPECT_EQ(bursts["captured"], 240) << said();
+  expect_to_go_on_after_sleep_of(probe, host);
 }
 
 TEST_F(Promises, a_closed_terminal_ends_a_scan_with_its_files_written) {

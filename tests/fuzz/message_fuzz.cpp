@@ -1,5 +1,6 @@
 // Any bytes as a message off the wire (the first byte chooses the type): what is let in is written back to the same
 // value, and a burst that is called consistent has its frames inside its payload.
+#include <array>
 #include <cstdint>
 
 #include "protocol/types/burst.hpp"
@@ -31,39 +32,15 @@ void demand_round_trip(proto::ByteView bytes) {
   }
 }
 
+constexpr std::array kTypes{demand_round_trip<proto::Burst>,        demand_round_trip<proto::ShedNote>,
+                            demand_round_trip<proto::Status>,       demand_round_trip<proto::Event>,
+                            demand_round_trip<proto::DeviceInfo>,   demand_round_trip<proto::Command>,
+                            demand_round_trip<proto::CommandReply>, demand_round_trip<proto::TimeSyncReq>,
+                            demand_round_trip<proto::TimeSyncRep>};
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size == 0) return 0;
-  const proto::ByteView bytes(data + 1, size - 1);
-  switch (data[0] % 9) {
-    case 0:
-      demand_round_trip<proto::Burst>(bytes);
-      break;
-    case 1:
-      demand_round_trip<proto::ShedNote>(bytes);
-      break;
-    case 2:
-      demand_round_trip<proto::Status>(bytes);
-      break;
-    case 3:
-      demand_round_trip<proto::Event>(bytes);
-      break;
-    case 4:
-      demand_round_trip<proto::DeviceInfo>(bytes);
-      break;
-    case 5:
-      demand_round_trip<proto::Command>(bytes);
-      break;
-    case 6:
-      demand_round_trip<proto::CommandReply>(bytes);
-      break;
-    case 7:
-      demand_round_trip<proto::TimeSyncReq>(bytes);
-      break;
-    default:
-      demand_round_trip<proto::TimeSyncRep>(bytes);
-      break;
-  }
+  if (size > 0) kTypes[data[0] % kTypes.size()](proto::ByteView(data + 1, size - 1));
   return 0;
 }

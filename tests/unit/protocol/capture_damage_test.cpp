@@ -27,6 +27,11 @@ class Damage : public ::testing::TestWithParam<bool> {
     ASSERT_TRUE(out->finish());
     bytes_ = test::slurp(path_);
   }
+  void spill_with_a_bit_flipped(std::size_t at, test::Random& random) {
+    auto damaged = bytes_;
+    damaged[at] ^= static_cast<std::uint8_t>(1U << random.below(8));
+    test::spill(path_, damaged);
+  }
   TempFolder folder_;
   std::string path_ = folder_ / "c.mcap";
   std::vector<Record> records_;
@@ -64,9 +69,7 @@ TEST_P(Damage, a_flipped_bit_is_found_wherever_it_is) {
   test::Random random(3);
   int corrupt = 0;
   for (std::size_t at = 0; at < bytes_.size(); at += 1 + random.below(40)) {
-    auto damaged = bytes_;
-    damaged[at] ^= static_cast<std::uint8_t>(1U << random.below(8));
-    test::spill(path_, damaged);
+    spill_with_a_bit_flipped(at, random);
     auto in = CaptureReader::open(path_);
     bool found = !in;
     if (in) {
@@ -109,9 +112,7 @@ TEST_P(Damage, a_flipped_bit_costs_no_more_than_the_chunk_it_is_in) {
   const auto is_burst = [](const Record& r) { return std::holds_alternative<proto::Burst>(r.value); };
   for (int i = 0; i < 3000; ++i) {
     const std::size_t at = random.below(bytes_.size());
-    auto damaged = bytes_;
-    damaged[at] ^= static_cast<std::uint8_t>(1U << random.below(8));
-    test::spill(path_, damaged);
+    spill_with_a_bit_flipped(at, random);
     auto in = CaptureReader::open(path_);
     ASSERT_TRUE(in) << "byte " << at << ": " << in.error().message();
     const auto all = collect(*in);
@@ -133,9 +134,7 @@ TEST_P(Damage, a_flipped_bit_in_a_truncated_file_costs_no_more) {
   bytes_.resize(last.offset + last.length + 700);
   for (int i = 0; i < 1000; ++i) {
     const std::size_t at = random.below(bytes_.size() - 700);
-    auto damaged = bytes_;
-    damaged[at] ^= static_cast<std::uint8_t>(1U << random.below(8));
-    test::spill(path_, damaged);
+    spill_with_a_bit_flipped(at, random);
     auto in = CaptureReader::open(path_);
     ASSERT_TRUE(in) << "byte " << at << ": " << in.error().message();
     const auto all = collect(*in);
