@@ -74,6 +74,14 @@ Result<OutFolder> OutFolder::open(const std::string& path) {
   return folder;
 }
 
+bool in_use(const std::string& folder) {
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool held = ::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(fd);
+  return held;
+}
+
 Result<void> usable_folder(const std::string& path) {
   ENAMEL_TRY(make_folder(path));
   return try_to_write(path);

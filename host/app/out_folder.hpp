@@ -34,6 +34,9 @@ class OutFolder {
   int fd_ = -1;
 };
 
+/// Another run holds its lock.
+[[nodiscard]] bool in_use(const std::string& folder);
+
 /// Makes the folder and its parents and tries whether it can be written. Errors: kFileWrite.
 [[nodiscard]] Result<void> usable_folder(const std::string& path);
 

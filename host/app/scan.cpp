@@ -1,6 +1,7 @@
 // enamel scan: live scan of a probe on the network.
 #include <memory>
 
+#include "host/app/broken_off.hpp"
 #include "host/app/command.hpp"
 #include "host/app/out_folder.hpp"
 #include "host/app/scan_run.hpp"
@@ -16,15 +17,24 @@ Run add_scan(CLI::App& app) {
       "--session", scan->run.out,
       "folder for recording and results (default: a new one, out/session-DATE-TIME; out/session links to it)");
   const auto resume = std::make_shared<std::string>();
-  app.add_option("--resume", *resume, "go on with the session in this folder: its model is rebuilt from the recording")
-      ->excludes(session);
+  CLI::Option* const again =
+      app.add_option("--resume", *resume,
+                     "go on with the session in this folder: its model is rebuilt from the recording (by itself within"
+                     " five minutes, where a crash broke off the scan before this one)")
+          ->excludes(session);
+  const auto anew = std::make_shared<bool>(false);
+  app.add_flag("--new", *anew, "begin another scan even where one was broken off moments ago")->excludes(again);
   app.add_option("--rig", scan->rig_path, "calibration to measure with instead of the probe's own");
   app.add_option("--seconds", scan->seconds, "end after this long")->check(CLI::PositiveNumber);
   app.add_option("--wait-seconds", scan->wait_seconds, "how long to wait for a probe")->capture_default_str();
   app.add_option("--dds-tag", scan->dds_tag, "only probes with the same tag are seen")->capture_default_str();
   app.add_flag("!--no-record", scan->record, "keep no recording");
-  return [scan, resume]() -> Result<int> {
+  return [scan, resume, anew]() -> Result<int> {
     scan->start_at_once = scan->run.headless;
+    if (resume->empty() && !*anew && scan->record) {
+      if (const auto before = goes_on_with(scan->run.out.empty() ? "out/session" : scan->run.out))
+        *resume = before->folder;
+    }
     scan->resume = !resume->empty();
     if (scan->resume) scan->run.out = *resume;
     const bool made = scan->run.out.empty();

@@ -60,13 +60,11 @@ ProbeCounts LossLedger::counts_of(const Life& life) {
   const std::uint64_t spanned = life.last_seq ? *life.last_seq + 1 - (life.status ? 0 : *life.first_seq) : 0;
   // Damaged ones arrived too, and may lie before the first or behind the last that tells its number.
   const std::uint64_t proven = std::max(spanned, life.received);
-  if (proven > counts.emitted) {
-    counts.begun += proven - counts.emitted;
-    counts.emitted = proven;
-  }
-  // What the last status had begun but not yet settled when the probe died was never finished.
+  counts.emitted = std::max(counts.emitted, proven);
+  // What the last status had begun but not yet settled is among those that arrived since, or was never finished.
   const std::uint64_t settled = counts.emitted + counts.given_up + counts.queue_full;
-  if (counts.begun > settled) counts.given_up += counts.begun - settled;
+  counts.begun = std::max(counts.begun, settled);
+  counts.given_up += counts.begun - settled;
   return counts;
 }
 

@@ -153,16 +153,20 @@ class SinkStage final : public flow::Stage {
 /// End of the keep-latest edge: hands the newest item to whoever draws.
 class PreviewStage final : public flow::Stage {
  public:
-  explicit PreviewStage(PreviewSlot& slot) : Stage("preview"), slot_(slot) {}
+  PreviewStage(PreviewSlot& slot, std::function<void(const BurstPreview&)> also)
+      : Stage("preview"), slot_(slot), also_(std::move(also)) {}
   flow::In<BurstPreview> item{*this, "item"};
 
   Result<void> step() override {
-    slot_.put(item.take().value);
+    auto shown = item.take().value;
+    if (also_) also_(*shown);
+    slot_.put(std::move(shown));
     return {};
   }
 
  private:
   PreviewSlot& slot_;
+  std::function<void(const BurstPreview&)> also_;
 };
 
 }  // namespace enamel::host

@@ -1,9 +1,41 @@
 // The part of a live session that goes on with an earlier one.
+#include <filesystem>
+
 #include "host/session/live_session.hpp"
 #include "host/session/probe_counts.hpp"
 #include "host/session/recorded_counts.hpp"
+#include "protocol/base/file.hpp"
+#include "protocol/base/log.hpp"
 
 namespace enamel::host {
+
+std::string LiveSession::checkpoint_file() const {
+  return checkpoint_path(std::filesystem::path(config_.recording_path).parent_path().string());
+}
+
+void LiveSession::open_checkpoint() {
+  if (config_.recording_path.empty() || !config_.preview_model) return;
+  const std::string path = checkpoint_file();
+  if (!config_.resume.empty()) {
+    const auto bytes = read_file(path);
+    const auto before = bytes ? parse_checkpoint(*bytes) : Result<ModelCheckpoint>(tl::unexpected(bytes.error()));
+    if (before) {
+      model_before_.put(as_preview(*before));
+      knows_model_before_ = true;
+    } else if (bytes) {
+      log::warn("session", "{}: {}; the model comes back as its recording is worked through", path,
+                before.error().detail);
+    }
+  }
+  checkpoint_ = std::make_unique<CheckpointWriter>(path, config_.checkpoint_period);
+}
+
+void LiveSession::close_checkpoint() {
+  if (!checkpoint_) return;
+  checkpoint_.reset();
+  std::error_code ec;
+  std::filesystem::remove(checkpoint_file(), ec);
+}
 
 // The same records in the same order as a replay of the whole recording: the same bits.
 void LiveSession::rebuild(BurstNumbering& numbering) {

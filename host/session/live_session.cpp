@@ -45,6 +45,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::create(const dds::Participant&
   // The model is there before anything is added to it.
   if (!config.resume.empty()) its_own.feed.start_at_once = false;
   auto session = std::unique_ptr<LiveSession>(new LiveSession(std::move(link), its_own, clock));
+  session->open_checkpoint();
   if (config.resume.empty()) return session;
   session->wanted_after_rebuild_ = config.feed.start_at_once;
   ENAMEL_TRY_ASSIGN(session->past_, open_parts(config.resume));
@@ -115,8 +116,14 @@ Result<void> LiveSession::start_pipeline(const std::string& text, bool simulated
   if (config_.calibration) {
     ENAMEL_TRY_ASSIGN(rig, calib::measuring_rig(*config_.calibration, rig));
   }
-  const ScanPipelineOptions options{
-      .workers = config_.workers, .preview_model = config_.preview_model, .calib_crc32 = rig.crc32};
+  const ScanPipelineOptions options{.workers = config_.workers,
+                                    .preview_model = config_.preview_model,
+                                    .calib_crc32 = rig.crc32,
+                                    .waiting_room = config_.gate_bursts,
+                                    .on_preview = [this](const BurstPreview& shown) {
+                                      if (checkpoint_ && rebuilt_.load(std::memory_order_acquire))
+                                        checkpoint_->offer(shown);
+                                    }};
   ENAMEL_TRY_ASSIGN(pipeline_, ScanPipeline::create(rig, config_.pipeline, options, clock_));
   {
     const std::lock_guard lock(mutex_);
@@ -175,6 +182,12 @@ void LiveSession::on_burst(dds::Received<proto::Burst> burst, HostTime arrival) 
     if (!whole) ledger_.damaged();
   }
   if (!whole) return;
+  // The waiting room lies behind the recorder: what is let in is on disk within a moment, whatever the graph is at.
+  if (const ScanPipeline* pipeline = pipeline_ready_.load(std::memory_order_acquire);
+      pipeline != nullptr && gate_.size() + pipeline->waiting() >= config_.gate_bursts) {
+    note_shed(burst.value);
+    return;
+  }
   const auto exposed = link_->clock_map().to_host(end_of_burst(burst.value));
   if (auto dropped = gate_.push({std::move(burst), arrival, exposed})) note_shed(dropped->burst.value);
 }
@@ -226,6 +239,7 @@ PreviewFrame LiveSession::view() const {
 }
 
 PreviewSlot* LiveSession::preview() {
+  if (knows_model_before_ && !rebuilt_.load(std::memory_order_acquire)) return &model_before_;
   ScanPipeline* pipeline = pipeline_ready_.load(std::memory_order_acquire);
   return pipeline != nullptr ? &pipeline->preview() : nullptr;
 }
@@ -252,6 +266,7 @@ Result<Outcome> LiveSession::finish() {
     recorder_->finish();
     outcome.recording_error = recorder_->error();
   }
+  close_checkpoint();
   outcome.counts = ledger_.counts();
   outcome.counts.fused = outcome.scan.fused;
   outcome.counts.rejected = outcome.scan.rejected;

@@ -18,6 +18,7 @@
 #include "host/report/accounting.hpp"
 #include "host/session/burst_numbering.hpp"
 #include "host/session/disk_guard.hpp"
+#include "host/session/model_checkpoint.hpp"
 #include "host/session/pipeline_config.hpp"
 #include "host/session/recorder.hpp"
 #include "host/session/session.hpp"
@@ -34,9 +35,10 @@ struct LiveSessionConfig {
   std::string recording_path;             ///< empty: none
   /// Recordings of the session so far, in order: the model is rebuilt from them, then the scan goes on.
   std::vector<std::string> resume;
-  DiskLimits disk;              ///< of where the recording lies
-  std::string program;          ///< "enamel 0.1.0"
-  std::size_t gate_bursts = 8;  ///< waiting room; a burst is 1.2 MB
+  DiskLimits disk;                               ///< of where the recording lies
+  Nanoseconds checkpoint_period{2'000'000'000};  ///< how old the model may be that is shown at once after a crash
+  std::string program;                           ///< "enamel 0.1.0"
+  std::size_t gate_bursts = 8;                   ///< waiting room in front of the graph; a burst is 1.2 MB
   int workers = 2;
   bool preview_model = true;  ///< mesh the growing model for a window
 };
@@ -74,6 +76,10 @@ class LiveSession final : public Session, private FeedSink {
   /// Pipeline and thread, for the rig in `text` of a probe that may be simulated.
   [[nodiscard]] Result<void> start_pipeline(const std::string& text, bool simulated);
   [[nodiscard]] Result<void> start_recorder(const proto::DeviceInfo& info, const std::string& text);
+  /// The model as it was last seen, to be shown until it is rebuilt; then its file is this session's.
+  void open_checkpoint();
+  [[nodiscard]] std::string checkpoint_file() const;
+  void close_checkpoint();
   /// Pushes the recorded bursts of the session so far.
   void rebuild(BurstNumbering& numbering);
   /// Counters of `session_id` follow: those of the session that is resumed are over once ours have begun.
@@ -90,12 +96,15 @@ class LiveSession final : public Session, private FeedSink {
   Clock& clock_;
   std::unique_ptr<ProbeLink> link_;
   LiveFeed feed_;
-  IngressGate<Arrived> gate_;
+  IngressGate<Arrived> gate_;  ///< on the way to the recorder; full only where the disk does not keep up
   std::unique_ptr<Recorder> recorder_;
   std::unique_ptr<DiskGuard> disk_;  ///< with the recorder
   std::atomic<DiskGuard*> disk_ready_{nullptr};
   std::unique_ptr<BurstStream> past_;  ///< record thread, once it runs
   std::atomic<bool> rebuilt_{true};
+  std::unique_ptr<CheckpointWriter> checkpoint_;  ///< with a recording and somebody who watches
+  PreviewSlot model_before_;                      ///< as it was on the screen when the session was broken off …
+  bool knows_model_before_ = false;               ///< … where that is known
   bool wanted_after_rebuild_ = false;
   std::uint32_t probe_rig_crc32_ = 0;
   std::atomic<ScanPipeline*> pipeline_ready_{nullptr};

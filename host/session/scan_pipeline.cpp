@@ -26,14 +26,13 @@ namespace {
 
 // Two decoders keep two cores busy while registration waits for its turn; the order is restored behind them.
 constexpr std::size_t kDecoders = 2;
-constexpr std::size_t kEntrance = 2;
 static_assert(kWaveDelay % kDecoders == 0);
 
 }  // namespace
 
 struct ScanPipeline::Impl {
   Impl(const calib::Rig& r, const PipelineConfig& p, const ScanPipelineOptions& o, Clock& c)
-      : rig(r), config(p), options(o), clock(c), gate(kEntrance, GatePolicy::kLossless), graph(c) {}
+      : rig(r), config(p), options(o), clock(c), gate(o.waiting_room, GatePolicy::kLossless), graph(c) {}
 
   void build(const std::shared_ptr<const pipeline::BurstDecoder>& decoder);
   void start(std::optional<double> temp_c);
@@ -83,7 +82,7 @@ void ScanPipeline::Impl::build(const std::shared_ptr<const pipeline::BurstDecode
   fuse = &graph.add<stage::FuseStage>(optics, fuse_config,
                                       pipeline::Unpacker(baked->shared_rays(), baked->config().normals));
   SinkStage& last = graph.add<SinkStage>(clock);
-  auto& screen = graph.add<PreviewStage>(preview);
+  auto& screen = graph.add<PreviewStage>(preview, options.on_preview);
 
   const std::array<flow::In<proto::Burst>*, kDecoders> ins{&decoders[0]->burst, &decoders[1]->burst};
   const std::array<flow::In<pipeline::WaveKnowledge>*, kDecoders> waves{&decoders[0]->wave, &decoders[1]->wave};
@@ -177,6 +176,8 @@ bool ScanPipeline::push(Accepted item) {
   impl_->graph.waker().notify();
   return true;
 }
+
+std::size_t ScanPipeline::waiting() const { return impl_->gate.size(); }
 
 void ScanPipeline::finish() {
   impl_->start(std::nullopt);

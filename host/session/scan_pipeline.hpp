@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -85,6 +86,9 @@ struct ScanPipelineOptions {
   int workers = 2;                ///< 0: one thread, topological order
   bool preview_model = false;     ///< mesh the growing model for a window
   std::uint32_t calib_crc32 = 0;  ///< bursts that name another calibration are rejected; 0: any
+  std::size_t waiting_room = 2;   ///< bursts that push() takes before it waits
+  /// Sees every preview that the slot gets, on a thread of the graph; may be empty.
+  std::function<void(const BurstPreview&)> on_preview{};
   /// Of the nameless file that kept bursts go to once 128 MB of them are in memory; on a disk.
   std::string scratch_folder = default_scratch_folder();
 };
@@ -101,6 +105,8 @@ class ScanPipeline {
 
   /// Waits for room; false after finish() or a fatal stage.
   bool push(Accepted item);
+  /// Bursts that push() took and no decoder has taken yet. From any thread.
+  [[nodiscard]] std::size_t waiting() const;
   /// No more bursts: what is inside is worked off.
   void finish();
   /// Waits until the graph has worked everything off and the map is refined, or a stage failed.

@@ -32,6 +32,12 @@ bool recorded(const std::string& session, std::uintmax_t bytes) {
   });
 }
 
+std::size_t session_parts_of(const std::string& session) {
+  std::size_t count = 0;
+  for (const auto& entry : fs::directory_iterator(session)) count += entry.path().extension() == ".mcap" ? 1U : 0U;
+  return count;
+}
+
 class Promises : public ::testing::Test {
  protected:
   app::ChildProcess scan() {
@@ -83,6 +89,41 @@ TEST_F(Promises, a_killed_scan_is_resumed_and_equals_the_replay_of_the_whole) {
   const Ran part = run({program("enamel"), "replay", session_ + "/capture.mcap", "--out", tmp_ / "part", "--headless"},
                        seconds(120));
   EXPECT_NE(report_of(tmp_ / "part")["hash"], live["hash"]) << part.err;
+}
+
+TEST_F(Promises, the_next_scan_goes_on_with_one_that_a_crash_broke_off) {
+  const auto probe = start_probe(tmp_, tag_, "P1", "4");
+  auto first = scan();
+  ASSERT_TRUE(recorded(session_, kSomeBursts)) << said();
+  // Control: one that is under way is not gone on with.
+  EXPECT_EQ(run(scan_command(tmp_, tag_)).code, 2);
+  first.signal(SIGKILL);
+  ASSERT_TRUE(first.wait(clock_, seconds(10)));
+  const Ran again = run(scan_command(tmp_, tag_), seconds(120));
+  ASSERT_TRUE(again.code == 0 || again.code == 4) << again.err;
+  EXPECT_NE(again.err.find("broken off"), std::string::npos) << again.err;
+  EXPECT_TRUE(fs::exists(session_ + "/capture-2.mcap"));
+  EXPECT_EQ(report_of(session_)["bursts"]["captured"], 160);
+  // Control: one that came to its end is not gone on with either.
+  EXPECT_EQ(run(scan_command(tmp_, tag_)).code, 2);
+  EXPECT_FALSE(fs::exists(session_ + "/capture-3.mcap"));
+}
+
+TEST_F(Promises, a_scan_that_was_broken_off_long_ago_or_is_not_wanted_stays_as_it_is) {
+  fs::create_directories(session_);
+  const std::string whole = read_file(small_capture()).value_or("");
+  ASSERT_TRUE(write_file(session_ + "/capture.mcap", whole.substr(0, whole.size() / 2)));
+  auto command = scan_command(tmp_, tag_);
+  command.insert(command.end(), {"--wait-seconds", "1"});
+  EXPECT_EQ(run(command).code, 3) << "gone on with: no probe is there";
+  command.emplace_back("--new");
+  EXPECT_EQ(run(command).code, 2) << "the folder holds a recording";
+  command.pop_back();
+  fs::last_write_time(session_ + "/capture.mcap", fs::file_time_type::clock::now() - std::chrono::minutes(10));
+  const Ran late = run(command);
+  EXPECT_EQ(late.code, 2) << late.err;
+  EXPECT_NE(late.err.find("10 minutes ago"), std::string::npos) << late.err;
+  EXPECT_EQ(session_parts_of(session_), 1U);
 }
 
 TEST_F(Promises, a_host_that_slept_goes_on) {

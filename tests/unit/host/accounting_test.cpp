@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "protocol/base/rng.hpp"
+
 namespace enamel::host {
 namespace {
 
@@ -105,6 +107,36 @@ TEST(LossLedger, keeps_the_counts_of_a_probe_that_died_and_came_back) {
   EXPECT_EQ(counts.captured, 16U);
   EXPECT_EQ(counts.incomplete, 1U);
   EXPECT_EQ(counts.accepted, 15U);
+}
+
+// A burst that the last status called begun, and that arrived since, is one burst.
+TEST(LossLedger, never_counts_more_than_the_probe_began_whenever_it_died) {
+  Rng rng(11, 0, 0);
+  for (int life = 0; life < 500; ++life) {
+    LossLedger ledger;
+    ProbeCounts truth;
+    std::uint64_t settled_since_status = 0;
+    for (std::uint32_t n = 0, events = 1 + rng.below(60); n < events; ++n) {
+      const bool under_way = truth.begun > truth.emitted + truth.given_up;
+      if (!under_way) {
+        ++truth.begun;
+      } else if (rng.below(10) == 0) {
+        ++truth.given_up;
+        ++settled_since_status;
+      } else {
+        ledger.received(truth.emitted++);
+        ledger.accepted();
+        ledger.fused();
+      }
+      if (rng.below(4) != 0) continue;
+      ledger.probe_status(truth);
+      settled_since_status = 0;
+    }
+    const BurstCounts counts = ledger.counts();
+    EXPECT_LE(counts.captured, truth.begun) << life;
+    EXPECT_GE(counts.captured + settled_since_status + 1, truth.begun) << "what it gave up unseen nobody can know";
+    EXPECT_EQ(counts.captured, counts.incomplete + counts.accepted) << life;
+  }
 }
 
 TEST(LossLedger, shows_gaps_before_the_final_status) {
