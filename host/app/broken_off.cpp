@@ -35,7 +35,7 @@ std::optional<BrokenOff> broken_off(const std::string& folder) {
   const auto parts = host::session_parts(folder);
   if (parts.empty() || in_use(folder)) return std::nullopt;
   const auto recording = host::open_parts(parts);
-  if (!recording || (*recording)->info().bursts == 0) return std::nullopt;
+  if (!recording || (*recording)->rig_text().empty()) return std::nullopt;
   // Of several goes the last one decides.
   if (const auto last = host::open_parts({parts.back()}); last && !(*last)->info().truncated) return std::nullopt;
   struct stat written {};

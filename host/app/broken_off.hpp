@@ -14,7 +14,7 @@ struct BrokenOff {
   double age_s = 0;    ///< since its recording was last written; 0 where the clock was set back
 };
 
-/// The scan in `folder` (or behind that link), when its recording holds bursts and has no end, and nobody writes into
+/// The scan in `folder` (or behind that link), when its recording opens and has no end, and nobody writes into
 /// it: neither a finished scan nor one under way.
 [[nodiscard]] std::optional<BrokenOff> broken_off(const std::string& folder);
 

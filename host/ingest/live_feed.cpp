@@ -175,8 +175,9 @@ void LiveFeed::close_session() {
 
 bool LiveFeed::probe_left_scanning() {
   const auto& status = link_.last_status();
+  // Of another session: killed and started anew so soon that its liveliness never lapsed.
   const bool resting = started_ && state_ == FeedState::kScanning && status &&
-                       status->session_id == config_.session_id && status->state != proto::ProbeState::kScanning;
+                       (status->session_id != config_.session_id || status->state != proto::ProbeState::kScanning);
   if (!resting) {
     resting_since_.reset();
     return false;

@@ -58,7 +58,7 @@ class LiveFeed {
   [[nodiscard]] Result<proto::Status> fresh_status(const std::stop_token& stop);
   [[nodiscard]] Result<void> wait_ready(const std::stop_token& stop);
   /// Scanning was asked for and granted, and the probe has gone to rest without an end of its session: it had not heard
-  /// from here for longer than its lease (this machine slept, or was stopped or too busy).
+  /// from here for longer than its lease (this machine slept, or was stopped or too busy), or was started anew.
   [[nodiscard]] bool probe_left_scanning();
   [[nodiscard]] Result<void> come_back(const std::stop_token& stop, const Error& why);
   [[nodiscard]] Result<void> take_input();

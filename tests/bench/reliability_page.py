@@ -12,6 +12,8 @@ from bench_page import Page, machine  # noqa: E402
 from reliability_faults import calm, kill, probe_killed, stop, trials  # noqa: E402
 from reliability_files import Damage, FullDisk, PowerCut  # noqa: E402
 
+COUNTS = ("kills", "probes", "stops", "power", "full", "damage", "seed")
+KEPT = 100  # trials of a kind whose facts stay in the JSON; the rows are of all
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 
@@ -42,60 +44,66 @@ def kills(page, facts):
         page.row("from --resume to the first new burst, worst", "–", f"{back[-1]:.1f} s", None)
 
 
-def live(page, given, folder, reference, rng):
-    figures = {"kills": trials("kill", given.kills, lambda _: kill(given, folder, reference, rng))}
-    if given.kills:
-        kills(page, figures["kills"])
-    figures["probes"] = trials("probe", given.probes, lambda _: probe_killed(given, folder, reference, rng))
-    if given.probes:
-        page.section("Probe killed", "SIGKILL of the probe, and another of the same serial up to 2 s later.")
-        for name, key in (("scan ends by itself", "ended"), ("accounting balanced", "balanced"),
-                          ("nothing counted twice", "counted_once"), ("result is the replay's", "same_hash")):
-            share(page, name, figures["probes"], lambda f, key=key: f[key])
-    figures["stops"] = trials("stop", given.stops, lambda _: stop(given, folder, reference, rng))
-    hit = [f for f in figures["stops"] if not f["came_too_late"]]
-    if hit:
-        page.section("Stopped for a while", f"SIGSTOP of host or probe for 0.1 to {given.longest:g} s.")
-        share(page, "goes on and ends by itself", hit, lambda f: f["went_on"])
-        share(page, "captured = begun by the probe", hit, lambda f: f["captured"] == f["begun"])
-        share(page, "accounting balanced", hit, lambda f: f["balanced"])
-    return figures
+def probes_killed(page, facts):
+    page.section("Probe killed", "SIGKILL of the probe, and another of the same serial up to 2 s later.")
+    for name, key in (("scan ends by itself", "ended"), ("accounting balanced", "balanced"),
+                      ("nothing counted twice", "counted_once"), ("result is the replay's", "same_hash")):
+        share(page, name, facts, lambda f, key=key: f[key])
 
 
-def files(page, given, folder, reference, rng):
+def stops(page, facts, longest):
+    hit = [f for f in facts if not f["came_too_late"]]
+    page.section("Stopped for a while", f"SIGSTOP of host or probe for 0.1 to {longest:g} s.")
+    share(page, "goes on and ends by itself", hit, lambda f: f["went_on"])
+    share(page, "captured = begun by the probe", hit, lambda f: f["captured"] == f["begun"])
+    share(page, "accounting balanced", hit, lambda f: f["balanced"])
+
+
+def power_cuts(page, facts):
+    page.section("Power cut", "Images of a live recording with writes after the last fdatasync lost in part: by page, by length.")
+    worst = max(f["lost_s"] for f in facts)
+    page.row(f"scan lost, worst of {len(facts)}", "≤ 1 s", f"{worst:.2f} s", worst <= 1)
+    share(page, "opens, where older than 1 s", facts, lambda f: not f["cannot_open"])
+
+
+def damages(page, facts, bursts):
+    flips = [f for f in facts if f["flip"]]
+    page.section("Damage", f"A live recording of {bursts} bursts: one bit flipped, or cut off, anywhere; `enamel capture repair`.")
+    share(page, "no crash", facts, lambda f: not f["crashed"])
+    share(page, "bit flipped: one burst missing at most", flips, lambda f: f["bursts"] >= bursts - 1)
+    share(page, "bit flipped: bursts + missing = all", flips, lambda f: f["bursts"] + f["missing"] == bursts)
+
+
+def full_disks(page, facts):
+    page.section("Disk full", "A tmpfs of 1 to 90 % of what the command writes.")
+    share(page, "told, exit code not 0", facts, lambda f: f["told"] and f["code"] != 0)
+    share(page, "nothing half-written", facts, lambda f: not f["half_written"])
+
+
+def experiments(given, folder, reference, rng):
+    """name, one trial by its number, what the page says of the facts."""
     session = reference["live"].session
     recording = os.path.join(session, "capture.mcap")
-    cut = PowerCut(recording, reference["live"].path("host.shim"))
-    figures = {"power": trials("power", given.power, lambda _: cut.trial(given, folder, rng))}
     if given.power:
-        page.section("Power cut", "Images of a live recording with writes after the last fdatasync lost in part: by page, by length.")
-        worst = max(f["lost_s"] for f in figures["power"])
-        page.row(f"scan lost, worst of {given.power}", "≤ 1 s", f"{worst:.2f} s", worst <= 1)
-        share(page, "opens, where older than 1 s", figures["power"], lambda f: not f["cannot_open"])
-    harm = Damage(given, folder, recording)
-    figures["damage"] = trials("damage", given.damage, lambda n: harm.trial(n % 2 == 0, rng))
-    flips = [f for f in figures["damage"] if f["flip"]]
-    if flips:
-        page.section("Damage", f"A live recording of {harm.bursts} bursts: one bit flipped, or cut off, anywhere; `enamel capture repair`.")
-        share(page, "no crash", figures["damage"], lambda f: not f["crashed"])
-        share(page, "bit flipped: one burst missing at most", flips, lambda f: f["bursts"] >= harm.bursts - 1)
-        share(page, "bit flipped: bursts + missing = all", flips, lambda f: f["bursts"] + f["missing"] == harm.bursts)
-    full = FullDisk(given, folder, session) if given.full else None
-    names = list(full.commands) if full else []
-    tried = trials("full", given.full, lambda n: full.trial(names[n % len(names)], rng) or {"skipped": "no tmpfs"})
-    figures["full"] = [f for f in tried if "skipped" not in f]
-    if figures["full"]:
-        page.section("Disk full", "A tmpfs of 1 to 90 % of what the command writes.")
-        share(page, "told, exit code not 0", figures["full"], lambda f: f["told"] and f["code"] != 0)
-        share(page, "nothing half-written", figures["full"], lambda f: not f["half_written"])
-    return figures
+        cut = PowerCut(recording, reference["live"].path("host.shim"))
+        yield "power", lambda _: cut.trial(given, folder, rng), power_cuts
+    if given.damage:
+        harm = Damage(given, folder, recording)
+        yield "damage", lambda n: harm.trial(n % 2 == 0, rng), lambda page, facts: damages(page, facts, harm.bursts)
+    if given.full:
+        full = FullDisk(given, folder, session)
+        names = list(full.commands)
+        yield "full", lambda n: full.trial(names[n % len(names)], rng) or {"skipped": "no tmpfs"}, full_disks
+    yield "kills", lambda _: kill(given, folder, reference, rng), kills
+    yield "probes", lambda _: probe_killed(given, folder, reference, rng), probes_killed
+    yield "stops", lambda _: stop(given, folder, reference, rng), lambda page, facts: stops(page, facts, given.longest)
 
 
 def options():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("build", help="folder of bin and fixtures")
     parser.add_argument("out")
-    for name, count in (("kills", 3), ("probes", 1), ("stops", 2), ("power", 40), ("full", 14), ("damage", 100), ("seed", 1)):
+    for name, count in zip(COUNTS, (3, 1, 2, 40, 14, 100, 1), strict=True):
         parser.add_argument(f"--{name}", type=int, default=count)
     parser.add_argument("--longest", type=float, default=8.0, help="seconds that a process is stopped at most")
     return parser.parse_args()
@@ -106,16 +114,20 @@ def main():
     given.program = lambda name: os.path.join(given.build, "bin", name)
     given.recording = os.path.join(given.build, "fixtures/small.mcap")
     given.loops, given.speed, given.settings, given.damage_bursts, given.keep = 2, 0.25, [], 20, True
-    page, rng = Page("recording-format.md"), random.Random(given.seed)
+    page, rng = Page(), random.Random(given.seed)
     with tempfile.TemporaryDirectory() as folder:
         given.shim, given.scratch = os.path.join(folder, "shim.so"), os.path.join(folder, "scratch")
         subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", given.shim, f"{HERE}/reliability_shim.c", "-ldl"], check=True)
         reference = calm(given, folder)
         given.keep = False
-        figures = files(page, given, folder, reference, rng)
-        figures.update(live(page, given, folder, reference, rng))
-    figures["counts"] = {k: getattr(given, k) for k in ("kills", "probes", "stops", "power", "full", "damage", "seed", "longest")}
-    page.write(given.out, "reliability", "tools/bench-reliability", machine(), figures)
+        figures = {"counts": {k: getattr(given, k) for k in COUNTS + ("longest",)}}
+        for name, one, rows in experiments(given, folder, reference, rng):
+            facts = [f for f in trials(name, getattr(given, name), one) if "skipped" not in f]
+            figures[name] = facts[:KEPT]
+            if facts:
+                rows(page, facts)
+            # After each: hours of trials are not lost with the one that hangs.
+            page.write(given.out, "reliability", "tools/bench-reliability", machine(), figures)
     print(f"{given.out}/reliability.md")
 
 

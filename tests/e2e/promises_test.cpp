@@ -139,6 +139,21 @@ TEST_F(Promises, a_probe_that_slept_is_counted_as_one) {
   expect_to_go_on_after_sleep_of(probe, host);
 }
 
+// Sooner than its liveliness lapses: what it says tells, for it knows of no session.
+TEST_F(Promises, a_probe_killed_and_back_at_once_is_scanned_on) {
+  auto probe = start_probe(tmp_, tag_, "P1", "6");
+  auto host = scan();
+  ASSERT_TRUE(recorded(session_, kSomeBursts)) << said();
+  probe.signal(SIGKILL);
+  ASSERT_TRUE(probe.wait(clock_, seconds(10)));
+  const auto second = start_probe(tmp_, tag_, "P1");
+  const int code = host.wait(clock_, seconds(90)).value_or(-1);
+  EXPECT_TRUE(code == 0 || code == 4) << code << said();
+  const auto bursts = report_of(session_)["bursts"];
+  expect_balanced(bursts);
+  EXPECT_GT(bursts["captured"], 40) << "all of the second, some of the first";
+}
+
 TEST_F(Promises, a_closed_terminal_ends_a_scan_with_its_files_written) {
   const auto probe = start_probe(tmp_, tag_, "P1", "100");
   auto host = scan();
