@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kPreamble = 84;  ///< 80 bytes of anything, 4 of count
 constexpr std::size_t kFacetBytes = 50;
+constexpr std::uint32_t kNotCounted = 0xffffffff;
 
 struct Position {
   std::array<std::uint64_t, 3> bits;
@@ -50,7 +51,11 @@ class Welder {
 Result<MeshSoup> parse_binary(std::string_view bytes) {
   ByteReader reader(std::as_bytes(std::span(bytes.data(), bytes.size())));
   reader.skip(kPreamble - 4);
-  const auto count = reader.get<std::uint32_t>();
+  auto count = reader.get<std::uint32_t>();
+  // Written in one go, without going back to the count: the size tells.
+  const bool open = count == 0 || count == kNotCounted;
+  if (reader.ok() && open && reader.remaining() % kFacetBytes == 0 && reader.remaining() / kFacetBytes < kNotCounted)
+    count = static_cast<std::uint32_t>(reader.remaining() / kFacetBytes);
   if (!reader.ok() || reader.remaining() < static_cast<std::uint64_t>(count) * kFacetBytes) {
     return fail(ErrorCode::kMeshInvalid, "STL: truncated");
   }
@@ -71,6 +76,11 @@ Result<MeshSoup> parse_binary(std::string_view bytes) {
     out.triangles.push_back(triangle);
   }
   return out;
+}
+
+/// No STL knows remarks; some programs write them all the same.
+bool is_remark(std::string_view word) {
+  return word.starts_with('#') || word.starts_with(';') || word.starts_with("//");
 }
 
 enum class Keyword { kSolid, kEndSolid, kFacet, kEndFacet, kVertex, kOther };
@@ -117,6 +127,8 @@ Result<MeshSoup> parse_ascii(std::string_view text) {
         p[k] = *value;
       }
       corners.push_back(welder.vertex(p));
+    } else if (is_remark(word)) {
+      words.skip_line();
     } else if (keyword != Keyword::kOther) {
       if (in_facet) {
         out.add_face(corners);
@@ -137,7 +149,9 @@ Result<MeshSoup> parse_ascii(std::string_view text) {
 bool is_text(std::string_view text) {
   constexpr std::size_t kLooked = 1024;
   const std::string_view head = text.substr(0, kLooked);
-  const std::string_view word = Words(head).next();
+  Words words(head);
+  std::string_view word = words.next();
+  for (; is_remark(word); word = words.next()) words.skip_line();
   return (same_letters(word, "solid") || same_letters(word, "facet")) && head.find('\0') == std::string_view::npos;
 }
 

@@ -63,6 +63,8 @@ TEST(MeshDialect, text_stl_in_every_form_is_read) {
       {"two words for the end", replaced(replaced(plain, "endfacet", "end facet"), "endsolid", "end solid")},
       {"two solids", replaced(plain, "endfacet\n facet", "endfacet\nendsolid\n\nsolid other\n facet")},
       {"without solid", plain.substr(plain.find("facet"))},
+      {"remarks before solid", "# vertex 1 2 3 by a program\n; facet\n// solid\n" + plain},
+      {"remarks between facets", replaced(plain, "endfacet", "endfacet\n# facet vertex\n")},
       {"all in one line", "solid\n" + replaced(plain.substr(plain.find('\n') + 1), "\n", " ")},
       {"blank lines and blanks at the end", plain + " \r\n\n"},
       {"NUL bytes at the end", plain + std::string(2000, '\0')},
@@ -89,6 +91,15 @@ TEST(MeshDialect, binary_stl_is_read_whatever_its_header_says) {
       bytes.replace(0, header.size(), header);
       expect_tetrahedron(bytes, MeshFormat::kStl, header + " + " + std::to_string(tail.size()));
     }
+  }
+}
+
+TEST(MeshDialect, binary_stl_of_writers_that_never_went_back_to_their_count_is_read_by_its_size) {
+  const std::string plain = stl_bytes(tetrahedron());
+  for (const char byte : {'\0', '\xff'}) {
+    expect_tetrahedron(std::string(plain).replace(80, 4, std::string(4, byte)), MeshFormat::kStl, "not counted");
+    const std::string cut = std::string(plain).replace(80, 4, std::string(4, byte)).substr(0, plain.size() - 7);
+    EXPECT_FALSE(parse_mesh(cut, MeshFormat::kStl));
   }
 }
 
