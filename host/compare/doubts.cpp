@@ -155,6 +155,12 @@ Doubts doubts_of(const MeshFile& mesh, std::span<const MeshFile> references, std
   tell(names[0], size_words(mesh_mm, reference_mm));
   tell(reference_name, size_words(reference_mm, mesh_mm));
   tell(mesh_mm < reference_mm ? names[0] : reference_name, ratio_words(mesh_mm, reference_mm, result));
+  if (!out.unit && result.alignment == Alignment::kNone && result.mean_abs_um > kApart_um) {
+    out.words.push_back(
+        fmt::format("{}: lies {:.3g} mm off in the mean, as the files stand; --align best lays it on the "
+                    "reference first",
+                    names[0], result.mean_abs_um * 1e-3));
+  }
   return out;
 }
 

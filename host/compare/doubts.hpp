@@ -18,7 +18,7 @@ struct Doubts {
 
 /// `names`: of the mesh, then of each reference. Told: vertices and faces left out; positions so far out that the
 /// file's numbers step by more than 1 um; a size that no mouth has, or that is another unit's of the other mesh's, with
-/// the factor that would fit.
+/// the factor that would fit; two that do not lie on each other where nothing was asked to lay them there.
 [[nodiscard]] Doubts doubts_of(const MeshFile& mesh, std::span<const MeshFile> references,
                                std::span<const std::string> names, const CompareResult& result);
 

@@ -79,6 +79,13 @@ TEST(Doubts, two_sizes_a_unit_apart_that_both_could_be_are_told_when_they_do_not
   EXPECT_TRUE(doubts(patch, arch).words.empty());
 }
 
+TEST(Doubts, a_reference_that_lies_elsewhere_is_told_with_the_option_that_lays_it_there) {
+  MeshFile moved = relief(0.5);
+  for (Vec3f& v : moved.mesh.vertices) v += Vec3f(0, 0, 7);
+  EXPECT_THAT(only(doubts(relief(0.5), moved)), HasSubstr("--align best"));
+  EXPECT_TRUE(doubts(relief(0.5), moved, Alignment::kBest).words.empty()) << "laid on each other";
+}
+
 TEST(Doubts, positions_too_far_out_for_micrometres_are_told) {
   MeshFile far = relief(0.5);
   far.origin_mm = Vec3d(200000, 150000, 0);
