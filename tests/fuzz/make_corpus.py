@@ -177,10 +177,26 @@ def config_seeds():
     yield "no_toml", b"[[[\n= 3\n\"\xff"
 
 
+def checkpoint_seeds():
+    def model(blocks):
+        return struct.pack("<16dQI", *([1.0, 0, 0, 0, 0] * 3 + [1.0]), 7, len(blocks)) + b"".join(blocks)
+
+    def block(vertices, triangles):
+        head = struct.pack("<3iQII", 1, -2, 3, 9, vertices, len(triangles))
+        return head + b"\0\0\x80\x3f" * (7 * vertices) + b"".join(struct.pack("<3I", *t) for t in triangles)
+
+    yield "empty", b"\1" + model([])
+    yield "two", b"\1" + model([block(3, [(0, 1, 2)]), block(4, [(0, 1, 2), (1, 2, 3)])])
+    yield "far_corner", b"\1" + model([block(3, [(0, 1, 3)])])
+    yield "more_than_there_is", b"\1" + model([struct.pack("<3iQII", 0, 0, 0, 0, 0xFFFFFFFF, 0xFFFFFFFF)])
+    yield "another_format", b"\0" + b"ply\n"
+
+
 def seeds():
     for target, made in (("image", image_seeds), ("dfu", dfu_seeds), ("status", status_seeds), ("boot", boot_seeds),
                          ("mesh", mesh_seeds), ("table", table_seeds), ("recording", recording_seeds),
-                         ("message", message_seeds), ("rig", rig_seeds), ("config", config_seeds)):
+                         ("message", message_seeds), ("rig", rig_seeds), ("config", config_seeds),
+                         ("checkpoint", checkpoint_seeds)):
         for name, content in made():
             yield CORPUS / target / name, content
 
