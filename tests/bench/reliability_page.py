@@ -11,6 +11,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from bench_page import Page, machine  # noqa: E402
 from reliability_faults import calm, kill, probe_killed, stop, trials  # noqa: E402
 from reliability_files import Damage, FullDisk, PowerCut  # noqa: E402
+from reliability_soak import rows as soak_rows, soak  # noqa: E402
 
 COUNTS = ("kills", "probes", "stops", "power", "full", "damage", "seed")
 KEPT = 100  # trials of a kind whose facts stay in the JSON; the rows are of all
@@ -81,22 +82,23 @@ def full_disks(page, facts):
 
 
 def experiments(given, folder, reference, rng):
-    """name, one trial by its number, what the page says of the facts."""
+    """name, how many trials, one by its number, what the page says of the facts."""
     session = reference["live"].session
     recording = os.path.join(session, "capture.mcap")
     if given.power:
         cut = PowerCut(recording, reference["live"].path("host.shim"))
-        yield "power", lambda _: cut.trial(given, folder, rng), power_cuts
+        yield "power", given.power, lambda _: cut.trial(given, folder, rng), power_cuts
     if given.damage:
         harm = Damage(given, folder, recording)
-        yield "damage", lambda n: harm.trial(n % 2 == 0, rng), lambda page, facts: damages(page, facts, harm.bursts)
+        yield "damage", given.damage, lambda n: harm.trial(n % 2 == 0, rng), lambda page, facts: damages(page, facts, harm.bursts)
     if given.full:
         full = FullDisk(given, folder, session)
         names = list(full.commands)
-        yield "full", lambda n: full.trial(names[n % len(names)], rng) or {"skipped": "no tmpfs"}, full_disks
-    yield "kills", lambda _: kill(given, folder, reference, rng), kills
-    yield "probes", lambda _: probe_killed(given, folder, reference, rng), probes_killed
-    yield "stops", lambda _: stop(given, folder, reference, rng), lambda page, facts: stops(page, facts, given.longest)
+        yield "full", given.full, lambda n: full.trial(names[n % len(names)], rng) or {"skipped": "no tmpfs"}, full_disks
+    yield "kills", given.kills, lambda _: kill(given, folder, reference, rng), kills
+    yield "probes", given.probes, lambda _: probe_killed(given, folder, reference, rng), probes_killed
+    yield "stops", given.stops, lambda _: stop(given, folder, reference, rng), lambda page, facts: stops(page, facts, given.longest)
+    yield "soak", int(given.soak > 0), lambda _: soak(given, folder), lambda page, facts: soak_rows(page, facts[0])
 
 
 def options():
@@ -106,6 +108,7 @@ def options():
     for name, count in zip(COUNTS, (3, 1, 2, 40, 14, 100, 1), strict=True):
         parser.add_argument(f"--{name}", type=int, default=count)
     parser.add_argument("--longest", type=float, default=8.0, help="seconds that a process is stopped at most")
+    parser.add_argument("--soak", type=float, default=0.0, help="minutes of one scan; 0: none")
     return parser.parse_args()
 
 
@@ -120,9 +123,9 @@ def main():
         subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", given.shim, f"{HERE}/reliability_shim.c", "-ldl"], check=True)
         reference = calm(given, folder)
         given.keep = False
-        figures = {"counts": {k: getattr(given, k) for k in COUNTS + ("longest",)}}
-        for name, one, rows in experiments(given, folder, reference, rng):
-            facts = [f for f in trials(name, getattr(given, name), one) if "skipped" not in f]
+        figures = {"counts": {k: getattr(given, k) for k in COUNTS + ("longest", "soak")}}
+        for name, count, one, rows in experiments(given, folder, reference, rng):
+            facts = [f for f in trials(name, count, one) if "skipped" not in f]
             figures[name] = facts[:KEPT]
             if facts:
                 rows(page, facts)
