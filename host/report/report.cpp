@@ -13,10 +13,10 @@ namespace {
 
 nlohmann::json percentiles(const Percentiles& p) { return {{"p50", p.p50}, {"p95", p.p95}, {"p99", p.p99}}; }
 
-nlohmann::json bursts(const BurstCounts& c) {
+nlohmann::json bursts(const BurstCounts& c, std::uint64_t undetermined) {
   return {{"captured", c.captured}, {"lost_on_wire", c.lost_on_wire}, {"incomplete", c.incomplete},
           {"shed", c.shed},         {"accepted", c.accepted},         {"fused", c.fused},
-          {"rejected", c.rejected}};
+          {"rejected", c.rejected}, {"undetermined", undetermined},   {"determined", c.fused - undetermined}};
 }
 
 nlohmann::json orders(const OrderTotals& o) {
@@ -103,7 +103,7 @@ std::string segments_line(const std::vector<SegmentFacts>& segments) {
 std::string to_json(const Report& r) {
   nlohmann::json stages = nlohmann::json::object();
   for (const auto& [name, p] : r.stage_ms) stages[name] = {{"p50", p.p50}, {"p99", p.p99}};
-  nlohmann::json out = {{"bursts", bursts(r.bursts)},
+  nlohmann::json out = {{"bursts", bursts(r.bursts, r.undetermined.size())},
                         {"segments", segments(r.segments)},
                         {"undetermined", {{"bursts", r.undetermined.size()}, {"runs", runs_of(r.undetermined)}}},
                         {"orders", orders(r.orders)},
