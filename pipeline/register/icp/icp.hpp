@@ -51,6 +51,7 @@ struct IcpResult {
   Vector6 eigenvalues = Vector6::Zero();
   NormalSystem system;   ///< of the last step, about T_model_cam * the finest samples' centroid
   int undetermined = 0;  ///< weak directions that texture does not hold either: there the prior stands alone
+  bool texture_moved = false;  ///< texture holds, and it is the surface's own: TextureHold::moved
 };
 
 [[nodiscard]] PatchPyramid make_pyramid(const SurfacePatch& patch, const IcpConfig& config);

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "calib/model/lens.hpp"
+#include "pipeline/register/icp/texture_search.hpp"
+#include "pipeline/register/icp/texture_sums.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -25,126 +26,115 @@ Map<float> smoothed(const Map<float>& in) {
   return out;
 }
 
-/// A camera-frame point in a picture: brightness there, and how it changes with the point.
-struct Look {
-  float brightness = 0;
-  Vec3d gradient = Vec3d::Zero();  ///< a mm, camera frame
-};
-
-std::optional<Look> look_at(const Map<float>& picture, int step, const calib::LensValues& lens, const Vec3d& p) {
-  if (!(p.z() > 1)) return std::nullopt;
-  const calib::PlanePoint px = calib::project(lens, {p.x() / p.z(), p.y() / p.z()});
-  const double half = 0.5 * (step - 1);
-  const double u = (px.x - half) / step, v = (px.y - half) / step;
-  const int u0 = static_cast<int>(std::floor(u)), v0 = static_cast<int>(std::floor(v));
-  if (!picture.contains(u0, v0) || !picture.contains(u0 + 1, v0 + 1)) return std::nullopt;
-  const auto a = static_cast<float>(u - u0), b = static_cast<float>(v - v0);
-  const float p00 = picture(u0, v0), p10 = picture(u0 + 1, v0), p01 = picture(u0, v0 + 1),
-              p11 = picture(u0 + 1, v0 + 1);
-  Look out;
-  // NaN where one of the four is unknown.
-  out.brightness = (1 - b) * ((1 - a) * p00 + a * p10) + b * ((1 - a) * p01 + a * p11);
-  const double along_u = static_cast<double>((1 - b) * (p10 - p00) + b * (p11 - p01)) * lens.fx / step;
-  const double along_v = static_cast<double>((1 - a) * (p01 - p00) + a * (p11 - p10)) * lens.fy / step;
-  out.gradient = Vec3d(along_u, along_v, -(along_u * p.x() + along_v * p.y()) / p.z()) / p.z();
-  return out;
-}
-
-/// The sums of one round, along the weak directions alone.
-struct TextureSums {
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6> H;
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> g;
-  std::vector<float> residuals;
-  double a = 0, b = 0, aa = 0, bb = 0, ab = 0;  ///< of both greys, for their correlation
-  [[nodiscard]] double mean_square() const {
-    double sum = 0;
-    for (const float e : residuals) sum += static_cast<double>(e) * static_cast<double>(e);
-    return sum / static_cast<double>(residuals.size());
-  }
-  [[nodiscard]] double correlation() const {
-    const auto n = static_cast<double>(residuals.size());
-    const double va = aa - a * a / n, vb = bb - b * b / n;
-    return va > 0 && vb > 0 ? (ab - a * b / n) / std::sqrt(va * vb) : 0;
-  }
-  /// Robust standard deviation of the residuals.
-  [[nodiscard]] double scale() {
-    if (residuals.empty()) return 0;
-    const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-    std::nth_element(residuals.begin(), middle, residuals.end());
-    return 1.4826 * static_cast<double>(*middle);
-  }
-};
-
 /// What texture holds, and where it would move that.
 struct HeldStep {
   Vector6 x = Vector6::Zero();
   Matrix6 H = Matrix6::Zero();
   std::vector<Vector6> directions;  ///< unit
-  std::vector<double> curvature;    ///< of half the squared residuals, along each
 };
 
-TextureSums sum_up(const TextureAlignment& of, const Pose& T_model_cam, const WeakDirections& weak, std::size_t level,
-                   double sigma) {
-  const Eigen::Index k = weak.cols();
-  TextureSums out;
-  out.H.setZero(k, k);
-  out.g.setZero(k);
-  const Pose T_ref_model = of.reference.T_model_cam.inverse();
-  const Eigen::Matrix3d R_model_ref = of.reference.T_model_cam.linear();
-  for (std::size_t n = 0; n < of.points.p.size(); ++n) {
-    const Vec3d p = T_model_cam * of.points.p[n].cast<double>();
-    const auto look = look_at(of.reference.brightness[level], of.reference.step, of.lens, T_ref_model * p);
-    if (!look || !std::isfinite(look->brightness)) continue;
-    const float own = of.points.brightness[n][level];
-    const auto e = static_cast<double>(look->brightness - own);
-    const Vec3d gradient = R_model_ref * look->gradient;
-    Vector6 J;
-    J << (p - of.centre).cross(gradient) / of.rho_mm, gradient;
-    const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> along = weak.transpose() * J;
-    const double r = e / (2 * sigma);
-    const double w = 1 / ((1 + r * r) * (1 + r * r));
-    out.H += w * along * along.transpose();
-    out.g += w * e * along;
-    out.residuals.push_back(static_cast<float>(std::abs(e)));
-    const auto seen = static_cast<double>(look->brightness), had = static_cast<double>(own);
-    out.a += seen, out.b += had, out.aa += seen * seen, out.bb += had * had, out.ab += seen * had;
-  }
-  return out;
-}
-
 /// Along those directions that texture holds with a residual of `sigma`; the others stay.
-HeldStep step_along(const TextureSums& sums, const WeakDirections& weak, double sigma, const TextureConfig& config) {
-  const Eigen::Index k = weak.cols();
+HeldStep step_along(const Sliding& sliding, const TextureSums& sums, double sigma, const TextureConfig& config) {
+  const Eigen::Index k = sliding.weak.cols();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(sums.H));
   HeldStep out;
   for (Eigen::Index i = 0; i < k; ++i) {
     const double value = eigen.eigenvalues()[i];
     const double variance = value > 0 ? sigma * sigma * config.patch_px / value : 1e9;
     if (variance > config.max_sigma_mm * config.max_sigma_mm) continue;
-    const Vector6 v = weak * eigen.eigenvectors().col(i);
+    if (sliding.changing(eigen.eigenvectors().col(i), config.min_gradient) < config.min_points) continue;
+    const Vector6 v = sliding.weak * eigen.eigenvectors().col(i);
     out.x -= v * (eigen.eigenvectors().col(i).dot(sums.g) / value);
     out.H += v * v.transpose() / (variance + config.bias_mm * config.bias_mm);
     out.directions.push_back(v);
-    out.curvature.push_back(value);
   }
   if (const double size = out.x.norm(); size > config.max_step_mm) out.x *= config.max_step_mm / size;
   return out;
 }
 
-/// Noise has gradients too: where only they hold a direction, the greys agree as well a block beside.
-bool rises_beside(const TextureAlignment& of, const Pose& best, const HeldStep& held, const WeakDirections& weak,
-                  const TextureConfig& config, double sigma) {
-  const double here = sum_up(of, best, weak, 1, sigma).mean_square();
-  for (std::size_t k = 0; k < held.directions.size(); ++k) {
+/// The best along the weak directions from one start.
+struct Fit {
+  Vector6 x = Vector6::Zero();
+  HeldStep step;  ///< at its end
+  TextureSums sums;
+  double sigma = 0;
+};
+
+Pose moved_by(const Sliding& sliding, const Vector6& x, const Pose& T_model_cam) {
+  return apply_motion(x, sliding.of.centre, sliding.of.rho_mm, T_model_cam);
+}
+
+std::optional<Fit> fit_from(const Sliding& sliding, const Pose& T_model_cam, const Vector6& start,
+                            const TextureConfig& config) {
+  Fit out;
+  out.x = start;
+  out.sigma = 10 * config.sigma_floor;  // until the residuals have told theirs
+  const std::size_t rounds = 2 * static_cast<std::size_t>(config.rounds);
+  for (std::size_t round = 0; round <= rounds; ++round) {
+    const Pose now = moved_by(sliding, out.x, T_model_cam);
+    out.sums = sum_up(sliding, now, 2 * round < rounds ? 0 : 1, out.sigma);
+    if (out.sums.residuals.size() < config.min_points) return std::nullopt;
+    out.sigma = std::max(out.sums.scale(), config.sigma_floor);
+    out.step = step_along(sliding, out.sums, out.sigma, config);
+    if (out.step.directions.empty()) return std::nullopt;
+    if (round < rounds) out.x += out.step.x;
+  }
+  return out;
+}
+
+/// Mean square residual beyond that of the fit, once moved by x from it.
+double rise(const Sliding& sliding, const Pose& best, const Fit& fit, const Vector6& x) {
+  const TextureSums sums = sum_up(sliding, moved_by(sliding, x, best), 1, fit.sigma);
+  return sums.residuals.empty() ? 0 : sums.mean_square() - fit.sums.mean_square();
+}
+
+/// What is asked for of the rise that the gradients foretell, slipped along a unit direction.
+double least_rise(const Sliding& sliding, const Fit& fit, const Vector6& along, const TextureConfig& config) {
+  const Eigen::VectorXd q = sliding.weak.transpose() * along;
+  const double foretold = q.dot(fit.sums.H * q) / static_cast<double>(fit.sums.residuals.size());
+  return config.min_rise * config.slip_mm * config.slip_mm * foretold;
+}
+
+/// Noise has gradients too: where only they hold a direction, the greys agree as well a block beside. And what is the
+/// same all along a direction agrees wherever one looks.
+bool holds_each(const Sliding& sliding, const Pose& best, const Fit& fit, const TextureConfig& config) {
+  for (const Vector6& along : fit.step.directions) {
+    if (fit.sums.correlation_along(sliding.weak.transpose() * along) < config.min_along) return false;
+    const double least = least_rise(sliding, fit, along, config);
     for (const double sign : {1.0, -1.0}) {
-      const Pose beside = apply_motion(sign * config.slip_mm * held.directions[k], of.centre, of.rho_mm, best);
-      const TextureSums sums = sum_up(of, beside, weak, 1, sigma);
-      const double foretold =
-          config.slip_mm * config.slip_mm * held.curvature[k] / static_cast<double>(sums.residuals.size());
-      if (sums.mean_square() - here < config.min_rise * foretold) return false;
+      if (rise(sliding, best, fit, sign * config.slip_mm * along) < least) return false;
     }
   }
   return true;
+}
+
+/// The rival: what moves with the probe (light on a form that slides on itself, fringes, dust) stands still in the
+/// picture. It is refuted where the greys agree less there, by as much as a block beside.
+bool moved_in_picture(const Sliding& sliding, const Pose& best, const Fit& fit, const TextureConfig& config) {
+  const TextureAlignment& of = sliding.of;
+  const Vector6 back = motion_between(best, of.reference.T_model_cam, of.centre, of.rho_mm);
+  const Vector6 still = sliding.weak * (sliding.weak.transpose() * back);
+  const double away = still.norm();
+  return away > config.slip_mm && rise(sliding, best, fit, still) >= least_rise(sliding, fit, still / away, config);
+}
+
+std::optional<TextureHold> believed(const Sliding& sliding, const Pose& T_model_cam, const std::optional<Fit>& fit,
+                                    const TextureConfig& config) {
+  if (!fit || fit->sums.correlation() < config.min_correlation || fit->x.norm() > config.max_move_mm)
+    return std::nullopt;
+  const Pose best = moved_by(sliding, fit->x, T_model_cam);
+  if (!holds_each(sliding, best, *fit, config)) return std::nullopt;
+  const bool moved = moved_in_picture(sliding, best, *fit, config);
+  if (!moved && !sliding.of.reference.of_surface) return std::nullopt;
+  return TextureHold{fit->x, fit->step.H, static_cast<int>(fit->step.directions.size()), fit->sums.correlation(),
+                     moved};
+}
+
+/// The gradient along the surface of what changes by `du` over the chord `along_u` and by `dv` over `along_v`.
+Vec3f along_surface(const Vec3f& along_u, const Vec3f& along_v, float du, float dv) {
+  const float uu = along_u.squaredNorm(), uv = along_u.dot(along_v), vv = along_v.squaredNorm();
+  const float det = uu * vv - uv * uv;
+  return ((vv * du - uv * dv) * along_u + (uu * dv - uv * du) * along_v) / det;
 }
 
 }  // namespace
@@ -160,7 +150,7 @@ TextureReference texture_reference(const TexturePicture& picture, const Pose& T_
   Map<float> fine = smoothed(brightness);
   Map<float> blurred = fine;
   for (int pass = 0; pass < 4; ++pass) blurred = smoothed(blurred);
-  return {T_model_cam, picture.step, {std::move(blurred), std::move(fine)}};
+  return {T_model_cam, picture.step, {std::move(blurred), std::move(fine)}, false};
 }
 
 TexturePoints texture_points(const SurfacePatch& patch, const TextureReference& own, const TextureConfig& config) {
@@ -169,15 +159,16 @@ TexturePoints texture_points(const SurfacePatch& patch, const TextureReference& 
   const auto point = [&](int i, int j) { return block_point(patch, own.step, i, j); };
   for (int j = 1; j + 1 < fine.height(); ++j) {
     for (int i = 1; i + 1 < fine.width(); ++i) {
-      const float wide = (point(i + 1, j) - point(i - 1, j)).norm(), high = (point(i, j + 1) - point(i, j - 1)).norm();
-      const float gradient =
-          std::hypot((fine(i + 1, j) - fine(i - 1, j)) / wide, (fine(i, j + 1) - fine(i, j - 1)) / high);
+      const Vec3f along_u = point(i + 1, j) - point(i - 1, j), along_v = point(i, j + 1) - point(i, j - 1);
+      const float du = fine(i + 1, j) - fine(i - 1, j), dv = fine(i, j + 1) - fine(i, j - 1);
+      const float gradient = std::hypot(du / along_u.norm(), dv / along_v.norm());
       if (!(gradient >= static_cast<float>(config.min_gradient)) || !std::isfinite(point(i, j).x()) ||
           !std::isfinite(blurred(i, j))) {
         continue;
       }
       out.p.push_back(point(i, j));
       out.brightness.push_back({blurred(i, j), fine(i, j)});
+      out.gradient.push_back(along_surface(along_u, along_v, du, dv));
     }
   }
   return out;
@@ -193,26 +184,18 @@ WeakDirections weak_directions(const NormalSystem& system, double weak_eigenvalu
 std::optional<TextureHold> hold_by_texture(const TextureAlignment& of, const Pose& T_model_cam,
                                            const WeakDirections& weak, const TextureConfig& config) {
   if (weak.cols() == 0 || of.points.p.size() < config.min_points) return std::nullopt;
-  TextureHold out;
-  HeldStep step;
-  double sigma = 10 * config.sigma_floor;  // until the residuals have told theirs
-  const std::size_t rounds = 2 * static_cast<std::size_t>(config.rounds);
-  for (std::size_t round = 0; round <= rounds; ++round) {
-    const Pose now = apply_motion(out.x, of.centre, of.rho_mm, T_model_cam);
-    TextureSums sums = sum_up(of, now, weak, 2 * round < rounds ? 0 : 1, sigma);
-    if (sums.residuals.size() < config.min_points) return std::nullopt;
-    sigma = std::max(sums.scale(), config.sigma_floor);
-    step = step_along(sums, weak, sigma, config);
-    if (step.directions.empty()) return std::nullopt;
-    out.correlation = sums.correlation();
-    if (round < rounds) out.x += step.x;
+  const Sliding sliding = points_that_slide(of, T_model_cam, weak, config.min_gradient);
+  if (sliding.points.p.size() < config.min_points) return std::nullopt;
+  const auto from = [&](const Vector6& start) {
+    return believed(sliding, T_model_cam, fit_from(sliding, T_model_cam, start, config), config);
+  };
+  if (auto near = from(Vector6::Zero())) return near;
+  std::optional<TextureHold> best;
+  for (const Vector6& start : texture_candidates(sliding, T_model_cam, config)) {
+    auto found = from(start);
+    if (found && (!best || found->correlation > best->correlation)) best = std::move(found);
   }
-  out.held = static_cast<int>(step.directions.size());
-  out.H = step.H;
-  const Pose best = apply_motion(out.x, of.centre, of.rho_mm, T_model_cam);
-  const bool agrees = out.correlation >= config.min_correlation && out.x.norm() <= config.max_move_mm;
-  if (!agrees || !rises_beside(of, best, step, weak, config, sigma)) return std::nullopt;
-  return out;
+  return best;
 }
 
 }  // namespace enamel::pipeline

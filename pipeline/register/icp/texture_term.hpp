@@ -24,7 +24,13 @@ struct TextureConfig {
   double min_rise = 0.4;      ///< … must disagree by this share of what their gradients foretell: noise does not
   int rounds = 4;             ///< of Gauss-Newton, on each of two levels
   double max_step_mm = 0.15;  ///< derived: half a blurred block; a step beyond leaves what its gradient foretells
-  double max_move_mm = 0.8;   ///< chosen: prediction is not farther off; the next vessel may be
+  double max_move_mm = 1.5;   ///< chosen: what a hand of 15 mm/s that starts between two of 15 bursts a second is off
+                              ///< prediction by, and half as much again
+  double search_mm = 1.2;  ///< where greys do not agree near prediction: so far along what slides they are sought, …
+  double search_step_mm = 0.2;   ///< … derived: half of what a fit of the blurred greys finds back from
+  std::size_t search_tries = 3;  ///< … and fitted from so many places
+  double min_along = 0.6;  ///< correlation of what both greys do along a direction that is held; derived: chance has a
+                           ///< standard deviation of 0.2 with `min_points` of which `patch_px` err alike
   double sigma_floor = 0.004;  ///< of brightness; chosen: what fine shading leaves where noise leaves less
   double patch_px = 9;         ///< picture pixels that err alike: residuals of shading hang together over a quarter mm
   double bias_mm = 0.01;       ///< chosen: what a tie by texture is off by however many points it has
@@ -35,6 +41,7 @@ struct TextureConfig {
 struct TexturePoints {
   std::vector<Vec3f> p;
   std::vector<std::array<float, 2>> brightness;  ///< blurred, fine
+  std::vector<Vec3f> gradient;                   ///< of the fine one along the surface, a mm
 };
 
 /// What a burst's texture is held against. Immutable.
@@ -42,6 +49,7 @@ struct TextureReference {
   Pose T_model_cam = Pose::Identity();
   int step = 1;
   std::array<Map<float>, 2> brightness;  ///< blurred, fine; NaN where unknown
+  bool of_surface = false;  ///< it was seen to move with the surface and not with the probe: rest may be believed
 };
 [[nodiscard]] TextureReference texture_reference(const TexturePicture& picture, const Pose& T_model_cam);
 
@@ -58,6 +66,7 @@ struct TextureHold {
   Matrix6 H = Matrix6::Zero();  ///< information of the directions that it holds, mm^-2, bias included
   int held = 0;                 ///< how many of them
   double correlation = 0;
+  bool moved = false;  ///< a pattern that stands still in the picture does not explain the greys as well
 };
 
 struct TextureAlignment {
@@ -68,7 +77,8 @@ struct TextureAlignment {
   double rho_mm;  ///< as IcpConfig::rho_mm
 };
 
-/// Moves along `weak` until the greys agree best. nullopt: too little texture, or what there is does not agree. Pure.
+/// Moves along `weak` until the greys agree best. nullopt: too little texture, what there is does not agree, or it may
+/// be the probe's (light, fringes, dust) and not the surface's: it stands still in the picture. Pure.
 [[nodiscard]] std::optional<TextureHold> hold_by_texture(const TextureAlignment& of, const Pose& T_model_cam,
                                                          const WeakDirections& weak, const TextureConfig& config);
 

@@ -70,6 +70,7 @@ IcpResult NearAlignment::held_by_texture(const IcpResult& by_shape, const Refere
   IcpResult out = align(ask.burst.pyramid, reference, camera_, told, told, config_.icp);
   if (!acceptable_for(out, ask)) return by_shape;
   out.undetermined = std::max(0, out.weak_directions - hold->held);
+  out.texture_moved = hold->moved;
   return out;
 }
 

@@ -150,12 +150,16 @@ SegmentMemory& Tracker::start() {
 
 SegmentMemory& Tracker::find(SegmentId id) { return *std::ranges::find(segments_, id, &SegmentMemory::id); }
 
-void Tracker::remember_texture(SegmentMemory& segment, const Burst& burst, const Pose& T_model_cam) const {
+void Tracker::remember_texture(SegmentMemory& segment, const Burst& burst, const IcpResult& icp) const {
+  const Pose& T_model_cam = icp.T_model_cam;
   const Vec3d work(0, 0, config_.motion.work_distance_mm);
   const Closeness same{config_.texture_spacing_mm, config_.texture_spacing_deg};
+  // What moved between two pictures is in both of them.
+  if (segment.texture && icp.texture_moved) segment.texture->of_surface = true;
   if (segment.texture && look_alike(segment.texture->T_model_cam, T_model_cam, work, same)) return;
   segment.texture = burst.texture.reference();
   segment.texture->T_model_cam = T_model_cam;
+  segment.texture->of_surface = icp.texture_moved;
 }
 
 TrackResult Tracker::accept(SegmentMemory& segment, TrackState state, const Burst& burst, const IcpResult& icp) {
@@ -165,7 +169,7 @@ TrackResult Tracker::accept(SegmentMemory& segment, TrackState state, const Burs
     segment.keyframes.add(burst.patch, icp.T_model_cam,
                           extract_features(burst.patch, texture_.px_per_mm, config_.features));
   }
-  if (icp.weak_directions > 0 || state == TrackState::kStarted) remember_texture(segment, burst, icp.T_model_cam);
+  if (icp.weak_directions > 0 || state == TrackState::kStarted) remember_texture(segment, burst, icp);
   return {state,       icp.T_model_cam,  icp.rms_mm,
           icp.overlap, icp.iterations,   segment.id,
           {},          icp.undetermined, burst.texture.picture_if_made()};

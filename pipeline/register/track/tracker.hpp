@@ -56,7 +56,7 @@ class Tracker {
   /// In one that the hand left a moment ago. Where the burst stands in the active one too, that is a vote.
   [[nodiscard]] std::optional<TrackResult> back_in_an_older(const Burst& burst, const std::optional<IcpResult>& here);
   [[nodiscard]] SegmentMemory& start();
-  void remember_texture(SegmentMemory& segment, const Burst& burst, const Pose& T_model_cam) const;
+  void remember_texture(SegmentMemory& segment, const Burst& burst, const IcpResult& icp) const;
   [[nodiscard]] TrackResult accept(SegmentMemory& segment, TrackState state, const Burst& burst, const IcpResult& icp);
   [[nodiscard]] std::optional<SegmentJoin> vote(const PlacedBurst& placed, const SurfacePatch& patch,
                                                 const PatchPyramid& pyramid);
