@@ -80,6 +80,8 @@ std::string diagnostics_json(const DecodeDiagnostics& d, const std::vector<Figur
       {"code_agreement", 5, {d.code_agreement}},
       {"withdrawn_share", 5, {d.withdrawn_share}},
       {"torn_share", 5, {d.torn_share}},
+      {"light_ripple_rad", 6, {d.light_ripple_rad}},
+      {"light_proof", 2, {d.light_proof}},
       {"motion_rad", 6, {static_cast<double>(d.motion_rad)}},
       {"shift_mm_per_frame", 6, {d.rigid.shift_mm.begin(), d.rigid.shift_mm.end()}, true},
       {"turn_rad_per_frame", 7, {d.rigid.turn_rad.begin(), d.rigid.turn_rad.end()}, true},

@@ -9,6 +9,7 @@
 #include "pipeline/decode/mode_m/micro_evidence.hpp"
 #include "pipeline/decode/mode_m/micro_mode.hpp"
 #include "pipeline/decode/mode_m/micro_wave.hpp"
+#include "pipeline/decode/phase/light_change.hpp"
 #include "pipeline/decode/phase/misfit.hpp"
 
 namespace enamel::pipeline {
@@ -24,6 +25,7 @@ struct MicroMode::Memory : PatternStrategy::Work {
   MicroMotion motion;
   RigidMotionWork rigid;
   MotionField field;
+  LightChange light;
   std::vector<CellSpan> relative_cells;  ///< of regions without an order
   CodeStrips strips;
   Misfit misfit;                    ///< of bursts that moved

@@ -67,6 +67,7 @@ class MicroMode final : public PatternStrategy {
                             FringeOrders& out) const;
   void find_likely_motion(const PhaseMaps& phase, const Regions& regions, Memory& m, const FringeOrders& orders) const;
   void find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics& diagnostics) const;
+  void undo_light(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const;
   void undo_wave(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const;
 
   MicroCode code_;

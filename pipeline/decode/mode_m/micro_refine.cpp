@@ -1,5 +1,6 @@
 // Mode M's best phase: harmonic and motion undone, then the code frame joins as a fourth measurement.
 #include "pipeline/decode/mode_m/micro_gates.hpp"
+#include "pipeline/decode/mode_m/micro_light.hpp"
 #include "pipeline/decode/mode_m/micro_memory.hpp"
 #include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "pipeline/decode/mode_m/micro_saturated.hpp"
@@ -47,6 +48,18 @@ void MicroMode::undo_wave(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& 
   diagnostics.wave_shown = m.wave.fringe;
 }
 
+/// Light that changed by itself is told from motion, and motion without such light, in turn.
+void MicroMode::undo_light(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
+  for (int pass = 0; pass < kLightPasses; ++pass) {
+    const MicroBurst burst{phase, m.wraps, code_, diagnostics.third_rad, diagnostics.noise};
+    const bool changed = find_micro_light(burst, m.motion, config_.refit.max_residual, common_.light_change, m.light);
+    if (pass == 0) diagnostics.light_ripple_rad = m.light.ripple_rad(), diagnostics.light_proof = m.light.proof();
+    if (!changed) return;
+    take_off_light(m.light, diagnostics.noise.black_dn, phase);
+    find_motion(phase, m, diagnostics);
+  }
+}
+
 RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface& relative, Work& work,
                                const StepHook& hook, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   Memory& m = memory_of(work);
@@ -62,6 +75,8 @@ RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface
   if (!common_.correct_closure) return {phase, m.wraps, {}};
   find_motion(phase, m, diagnostics);
   tell(hook, "motion");
+  if (linear) undo_light(m, diagnostics, phase);
+  tell(hook, "light");
   undo_micro_motion(m.wraps, m.motion, phase);
   join_code_frame({orders.spans, m.wraps, code_, m.motion, diagnostics.third_rad, diagnostics.noise}, config_.refit,
                   phase, {m.strips, diagnostics.rigid.moved ? &m.misfit : nullptr});

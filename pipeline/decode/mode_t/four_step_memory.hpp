@@ -8,6 +8,7 @@
 #include "pipeline/decode/mode_t/four_step_wave.hpp"
 #include "pipeline/decode/mode_t/polarity_evidence.hpp"
 #include "pipeline/decode/mode_t/saturated.hpp"
+#include "pipeline/decode/phase/light_change.hpp"
 #include "pipeline/decode/phase/misfit.hpp"
 #include "pipeline/decode/unwrap/least_cuts.hpp"
 
@@ -23,6 +24,7 @@ struct FourStepMode::Memory : PatternStrategy::Work {
   FourStepPixels pixels;
   RigidMotionWork rigid;
   MotionField field;
+  LightChange light;
   FlipBlur flips;
   Misfit misfit;    ///< of bursts that moved
   TornPixels torn;  ///< of these

@@ -1,5 +1,6 @@
 // Mode T's best phase: frame 3 joins once its sign is known, then motion, flips and harmonics are undone.
 #include "pipeline/decode/mode_t/closure_gates.hpp"
+#include "pipeline/decode/mode_t/four_step_light.hpp"
 #include "pipeline/decode/mode_t/four_step_memory.hpp"
 #include "pipeline/decode/mode_t/ripple_depth.hpp"
 #include "pipeline/decode/phase/chosen.hpp"
@@ -22,6 +23,24 @@ void FourStepMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnost
   if (!diagnostics.rigid.moved) return;
   if (common_.rigid.dense) refine_motion(diagnostics.rigid, m.rigid.images, *geometry_.rays, m.rigid.detail, m.field);
   diagnostics.harmonic = m.field.shared;
+}
+
+/// Light that changed by itself is told from motion, and motion without such light, in turn.
+void FourStepMode::undo_light(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics,
+                              PhaseMaps& phase) const {
+  const float black_dn = diagnostics.noise.black_dn;
+  for (int pass = 0; pass < kLightPasses; ++pass) {
+    const bool changed =
+        find_four_step_light({phase, m.polarity, m.errors(diagnostics.rigid.moved), black_dn}, diagnostics.noise,
+                             config_.closure.max_residual, common_.light_change, m.light);
+    if (pass == 0) diagnostics.light_ripple_rad = m.light.ripple_rad(), diagnostics.light_proof = m.light.proof();
+    if (!changed) return;
+    take_off_light(m.light, orders.spans, m.polarity, black_dn, phase);
+    apply_polarity(orders.spans, signs_, diagnostics.noise, config_.polarity, phase, m.polarity);
+    sort_out_saturated(m.saturated, signs_, diagnostics.noise, config_.polarity, m.polarity.wraps, phase);
+    fit_closure(phase, m.polarity, diagnostics.noise, config_.closure, m.closure);
+    find_motion(phase, m, diagnostics);
+  }
 }
 
 void FourStepMode::undo_motion(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics,
@@ -82,6 +101,8 @@ RefinedPhase FourStepMode::refine(const FringeOrders& orders, const RelativeSurf
     fit_closure(phase, m.polarity, diagnostics.noise, config_.closure, m.closure);
     tell(hook, "closure");
     find_motion(phase, m, diagnostics);
+    if (diagnostics.wave.is_cosine()) undo_light(orders, m, diagnostics, phase);
+    tell(hook, "light");
     if (!diagnostics.wave.is_cosine()) undo_wave(orders, m, diagnostics, phase);
     undo_motion(orders, m, diagnostics, phase);
     // Last, because frames that join beside a flip make their sigma anew.

@@ -20,6 +20,8 @@ inline constexpr std::size_t kMinBinPixels = 100;
 
 /// Of a moving burst: motion and harmonics are found through each other. chosen: by judgement.
 inline constexpr int kWavePasses = 2;
+/// As are motion and light that changes by itself. chosen: by judgement.
+inline constexpr int kLightPasses = 3;
 
 /// Of true phase over the phase shown, and of a cosine over its level; of a level, above and below the wave's own:
 /// noise. chosen: by judgement. Beyond the first noise would be amplified more than sigma tells.

@@ -5,6 +5,7 @@
 
 #include "calib/model/rig.hpp"
 #include "pipeline/decode/motion/rigid_motion.hpp"
+#include "pipeline/decode/phase/light_change.hpp"
 #include "pipeline/decode/phase/phase.hpp"
 #include "pipeline/decode/phase/waveform_fit.hpp"
 #include "pipeline/decode/steps/decode_gates.hpp"
@@ -22,6 +23,7 @@ struct CommonConfig {
   OrderConfig order;
   RigidMotionConfig rigid;
   NormalConfig normals;
+  LightChangeConfig light_change;
   /// Undo what the burst itself shows of motion and of the projector's second harmonic; in mode M motion, seen by the
   /// code frame, which then joins the phase.
   bool correct_closure = true;

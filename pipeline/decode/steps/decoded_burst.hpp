@@ -51,6 +51,8 @@ struct DecodeDiagnostics {
   float exposure_step = 0;          ///< of A: by which single frames are brighter than motion and light explain
   float odd_sigma_rad = 0;          ///< what noise leaves of it in a block; not in mode M, which asks blocks that know
   float unrest = 0;                 ///< what else motion and harmonic do not explain, on the same scale
+  double light_ripple_rad = 0;      ///< of phase, by light that changed by itself, as it was found first
+  double light_proof = 0;           ///< chi squared of that
   double direction_share = 0;       ///< neighbours whose phase changes in the carrier's direction
   double code_agreement = 0;        ///< of pixels in decided cells: code as labelled
   double withdrawn_share = 0;       ///< of pixels in decided cells: their region's code was not as labelled

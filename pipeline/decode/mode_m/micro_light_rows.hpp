@@ -1,0 +1,26 @@
+// Rows of micro_light.hpp, compiled per instruction set. Private to pipeline/decode.
+#pragma once
+
+#include <cstddef>
+
+#include "pipeline/decode/mode_m/micro_refit_rows.hpp"
+
+namespace enamel::pipeline {
+
+/// As LightRow, to be written.
+struct MicroLightRow {
+  float *light, *cosine, *sine, *rest, *by_cosine, *by_sine, *by_gain, *weight, *rest_weight;
+};
+
+void micro_light_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width,
+                     const MicroLightRow& out);
+
+/// Shares of A - black that light which changed added to C, to S and to the code frame less A.
+struct LightShares {
+  const float *cosine, *sine, *rest;
+};
+
+/// In place.
+void take_light_off_row(const LightShares& shares, float black_dn, std::size_t width, const MovedRow& out);
+
+}  // namespace enamel::pipeline

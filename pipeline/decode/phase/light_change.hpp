@@ -1,0 +1,94 @@
+// Light that changes by itself within a burst: a lamp that swings with the mains, or is dimmed. It adds to frame k an
+// amount o_k of its own, which turns the three-frame solution into C + c, S + s and the fourth frame into something
+// else than they predict. A common amount does no harm. What shows it:
+//   |(C, S)|/A = B/A + (c cos phi + s sin phi)/A        B/A belongs to matter and focus and knows no fringes; motion
+//                                                       and harmonics make ripple of other periods there
+//   fourth frame - its prediction = d + (slope over C) c + (slope over S) s + ...
+// Lamp and projector shine on the same surface, so what the lamp adds is taken as a share of A that changes slowly over
+// the image: q = (c, s, d)/A. Blocks of the image give q each, by least squares. One lamp has one course over the
+// frames and one map over the image,
+//   q(x, y) = f L(x, y),        |f| = 1,
+// a product, as which the blocks' q are explained. A burst without such light is told by the blocks' own spread.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "pipeline/decode/phase/block_fit.hpp"
+#include "pipeline/decode/phase/grid_rows.hpp"
+
+namespace enamel::pipeline {
+
+struct LightChangeConfig {
+  /// chosen: by judgement, two fringes wide at least; below, the ripple is not told from a slope of B/A.
+  int block_px = 64;
+  int row_step = 8;  ///< layout: of the rows that are asked
+  /// derived: chi squared of three unknowns that noise alone exceeds in one burst of a thousand.
+  double least_proof = 16.3;
+  /// chosen: by judgement, a micrometre at the middle of the depth range. Less is left alone.
+  double least_rad = 3e-3;
+  std::size_t least_blocks = 6;  ///< chosen: by judgement. Fewer do not tell their own spread.
+};
+
+/// A row's pixels at mid-burst, as far as motion is known. In DN where not said otherwise.
+struct LightRow {
+  const float* light;                          ///< A above black
+  const float *cosine, *sine;                  ///< B cos phi, B sin phi of three frames
+  const float* rest;                           ///< fourth frame less its prediction
+  const float *rest_by_cosine, *rest_by_sine;  ///< change of rest per DN of c and of s
+  const float* rest_by_gain;                   ///< and per unit of what blur leaves of the fourth frame's fringe
+  const float* weight;                         ///< one over the variance of B; 0: not asked
+  const float* rest_weight;                    ///< one over the variance of rest; 0: not known
+};
+
+/// One burst's; keeps its memory between bursts. Not thread-safe.
+class LightChange {
+ public:
+  void start(int width, int height, const LightChangeConfig& config);
+  /// Every row_step-th row, in order.
+  void take_row(int v, const LightRow& row);
+  /// After the last row. Whether light changed by more than noise, and than what the blocks disagree by, explains.
+  [[nodiscard]] bool find();
+
+  /// Shares of A; valid until the next start. Of c, s, d.
+  [[nodiscard]] Grid share(std::size_t of) const noexcept;
+  /// Mean amplitude of the phase's ripple, rad.
+  [[nodiscard]] double ripple_rad() const noexcept { return ripple_rad_; }
+  /// Chi squared of the mean q about none.
+  [[nodiscard]] double proof() const noexcept { return proof_; }
+
+ private:
+  /// layout: q, gain of the fourth frame, two slopes of B/A, its ripple twice a fringe, itself.
+  static constexpr std::size_t kUnknowns = 9;
+  using Fit = BlockFit<kUnknowns>;
+
+  /// What a block says; weight: inverse of its covariance.
+  struct Block {
+    std::size_t node = 0;
+    double x = 0, y = 0;  ///< of its middle, -1 ... 1
+    Eigen::Vector3d q;
+    Eigen::Matrix3d weight;
+    double contrast = 0;  ///< B/A
+  };
+
+  void add_fringe(const LightRow& row, float across, float* sums);
+  void add_rest(const LightRow& row, float* sums);
+  void solve_blocks();
+  [[nodiscard]] bool prove(Eigen::Vector3d& mean);
+  void explain(Eigen::Vector3d course);
+  void make_map(const Eigen::Vector3d& course);
+
+  LightChangeConfig config_;
+  std::size_t width_ = 0;
+  int columns_ = 0, rows_ = 0;
+  std::vector<float> column_sums_, stretch_;
+  std::vector<double> sums_;
+  std::optional<BlockSums<Fit::kSums>> blocks_of_image_;
+  std::vector<Block> blocks_;
+  std::array<std::vector<float>, 3> nodes_;
+  double ripple_rad_ = 0, proof_ = 0;
+};
+
+}  // namespace enamel::pipeline
