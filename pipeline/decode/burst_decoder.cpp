@@ -49,6 +49,7 @@ struct BurstDecoder::Burst {
   PatternStrategy::Work& work;
   const StepHook& hook;
   DecodedBurst& out;
+  bool less_lamp = false;  ///< light that changed by itself is taken off before the phase is looked at
 };
 
 Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfig& config) {
@@ -99,8 +100,26 @@ DecodedBurst BurstDecoder::decode(const BurstView& view) const {
   return out;
 }
 
-/// The steps, each from what the one before found; the first that finds no sense in the burst ends it.
+/// Light that changes by itself is taken off where it is known best, once orders are. It may be too much for that: what
+/// makes no sense is asked again without it.
 BurstVerdict BurstDecoder::run(const Burst& burst) const {
+  const BurstVerdict verdict = run_steps(burst);
+  const bool unplaced = verdict == BurstVerdict::kNoCode && !strategy_->tells_unplaced();
+  if (!(verdict == BurstVerdict::kPatternMismatch || unplaced) || !shows_lamp(burst)) return verdict;
+  Burst again = burst;
+  again.less_lamp = true;
+  if (run_steps(again) == BurstVerdict::kAccepted) return BurstVerdict::kAccepted;
+  return burst.out.sight.trouble == SightTrouble::kLamp ? BurstVerdict::kLightChanged : verdict;
+}
+
+bool BurstDecoder::shows_lamp(const Burst& burst) const {
+  LightChange& light = burst.steps.light;
+  strategy_->solve_phase(burst.view, burst.out.diagnostics.noise, burst.work, burst.steps.phase);
+  return find_fringe_light(burst.steps.phase, burst.out.diagnostics.noise, config_.light_change, light);
+}
+
+/// The steps, each from what the one before found; the first that finds no sense in the burst ends it.
+BurstVerdict BurstDecoder::run_steps(const Burst& burst) const {
   burst.out.diagnostics = {};
   using Step = BurstVerdict (BurstDecoder::*)(const Burst&) const;
   constexpr Step kSteps[] = {&BurstDecoder::find_phase, &BurstDecoder::find_regions, &BurstDecoder::find_orders,
@@ -118,6 +137,7 @@ BurstVerdict BurstDecoder::find_phase(const Burst& burst) const {
   DecodeDiagnostics& diagnostics = burst.out.diagnostics;
   diagnostics.noise = noise_ ? noise_from_rig(*noise_, burst.view.bit_depth) : noise_from_closure(burst.view);
   strategy_->solve_phase(burst.view, diagnostics.noise, burst.work, phase);
+  if (burst.less_lamp) take_off_fringe_light(burst.steps.light, diagnostics.noise.black_dn, phase);
   copy_images(phase, diagnostics.noise, burst.out);
   burst.out.sight = look_at(diagnostics.noise, phase);
   tell(burst.hook, "phase");

@@ -8,7 +8,7 @@
 namespace enamel::pipeline {
 
 bool find_micro_light(const MicroBurst& burst, const MicroMotion& motion, float max_residual,
-                      const LightChangeConfig& config, LightChange& light) {
+                      const LightChangeConfig& config, LampLight of, LightChange& light) {
   const int height = burst.wraps.height();
   const auto width = static_cast<std::size_t>(burst.wraps.width());
   constexpr std::size_t kValues = 9;  // layout: of LightRow
@@ -17,7 +17,7 @@ bool find_micro_light(const MicroBurst& burst, const MicroMotion& motion, float 
   const MicroLightRow out{at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)};
   CodeRows rows(motion, burst.maps, &burst.wraps);
   rows.expect(burst.code, burst.third_rad);
-  light.start(burst.wraps.width(), height, config);
+  light.start(burst.wraps.width(), height, config, of);
   for (int v = config.row_step / 2; v < height; v += config.row_step) {
     micro_light_row(rows.at(v), burst.noise, max_residual, width, out);
     const PixelReject* reject = &burst.maps.reject(0, v);
@@ -33,7 +33,8 @@ void take_off_light(const LightChange& light, float black_dn, PhaseMaps& maps) {
   const int width = maps.phase_rad.width();
   GridRows cosine(light.share(0), width), sine(light.share(1), width), rest(light.share(2), width);
   for (int v = 0; v < maps.phase_rad.height(); ++v) {
-    take_light_off_row({cosine.row(v), sine.row(v), rest.row(v)}, black_dn, static_cast<std::size_t>(width),
+    take_light_off_row({cosine.row(v), sine.row(v), rest.row(v), light.light_of()}, black_dn,
+                       static_cast<std::size_t>(width),
                        {&maps.mean_dn(0, v), &maps.cosine_dn(0, v), &maps.sine_dn(0, v), &maps.code_dn(0, v),
                         &maps.modulation_dn(0, v), &maps.phase_rad(0, v)});
   }

@@ -10,7 +10,7 @@ namespace enamel::pipeline {
 
 /// burst and motion: those of fit_micro_motion, before undo_micro_motion. Whether light changed.
 [[nodiscard]] bool find_micro_light(const MicroBurst& burst, const MicroMotion& motion, float max_residual,
-                                    const LightChangeConfig& config, LightChange& light);
+                                    const LightChangeConfig& config, LampLight of, LightChange& light);
 
 /// From the frames as they were measured. Phases may leave [-pi, pi) a little; their turns stay.
 void take_off_light(const LightChange& light, float black_dn, PhaseMaps& maps);

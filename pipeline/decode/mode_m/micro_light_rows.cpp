@@ -58,14 +58,16 @@ void take_off_loop(const LightShares& shares, float black_dn, std::size_t width,
   const float *of_cosine = shares.cosine, *of_sine = shares.sine, *of_code = shares.rest;
   float *mean = out.mean, *cosine = out.cosine, *sine = out.sine, *code = out.code;
   float *modulation = out.modulation, *phase = out.phase;
+  const bool even = shares.of == LampLight::kEven;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const float light = larger(mean[u] - black_dn, 0);
     const Pixel was{light, cosine[u], sine[u]};
-    const Pixel now{light, was.cosine - of_cosine[u] * light, was.sine - of_sine[u] * light};
+    const float base = even ? kEvenLight_dn : light;
+    const Pixel now{light, was.cosine - of_cosine[u] * base, was.sine - of_sine[u] * base};
     phase[u] += ahead(was, now);
     cosine[u] = now.cosine, sine[u] = now.sine;
-    code[u] -= of_code[u] * light;
+    code[u] -= of_code[u] * base;
     modulation[u] = root(now.cosine * now.cosine + now.sine * now.sine + 1e-6F);
   }
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "pipeline/decode/mode_m/micro_refit_rows.hpp"
+#include "pipeline/decode/phase/light_change.hpp"
 
 namespace enamel::pipeline {
 
@@ -15,9 +16,10 @@ struct MicroLightRow {
 void micro_light_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width,
                      const MicroLightRow& out);
 
-/// Shares of A - black that light which changed added to C, to S and to the code frame less A.
+/// Shares that light which changed added to C, to S and to the code frame less A; of: what they are shares of.
 struct LightShares {
   const float *cosine, *sine, *rest;
+  LampLight of;
 };
 
 /// In place.

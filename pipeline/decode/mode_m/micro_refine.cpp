@@ -50,11 +50,15 @@ void MicroMode::undo_wave(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& 
 
 /// Light that changed by itself is told from motion, and motion without such light, in turn.
 void MicroMode::undo_light(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
-  for (int pass = 0; pass < kLightPasses; ++pass) {
+  const auto find = [&](LampLight of) {
     const MicroBurst burst{phase, m.wraps, code_, diagnostics.third_rad, diagnostics.noise};
-    const bool changed = find_micro_light(burst, m.motion, config_.refit.max_residual, common_.light_change, m.light);
-    if (pass == 0) diagnostics.light_ripple_rad = m.light.ripple_rad(), diagnostics.light_proof = m.light.proof();
-    if (!changed) return;
+    return find_micro_light(burst, m.motion, config_.refit.max_residual, common_.light_change, of, m.light);
+  };
+  const bool changed = find(LampLight::kAsSurface);
+  diagnostics.light_ripple_rad = m.light.ripple_rad(), diagnostics.light_proof = m.light.proof();
+  if (!changed) return;
+  const LampLight of = likelier_lamp(find, m.light);
+  for (int pass = 0; pass < kLightPasses && find(of); ++pass) {
     take_off_light(m.light, diagnostics.noise.black_dn, phase);
     find_motion(phase, m, diagnostics);
   }

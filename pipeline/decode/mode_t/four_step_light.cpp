@@ -53,7 +53,7 @@ void light_row(const PixelRow& in, const PixelReject* of_row, const NoiseModel& 
     const float off = x.x3 - rho[u] * h.x3 - lit - b * fringe, modulation = root(cos * cos + sin * sin + 1e-6F);
     light[u] = lit, cosine[u] = cos, sine[u] = sin, rest[u] = off;
     by_sine[u] = -b, by_gain[u] = b * fringe;
-    const bool inside = (w[u] != 0) & (reject[u] == PixelReject::kNone) & (lit > 1);
+    const bool inside = ((w[u] != 0) | (r[u] == r[u])) & (reject[u] == PixelReject::kNone) & (lit > 1);
     const bool known = inside & (std::abs(w[u]) > 0.999F) & (r[u] == r[u]) & (std::abs(off) < limit * modulation);
     const float inverse = 1 / noise.variance(mean[u]);
     weight[u] = select(inside, inverse / kFringeVariance, 0);
@@ -64,7 +64,7 @@ void light_row(const PixelRow& in, const PixelReject* of_row, const NoiseModel& 
 }  // namespace
 
 bool find_four_step_light(const KnownBurst& burst, const NoiseModel& noise, float max_residual,
-                          const LightChangeConfig& config, LightChange& light) {
+                          const LightChangeConfig& config, LampLight of, LightChange& light) {
   const int width = burst.maps.phase_rad.width(), height = burst.maps.phase_rad.height();
   const auto columns = static_cast<std::size_t>(width);
   constexpr std::size_t kValues = 9;  // layout: of LightRow
@@ -72,7 +72,7 @@ bool find_four_step_light(const KnownBurst& burst, const NoiseModel& noise, floa
   const auto at = [&](std::size_t k) { return values.data() + k * columns; };
   const Written out{at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)};
   ErrorRows rows(burst.errors, burst.black_dn, width);
-  light.start(width, height, config);
+  light.start(width, height, config, of);
   for (int v = config.row_step / 2; v < height; v += config.row_step) {
     light_row(pixel_row(burst.maps, rows.at(burst.polarity, v), burst.maps.phase_rad.index(0, v)),
               &burst.maps.reject(0, v), noise, max_residual, columns, out);
@@ -91,7 +91,8 @@ void take_off_light(const LightChange& light, std::span<const CellSpan> spans, c
     for (std::size_t u = 0; u < static_cast<std::size_t>(width); ++u) {
       const std::size_t i = first + u;
       const float weight = polarity.weight[i], b = std::copysign(1.0F, weight), residual = maps.code_dn[i];
-      const float a = larger(maps.mean_dn[i] - black_dn, 0), three = sine_of_three(maps.sine_dn[i], weight, residual);
+      const float a = lamp_base_dn(light.light_of(), larger(maps.mean_dn[i] - black_dn, 0)),
+                  three = sine_of_three(maps.sine_dn[i], weight, residual);
       const float cosine = maps.cosine_dn[i] - of_cosine[u] * a, sine = three - of_sine[u] * a;
       maps.cosine_dn[i] = cosine, maps.sine_dn[i] = sine;
       maps.code_dn[i] = b * (three - residual) - of_rest[u] * a;

@@ -11,7 +11,7 @@ namespace enamel::pipeline {
 
 /// burst: after apply_polarity. Whether light changed.
 [[nodiscard]] bool find_four_step_light(const KnownBurst& burst, const NoiseModel& noise, float max_residual,
-                                        const LightChangeConfig& config, LightChange& light);
+                                        const LightChangeConfig& config, LampLight of, LightChange& light);
 
 /// Brings cosine_dn, sine_dn, code_dn and phase_rad back to what they were before apply_polarity, less that light. The
 /// phase of a span's pixel is the one nearest to the middle of its cell: it may leave [-pi, pi) a little.

@@ -29,12 +29,15 @@ void FourStepMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnost
 void FourStepMode::undo_light(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics,
                               PhaseMaps& phase) const {
   const float black_dn = diagnostics.noise.black_dn;
-  for (int pass = 0; pass < kLightPasses; ++pass) {
-    const bool changed =
-        find_four_step_light({phase, m.polarity, m.errors(diagnostics.rigid.moved), black_dn}, diagnostics.noise,
-                             config_.closure.max_residual, common_.light_change, m.light);
-    if (pass == 0) diagnostics.light_ripple_rad = m.light.ripple_rad(), diagnostics.light_proof = m.light.proof();
-    if (!changed) return;
+  const auto find = [&](LampLight of) {
+    return find_four_step_light({phase, m.polarity, m.errors(diagnostics.rigid.moved), black_dn}, diagnostics.noise,
+                                config_.closure.max_residual, common_.light_change, of, m.light);
+  };
+  const bool changed = find(LampLight::kAsSurface);
+  diagnostics.light_ripple_rad = m.light.ripple_rad(), diagnostics.light_proof = m.light.proof();
+  if (!changed) return;
+  const LampLight of = likelier_lamp(find, m.light);
+  for (int pass = 0; pass < kLightPasses && find(of); ++pass) {
     take_off_light(m.light, orders.spans, m.polarity, black_dn, phase);
     apply_polarity(orders.spans, signs_, diagnostics.noise, config_.polarity, phase, m.polarity);
     sort_out_saturated(m.saturated, signs_, diagnostics.noise, config_.polarity, m.polarity.wraps, phase);

@@ -47,8 +47,8 @@ void add_products(std::span<const Column> columns, const float* stretch, std::si
 
 }  // namespace
 
-void LightChange::start(int width, int height, const LightChangeConfig& config) {
-  config_ = config;
+void LightChange::start(int width, int height, const LightChangeConfig& config, LampLight of) {
+  config_ = config, of_ = of;
   width_ = static_cast<std::size_t>(width);
   columns_ = (width + config.block_px - 1) / config.block_px, rows_ = (height + config.block_px - 1) / config.block_px;
   stretch_.resize(kColumns * width_);
@@ -74,7 +74,8 @@ void LightChange::add_fringe(const LightRow& row, float across, float* sums) {
     const float light = select(asked, row.light[u], 1);
     const float x = select(asked, row.cosine[u], 1), y = select(asked, row.sine[u], 0);
     const float b = root(x * x + y * y + 1e-6F), c = x / b, s = y / b;
-    cosine[u] = c, sine[u] = s, cosine2[u] = c * c - s * s, sine2[u] = 2 * c * s;
+    const float base = lamp_base_dn(of_, light) / light;
+    cosine[u] = c * base, sine[u] = s * base, cosine2[u] = c * c - s * s, sine2[u] = 2 * c * s;
     along[u] = (static_cast<float>(static_cast<int>(u) % config_.block_px) + 0.5F) / size - 0.5F;
     said[u] = b / light;
     weight[u] = select(asked, row.weight[u] * light * light, 0);
@@ -88,21 +89,23 @@ void LightChange::add_fringe(const LightRow& row, float across, float* sums) {
 void LightChange::add_rest(const LightRow& row, float* sums) {
   const auto to = [&](Column k) { return stretch_.data() + k * width_; };
   float* __restrict cosine = to(kCosine), * __restrict sine = to(kSine), * __restrict gain = to(kGain);
-  float* __restrict said = to(kSaid), * __restrict weight = to(kWeight);
+  float* __restrict said = to(kSaid), * __restrict weight = to(kWeight), * __restrict rest = to(kRest);
   for (std::size_t u = 0; u < width_; ++u) {
     const bool asked = row.rest_weight[u] > 0;
     const float light = select(asked, row.light[u], 1), inverse = 1 / light;
-    cosine[u] = select(asked, row.rest_by_cosine[u], 0), sine[u] = select(asked, row.rest_by_sine[u], 0);
+    const float base = lamp_base_dn(of_, light) * inverse;
+    cosine[u] = select(asked, row.rest_by_cosine[u] * base, 0), sine[u] = select(asked, row.rest_by_sine[u] * base, 0);
+    rest[u] = base;
     gain[u] = select(asked, row.rest_by_gain[u] * inverse, 0);
     said[u] = select(asked, row.rest[u] * inverse, 0);
     weight[u] = select(asked, row.rest_weight[u] * light * light, 0);
   }
-  std::fill_n(to(kRest), width_, 1.0F);
   add_products(kOfRest, stretch_.data(), width_, sums);
 }
 
 void LightChange::solve_blocks() {
   blocks_.clear();
+  misfit_ = 0;
   for (int j = 0; j < rows_; ++j) {
     for (int i = 0; i < columns_; ++i) {
       const auto node = static_cast<std::size_t>(j * columns_ + i);
@@ -112,6 +115,7 @@ void LightChange::solve_blocks() {
       const double contrast = known.x[kLevel];
       if (!(contrast > kLeastContrast)) continue;
       const double left = 1 + fit.told_by_first<1>(kSpread).left / fit.count();
+      misfit_ += 0.5 * fit.count() * std::log(std::max(left, 0.1));
       const Eigen::Matrix3d covariance = std::max(1.0, left) * known.covariance.topLeftCorner<3, 3>();
       blocks_.push_back({node, 2 * (i + 0.5) / columns_ - 1, 2 * (j + 0.5) / rows_ - 1, known.x.head<3>(),
                          covariance.inverse(), contrast});
@@ -210,6 +214,43 @@ void LightChange::make_map(const Eigen::Vector3d& course) {
 
 Grid LightChange::share(std::size_t of) const noexcept {
   return {nodes_[of].data(), columns_, rows_, config_.block_px};
+}
+
+bool find_fringe_light(const PhaseMaps& maps, const NoiseModel& noise, const LightChangeConfig& config,
+                       LightChange& light) {
+  const int width = maps.phase_rad.width(), height = maps.phase_rad.height();
+  const auto columns = static_cast<std::size_t>(width);
+  std::vector<float> above(columns), weight(columns);
+  const std::vector<float> none(columns, 0.0F);
+  light.start(width, height, config);
+  for (int v = config.row_step / 2; v < height; v += config.row_step) {
+    const std::size_t at = maps.phase_rad.index(0, v);
+    for (std::size_t u = 0; u < columns; ++u) {
+      above[u] = maps.mean_dn[at + u] - noise.black_dn;
+      const bool asked = (maps.reject[at + u] == PixelReject::kNone) & (above[u] > 1);
+      weight[u] = select(asked, 1 / noise.variance(maps.mean_dn[at + u]), 0);
+    }
+    light.take_row(v, {above.data(), &maps.cosine_dn[at], &maps.sine_dn[at], none.data(), none.data(), none.data(),
+                       none.data(), weight.data(), none.data()});
+  }
+  return light.find();
+}
+
+void take_off_fringe_light(const LightChange& light, float black_dn, PhaseMaps& maps) {
+  const int width = maps.phase_rad.width();
+  GridRows cosines(light.share(0), width), sines(light.share(1), width);
+  for (int v = 0; v < maps.phase_rad.height(); ++v) {
+    const float *of_cosine = cosines.row(v), *of_sine = sines.row(v);
+    const std::size_t first = maps.phase_rad.index(0, v);
+    for (std::size_t u = 0; u < static_cast<std::size_t>(width); ++u) {
+      const std::size_t i = first + u;
+      const float base = lamp_base_dn(light.light_of(), larger(maps.mean_dn[i] - black_dn, 0));
+      const float c = maps.cosine_dn[i] - base * of_cosine[u], s = maps.sine_dn[i] - base * of_sine[u];
+      maps.cosine_dn[i] = c, maps.sine_dn[i] = s;
+      maps.modulation_dn[i] = root(c * c + s * s + 1e-6F);
+      maps.phase_rad[i] = wrap_once(atan2_poly(s, c));
+    }
+  }
 }
 
 }  // namespace enamel::pipeline

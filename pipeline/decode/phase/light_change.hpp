@@ -5,8 +5,9 @@
 //                                                       and harmonics make ripple of other periods there
 //   fourth frame - its prediction = d + (slope over C) c + (slope over S) s + ...
 // Lamp and projector shine on the same surface, so what the lamp adds is taken as a share of A that changes slowly over
-// the image: q = (c, s, d)/A. Blocks of the image give q each, by least squares. One lamp has one course over the
-// frames and one map over the image,
+// the image, q = (c, s, d)/A; or as a veil that does, where that explains more: a surface that turns away from the
+// projector need not turn away from the lamp. Blocks of the image give q each, by least squares. One lamp has one
+// course over the frames and one map over the image,
 //   q(x, y) = f L(x, y),        |f| = 1,
 // a product, as which the blocks' q are explained. A burst without such light is told by the blocks' own spread.
 #pragma once
@@ -18,6 +19,8 @@
 
 #include "pipeline/decode/phase/block_fit.hpp"
 #include "pipeline/decode/phase/grid_rows.hpp"
+#include "pipeline/decode/phase/noise_model.hpp"
+#include "pipeline/decode/phase/phase.hpp"
 
 namespace enamel::pipeline {
 
@@ -32,6 +35,9 @@ struct LightChangeConfig {
   std::size_t least_blocks = 6;  ///< chosen: by judgement. Fewer do not tell their own spread.
 };
 
+/// What changing light is a slowly changing multiple of.
+enum class LampLight { kAsSurface, kEven };
+
 /// A row's pixels at mid-burst, as far as motion is known. In DN where not said otherwise.
 struct LightRow {
   const float* light;                          ///< A above black
@@ -43,21 +49,32 @@ struct LightRow {
   const float* rest_weight;                    ///< one over the variance of rest; 0: not known
 };
 
+/// layout: DN. What shares of an even light are shares of: as A is at a usual place, so that both are alike in size.
+inline constexpr float kEvenLight_dn = 50;
+
+/// What a share is taken of; light: A above black.
+[[nodiscard]] inline float lamp_base_dn(LampLight of, float light) noexcept {
+  return of == LampLight::kEven ? kEvenLight_dn : light;
+}
+
 /// One burst's; keeps its memory between bursts. Not thread-safe.
 class LightChange {
  public:
-  void start(int width, int height, const LightChangeConfig& config);
+  void start(int width, int height, const LightChangeConfig& config, LampLight of = LampLight::kAsSurface);
   /// Every row_step-th row, in order.
   void take_row(int v, const LightRow& row);
   /// After the last row. Whether light changed by more than noise, and than what the blocks disagree by, explains.
   [[nodiscard]] bool find();
 
-  /// Shares of A; valid until the next start. Of c, s, d.
+  /// c, s, d over what they are a multiple of; valid until the next start.
   [[nodiscard]] Grid share(std::size_t of) const noexcept;
+  [[nodiscard]] LampLight light_of() const noexcept { return of_; }
   /// Mean amplitude of the phase's ripple, rad.
   [[nodiscard]] double ripple_rad() const noexcept { return ripple_rad_; }
   /// Chi squared of the mean q about none.
   [[nodiscard]] double proof() const noexcept { return proof_; }
+  /// Minus the log likelihood of the blocks' pixels, to compare one LampLight with the other.
+  [[nodiscard]] double misfit() const noexcept { return misfit_; }
 
  private:
   /// layout: q, gain of the fourth frame, two slopes of B/A, its ripple twice a fringe, itself.
@@ -81,6 +98,7 @@ class LightChange {
   void make_map(const Eigen::Vector3d& course);
 
   LightChangeConfig config_;
+  LampLight of_ = LampLight::kAsSurface;
   std::size_t width_ = 0;
   int columns_ = 0, rows_ = 0;
   std::vector<float> column_sums_, stretch_;
@@ -88,7 +106,21 @@ class LightChange {
   std::optional<BlockSums<Fit::kSums>> blocks_of_image_;
   std::vector<Block> blocks_;
   std::array<std::vector<float>, 3> nodes_;
-  double ripple_rad_ = 0, proof_ = 0;
+  double ripple_rad_ = 0, proof_ = 0, misfit_ = 0;
 };
+
+/// Which lamp explains a burst better; light: after find(kAsSurface).
+template <class Find>
+[[nodiscard]] LampLight likelier_lamp(const Find& find, const LightChange& light) {
+  const double as_surface = light.misfit();
+  return find(LampLight::kEven) && light.misfit() < as_surface ? LampLight::kEven : LampLight::kAsSurface;
+}
+
+/// By the first equation alone, of wrapped phase as it was measured: what motion makes of it is taken for light.
+/// Whether there is such light.
+[[nodiscard]] bool find_fringe_light(const PhaseMaps& maps, const NoiseModel& noise, const LightChangeConfig& config,
+                                     LightChange& light);
+/// The same, from cosine_dn, sine_dn, modulation_dn and phase_rad.
+void take_off_fringe_light(const LightChange& light, float black_dn, PhaseMaps& maps);
 
 }  // namespace enamel::pipeline
