@@ -17,6 +17,9 @@ namespace {
 /// chosen: by judgement. Of a depth range at one pixel; probes have about 5.
 constexpr double kMostFringes = 100;
 
+/// Of light taken off before orders are known. chosen: by judgement.
+constexpr double kMostBack = 0.5;
+
 /// Largest number of fringes that the depth range spans at a pixel.
 double span_fringes(const RayDepth& rays) {
   float most = 0;
@@ -104,18 +107,28 @@ DecodedBurst BurstDecoder::decode(const BurstView& view) const {
 /// makes no sense is asked again without it.
 BurstVerdict BurstDecoder::run(const Burst& burst) const {
   const BurstVerdict verdict = run_steps(burst);
+  DecodeDiagnostics& diagnostics = burst.out.diagnostics;
   const bool unplaced = verdict == BurstVerdict::kNoCode && !strategy_->tells_unplaced();
-  if (!(verdict == BurstVerdict::kPatternMismatch || unplaced) || !shows_lamp(burst)) return verdict;
+  const bool linked = diagnostics.linked_share >= config_.linked.min_linked_share;
+  if (!(verdict == BurstVerdict::kPatternMismatch || unplaced) || !linked || !shows_lamp(burst)) return verdict;
   Burst again = burst;
   again.less_lamp = true;
-  if (run_steps(again) == BurstVerdict::kAccepted) return BurstVerdict::kAccepted;
-  return burst.out.sight.trouble == SightTrouble::kLamp ? BurstVerdict::kLightChanged : verdict;
+  const double taken_rad = burst.steps.light.ripple_rad();
+  const bool sense = run_steps(again) == BurstVerdict::kAccepted;
+  // What comes back once motion is known was its own.
+  if (sense && diagnostics.light_ripple_rad < kMostBack * taken_rad) {
+    diagnostics.light_ripple_rad = taken_rad;
+    return BurstVerdict::kAccepted;
+  }
+  const bool of_rig = follows_code(diagnostics, config_.code);
+  return of_rig && burst.out.sight.trouble == SightTrouble::kLamp ? BurstVerdict::kLightChanged : verdict;
 }
 
 bool BurstDecoder::shows_lamp(const Burst& burst) const {
   LightChange& light = burst.steps.light;
   strategy_->solve_phase(burst.view, burst.out.diagnostics.noise, burst.work, burst.steps.phase);
-  return find_fringe_light(burst.steps.phase, burst.out.diagnostics.noise, config_.light_change, light);
+  return find_fringe_light(burst.steps.phase, burst.out.diagnostics.noise, strategy_->fourth_frame(),
+                           config_.light_change, light);
 }
 
 /// The steps, each from what the one before found; the first that finds no sense in the burst ends it.

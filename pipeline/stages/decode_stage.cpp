@@ -1,5 +1,6 @@
 #include "pipeline/stages/decode_stage.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "pipeline/stages/burst_view.hpp"
@@ -18,6 +19,16 @@ BurstMotion motion_of(const proto::Burst& burst, const pipeline::RigidMotion& su
   return out;
 }
 
+/// Frames are compared with each other: all must have been exposed alike. A sensor that changed its mind within a burst
+/// says so.
+bool exposed_alike(const proto::Burst& burst) {
+  const proto::FrameMeta& first = burst.meta.front();
+  return std::ranges::all_of(burst.meta, [&](const proto::FrameMeta& m) {
+    return m.exposure_us == first.exposure_us && m.exposure_lines == first.exposure_lines &&
+           m.analogue_gain_q8 == first.analogue_gain_q8;
+  });
+}
+
 /// Frames that another lamp spoils look like a wrong pattern or like none.
 const char* reason_of(const pipeline::DecodedBurst& decoded) {
   return decoded.sight.trouble == SightTrouble::kLamp ? "other_light" : pipeline::name_of(decoded.verdict).data();
@@ -30,6 +41,10 @@ Result<void> DecodeStage::step() {
   const auto known = wave.take();
   if (calib_crc32_ != 0 && item->calib_crc32 != calib_crc32_) {
     patch.emit(flow::make_rejected<Decoded>(item, "foreign_calibration"));
+    return {};
+  }
+  if (!exposed_alike(*item)) {
+    patch.emit(flow::make_rejected<Decoded>(item, "exposure_changed"));
     return {};
   }
   pipeline::DecodedBurst decoded;

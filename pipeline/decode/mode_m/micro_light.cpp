@@ -26,7 +26,7 @@ bool find_micro_light(const MicroBurst& burst, const MicroMotion& motion, float 
     }
     light.take_row(v, {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)});
   }
-  return light.find();
+  return light.find(motion.motion_rad);
 }
 
 void take_off_light(const LightChange& light, float black_dn, PhaseMaps& maps) {

@@ -33,6 +33,9 @@ inline constexpr float kMostFlipResidual = 0.6F;
 /// chosen: by judgement. Of |sin phi|; nearer to a flip blur rounds frame 3 of a torn pixel.
 inline constexpr float kClearOfFlip = 0.4F;
 
+/// Of full scale, of pixels that are asked for light that changed. chosen: by judgement, below PhaseConfig::saturation.
+inline constexpr float kBrightest = 0.95F;
+
 /// Of B, by which frames 1 and 3 differ at most where one repeats the other. chosen: by judgement, twice the quarter
 /// radian a frame of a true burst.
 inline constexpr float kAlike = 0.5F;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/closure_rows.hpp"
 #include "pipeline/decode/mode_t/frame_solve.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
@@ -32,7 +33,7 @@ void light_row(const PixelRow& in, const PixelReject* of_row, const NoiseModel& 
   const float* __restrict growth = in.errors.light, * __restrict rate_change = in.errors.rate_change;
   const float* __restrict growth_change = in.errors.light_change;
   const PixelReject* __restrict reject = of_row;
-  const float black_dn = in.errors.black_dn;
+  const float black_dn = in.errors.black_dn, full = kBrightest * model.full_scale_dn - black_dn;
   float* __restrict light = out.light, * __restrict cosine = out.cosine, * __restrict sine = out.sine;
   float* __restrict rest = out.rest, * __restrict by_sine = out.by_sine, * __restrict by_gain = out.by_gain;
   float* __restrict weight = out.weight, * __restrict sure = out.rest_weight;
@@ -53,7 +54,8 @@ void light_row(const PixelRow& in, const PixelReject* of_row, const NoiseModel& 
     const float off = x.x3 - rho[u] * h.x3 - lit - b * fringe, modulation = root(cos * cos + sin * sin + 1e-6F);
     light[u] = lit, cosine[u] = cos, sine[u] = sin, rest[u] = off;
     by_sine[u] = -b, by_gain[u] = b * fringe;
-    const bool inside = ((w[u] != 0) | (r[u] == r[u])) & (reject[u] == PixelReject::kNone) & (lit > 1);
+    const bool inside =
+        ((w[u] != 0) | (r[u] == r[u])) & (reject[u] == PixelReject::kNone) & (lit > 1) & (a + modulation < full);
     const bool known = inside & (std::abs(w[u]) > 0.999F) & (r[u] == r[u]) & (std::abs(off) < limit * modulation);
     const float inverse = 1 / noise.variance(mean[u]);
     weight[u] = select(inside, inverse / kFringeVariance, 0);
@@ -63,8 +65,8 @@ void light_row(const PixelRow& in, const PixelReject* of_row, const NoiseModel& 
 
 }  // namespace
 
-bool find_four_step_light(const KnownBurst& burst, const NoiseModel& noise, float max_residual,
-                          const LightChangeConfig& config, LampLight of, LightChange& light) {
+bool find_four_step_light(const KnownBurst& burst, const LightQuestion& question, LightChange& light) {
+  const LightChangeConfig& config = question.config;
   const int width = burst.maps.phase_rad.width(), height = burst.maps.phase_rad.height();
   const auto columns = static_cast<std::size_t>(width);
   constexpr std::size_t kValues = 9;  // layout: of LightRow
@@ -72,13 +74,13 @@ bool find_four_step_light(const KnownBurst& burst, const NoiseModel& noise, floa
   const auto at = [&](std::size_t k) { return values.data() + k * columns; };
   const Written out{at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)};
   ErrorRows rows(burst.errors, burst.black_dn, width);
-  light.start(width, height, config, of);
+  light.start(width, height, config, question.of);
   for (int v = config.row_step / 2; v < height; v += config.row_step) {
     light_row(pixel_row(burst.maps, rows.at(burst.polarity, v), burst.maps.phase_rad.index(0, v)),
-              &burst.maps.reject(0, v), noise, max_residual, columns, out);
+              &burst.maps.reject(0, v), question.noise, question.max_residual, columns, out);
     light.take_row(v, {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)});
   }
-  return light.find();
+  return light.find(question.motion_rad);
 }
 
 void take_off_light(const LightChange& light, std::span<const CellSpan> spans, const PolarityMaps& polarity,

@@ -9,9 +9,18 @@
 
 namespace enamel::pipeline {
 
-/// burst: after apply_polarity. Whether light changed.
-[[nodiscard]] bool find_four_step_light(const KnownBurst& burst, const NoiseModel& noise, float max_residual,
-                                        const LightChangeConfig& config, LampLight of, LightChange& light);
+/// What is asked of a burst.
+struct LightQuestion {
+  const NoiseModel& noise;
+  float max_residual;  ///< of B; beyond it the pixel sees an edge or a glint
+  float motion_rad;    ///< of the burst, a frame interval
+  const LightChangeConfig& config;
+  LampLight of = LampLight::kAsSurface;
+};
+
+/// burst: after apply_polarity. Whether light changed. Pixels near full scale, which may rest on three frames, are not
+/// asked.
+[[nodiscard]] bool find_four_step_light(const KnownBurst& burst, const LightQuestion& question, LightChange& light);
 
 /// Brings cosine_dn, sine_dn, code_dn and phase_rad back to what they were before apply_polarity, less that light. The
 /// phase of a span's pixel is the one nearest to the middle of its cell: it may leave [-pi, pi) a little.

@@ -30,8 +30,9 @@ void FourStepMode::undo_light(const FringeOrders& orders, Memory& m, DecodeDiagn
                               PhaseMaps& phase) const {
   const float black_dn = diagnostics.noise.black_dn;
   const auto find = [&](LampLight of) {
-    return find_four_step_light({phase, m.polarity, m.errors(diagnostics.rigid.moved), black_dn}, diagnostics.noise,
-                                config_.closure.max_residual, common_.light_change, of, m.light);
+    return find_four_step_light(
+        {phase, m.polarity, m.errors(diagnostics.rigid.moved), black_dn},
+        {diagnostics.noise, config_.closure.max_residual, diagnostics.motion_rad, common_.light_change, of}, m.light);
   };
   const bool changed = find(LampLight::kAsSurface);
   diagnostics.light_ripple_rad = m.light.ripple_rad(), diagnostics.light_proof = m.light.proof();

@@ -2,6 +2,7 @@
 // pipeline/decode.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace enamel::pipeline {
@@ -22,6 +23,14 @@ inline constexpr std::size_t kMinBinPixels = 100;
 inline constexpr int kWavePasses = 2;
 /// As are motion and light that changes by itself. chosen: by judgement.
 inline constexpr int kLightPasses = 3;
+
+/// Of light_change.hpp. chosen: by judgement. Spread of a block's unknowns about 0, far beyond what is seen: q, gain,
+/// slopes of B/A, its ripple twice a fringe; B/A itself is not held. Equations of a block that has a say, and its B/A.
+/// Course over the frames and map over the image are found in turn. Spread of a map's slopes and bends, over its mean.
+inline constexpr std::array<double, 9> kLightSpread = {1, 1, 1, 0.3, 1, 1, 0.3, 0.3, 100};
+inline constexpr double kLeastLightPixels = 100, kLeastLightContrast = 0.02;
+inline constexpr int kCourseRounds = 4;
+inline constexpr double kMapBend = 1;
 
 /// Of true phase over the phase shown, and of a cosine over its level; of a level, above and below the wave's own:
 /// noise. chosen: by judgement. Beyond the first noise would be amplified more than sigma tells.

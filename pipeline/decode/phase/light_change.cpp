@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "pipeline/decode/phase/chosen.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 
 namespace enamel::pipeline {
@@ -11,16 +12,9 @@ namespace {
 
 /// layout: columns of a pixel's two equations, which BlockFit solves; what they say, and their weight.
 enum Column : std::size_t { kCosine, kSine, kRest, kGain, kAlong, kAcross, kCosine2, kSine2, kLevel, kSaid, kWeight };
-constexpr std::size_t kColumns = kWeight + 1;
+constexpr std::size_t kColumns = kWeight + 1;  ///< layout: rows of a stretch
 constexpr std::array<Column, 8> kOfFringe = {kCosine, kSine, kAlong, kAcross, kCosine2, kSine2, kLevel, kSaid};
 constexpr std::array<Column, 5> kOfRest = {kCosine, kSine, kRest, kGain, kSaid};
-
-/// chosen: by judgement, far beyond what is seen; of B/A, which is not held, more.
-constexpr std::array<double, 9> kSpread = {1, 1, 1, 0.3, 1, 1, 0.3, 0.3, 100};
-constexpr double kLeastPixels = 100;     ///< chosen: by judgement. Equations of a block that has a say.
-constexpr double kLeastContrast = 0.02;  ///< chosen: by judgement. B/A of such a block.
-constexpr int kCourseRounds = 4;         ///< chosen: by judgement. Of course and map in turn.
-constexpr double kBend = 1;              ///< chosen: by judgement. Spread of a map's slopes and bends, over its mean.
 
 /// Where BlockFit keeps the product of columns i <= j.
 constexpr std::size_t sum_of(std::size_t i, std::size_t j) { return i * (kSaid + 1) - i * (i - 1) / 2 + (j - i); }
@@ -110,11 +104,11 @@ void LightChange::solve_blocks() {
     for (int i = 0; i < columns_; ++i) {
       const auto node = static_cast<std::size_t>(j * columns_ + i);
       const Fit fit(&sums_[node * Fit::kSums]);
-      if (fit.count() < kLeastPixels) continue;
-      const Fit::Known known = fit.solve(kSpread);
+      if (fit.count() < kLeastLightPixels) continue;
+      const Fit::Known known = fit.solve(kLightSpread);
       const double contrast = known.x[kLevel];
-      if (!(contrast > kLeastContrast)) continue;
-      const double left = 1 + fit.told_by_first<1>(kSpread).left / fit.count();
+      if (!(contrast > kLeastLightContrast)) continue;
+      const double left = 1 + fit.told_by_first<1>(kLightSpread).left / fit.count();
       misfit_ += 0.5 * fit.count() * std::log(std::max(left, 0.1));
       const Eigen::Matrix3d covariance = std::max(1.0, left) * known.covariance.topLeftCorner<3, 3>();
       blocks_.push_back({node, 2 * (i + 0.5) / columns_ - 1, 2 * (j + 0.5) / rows_ - 1, known.x.head<3>(),
@@ -135,15 +129,16 @@ bool LightChange::prove(Eigen::Vector3d& mean) {
   for (const Block& b : blocks_) {
     const Eigen::Vector3d off = b.q - mean;
     spread += off.dot(b.weight * off);
-    ripple += mean.head<2>().norm() / b.contrast;
+    ripple += mean.norm() / b.contrast;
   }
   const auto count = static_cast<double>(blocks_.size());
   proof_ = mean.dot(weight * mean) / std::max(1.0, spread / (3 * (count - 1)));
   ripple_rad_ = ripple / count;
-  return proof_ > config_.least_proof && ripple_rad_ > config_.least_rad;
+  return proof_ > config_.least_proof && ripple_rad_ > config_.least_rad + config_.least_of_motion * motion_rad_;
 }
 
-bool LightChange::find() {
+bool LightChange::find(float motion_rad) {
+  motion_rad_ = static_cast<double>(std::abs(motion_rad));
   blocks_of_image_->finish();
   solve_blocks();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -184,7 +179,7 @@ void LightChange::make_map(const Eigen::Vector3d& course) {
     levels[k] = course.dot(b.weight * b.q) / precision[k];
     sum += precision[k] * levels[k], total += precision[k];
   }
-  const double mean = sum / total, ridge = 1 / (kBend * kBend * mean * mean + 1e-12);
+  const double mean = sum / total, ridge = 1 / (kMapBend * kMapBend * mean * mean + 1e-12);
   Eigen::Matrix<double, 6, 6> left = Eigen::Matrix<double, 6, 6>::Zero();
   Terms right = Terms::Zero();
   for (std::size_t k = 0; k < blocks_.size(); ++k) {
@@ -216,37 +211,42 @@ Grid LightChange::share(std::size_t of) const noexcept {
   return {nodes_[of].data(), columns_, rows_, config_.block_px};
 }
 
-bool find_fringe_light(const PhaseMaps& maps, const NoiseModel& noise, const LightChangeConfig& config,
-                       LightChange& light) {
+bool find_fringe_light(const PhaseMaps& maps, const NoiseModel& noise, FourthFrame fourth,
+                       const LightChangeConfig& config, LightChange& light) {
   const int width = maps.phase_rad.width(), height = maps.phase_rad.height();
   const auto columns = static_cast<std::size_t>(width);
-  std::vector<float> above(columns), weight(columns);
+  std::vector<float> above(columns), weight(columns), rest_weight(columns);
   const std::vector<float> none(columns, 0.0F);
   light.start(width, height, config);
   for (int v = config.row_step / 2; v < height; v += config.row_step) {
     const std::size_t at = maps.phase_rad.index(0, v);
+    const float* code = &maps.code_dn[at];
     for (std::size_t u = 0; u < columns; ++u) {
       above[u] = maps.mean_dn[at + u] - noise.black_dn;
       const bool asked = (maps.reject[at + u] == PixelReject::kNone) & (above[u] > 1);
-      weight[u] = select(asked, 1 / noise.variance(maps.mean_dn[at + u]), 0);
+      const bool balanced = asked & (fourth == FourthFrame::kWholeFringes) & (code[u] == code[u]);
+      const float variance = noise.variance(maps.mean_dn[at + u]), b = maps.modulation_dn[at + u];
+      weight[u] = select(asked, 1 / variance, 0);
+      rest_weight[u] = select(balanced, 1 / (variance + 0.5F * b * b), 0);  // its fringe counts as noise
     }
-    light.take_row(v, {above.data(), &maps.cosine_dn[at], &maps.sine_dn[at], none.data(), none.data(), none.data(),
-                       none.data(), weight.data(), none.data()});
+    light.take_row(v, {above.data(), &maps.cosine_dn[at], &maps.sine_dn[at], code, none.data(), none.data(),
+                       none.data(), weight.data(), rest_weight.data()});
   }
-  return light.find();
+  return light.find(0);
 }
 
 void take_off_fringe_light(const LightChange& light, float black_dn, PhaseMaps& maps) {
   const int width = maps.phase_rad.width();
-  GridRows cosines(light.share(0), width), sines(light.share(1), width);
+  GridRows cosines(light.share(0), width), sines(light.share(1), width), rests(light.share(2), width);
   for (int v = 0; v < maps.phase_rad.height(); ++v) {
-    const float *of_cosine = cosines.row(v), *of_sine = sines.row(v);
+    const float *of_cosine = cosines.row(v), *of_sine = sines.row(v), *of_rest = rests.row(v);
     const std::size_t first = maps.phase_rad.index(0, v);
     for (std::size_t u = 0; u < static_cast<std::size_t>(width); ++u) {
       const std::size_t i = first + u;
       const float base = lamp_base_dn(light.light_of(), larger(maps.mean_dn[i] - black_dn, 0));
       const float c = maps.cosine_dn[i] - base * of_cosine[u], s = maps.sine_dn[i] - base * of_sine[u];
       maps.cosine_dn[i] = c, maps.sine_dn[i] = s;
+      maps.code_dn[i] -= base * of_rest[u];
       maps.modulation_dn[i] = root(c * c + s * s + 1e-6F);
       maps.phase_rad[i] = wrap_once(atan2_poly(s, c));
     }

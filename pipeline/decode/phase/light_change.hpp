@@ -32,6 +32,8 @@ struct LightChangeConfig {
   double least_proof = 16.3;
   /// chosen: by judgement, a micrometre at the middle of the depth range. Less is left alone.
   double least_rad = 3e-3;
+  /// chosen: on rendered sets. Of a motion eps, more: what it leaves of light that changes as surfaces turn.
+  double least_of_motion = 0.05;
   std::size_t least_blocks = 6;  ///< chosen: by judgement. Fewer do not tell their own spread.
 };
 
@@ -64,12 +66,13 @@ class LightChange {
   /// Every row_step-th row, in order.
   void take_row(int v, const LightRow& row);
   /// After the last row. Whether light changed by more than noise, and than what the blocks disagree by, explains.
-  [[nodiscard]] bool find();
+  /// motion_rad: of the burst, a frame interval.
+  [[nodiscard]] bool find(float motion_rad);
 
   /// c, s, d over what they are a multiple of; valid until the next start.
   [[nodiscard]] Grid share(std::size_t of) const noexcept;
   [[nodiscard]] LampLight light_of() const noexcept { return of_; }
-  /// Mean amplitude of the phase's ripple, rad.
+  /// Mean size of q over B/A: about the amplitude of the phase's ripple, rad.
   [[nodiscard]] double ripple_rad() const noexcept { return ripple_rad_; }
   /// Chi squared of the mean q about none.
   [[nodiscard]] double proof() const noexcept { return proof_; }
@@ -106,7 +109,7 @@ class LightChange {
   std::optional<BlockSums<Fit::kSums>> blocks_of_image_;
   std::vector<Block> blocks_;
   std::array<std::vector<float>, 3> nodes_;
-  double ripple_rad_ = 0, proof_ = 0, misfit_ = 0;
+  double ripple_rad_ = 0, proof_ = 0, misfit_ = 0, motion_rad_ = 0;
 };
 
 /// Which lamp explains a burst better; light: after find(kAsSurface).
@@ -116,11 +119,15 @@ template <class Find>
   return find(LampLight::kEven) && light.misfit() < as_surface ? LampLight::kEven : LampLight::kAsSurface;
 }
 
-/// By the first equation alone, of wrapped phase as it was measured: what motion makes of it is taken for light.
-/// Whether there is such light.
-[[nodiscard]] bool find_fringe_light(const PhaseMaps& maps, const NoiseModel& noise, const LightChangeConfig& config,
-                                     LightChange& light);
-/// The same, from cosine_dn, sine_dn, modulation_dn and phase_rad.
+/// Whether the fourth frame's own fringe averages out over whole fringes; one whose sign changes within them does not,
+/// and says nothing before its signs are known.
+enum class FourthFrame { kWholeFringes, kSigned };
+
+/// By wrapped phase as it was measured, before orders are known: what motion makes of it is taken for light. Whether
+/// there is such light.
+[[nodiscard]] bool find_fringe_light(const PhaseMaps& maps, const NoiseModel& noise, FourthFrame fourth,
+                                     const LightChangeConfig& config, LightChange& light);
+/// The same, from cosine_dn, sine_dn, code_dn, modulation_dn and phase_rad.
 void take_off_fringe_light(const LightChange& light, float black_dn, PhaseMaps& maps);
 
 }  // namespace enamel::pipeline
