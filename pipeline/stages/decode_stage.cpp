@@ -19,14 +19,12 @@ BurstMotion motion_of(const proto::Burst& burst, const pipeline::RigidMotion& su
   return out;
 }
 
-/// Frames are compared with each other: all must have been exposed alike. A sensor that changed its mind within a burst
-/// says so.
+/// Frames are compared with each other, and for that must have been exposed alike.
 bool exposed_alike(const proto::Burst& burst) {
-  const proto::FrameMeta& first = burst.meta.front();
-  return std::ranges::all_of(burst.meta, [&](const proto::FrameMeta& m) {
-    return m.exposure_us == first.exposure_us && m.exposure_lines == first.exposure_lines &&
-           m.analogue_gain_q8 == first.analogue_gain_q8;
-  });
+  const auto differ = [](const proto::FrameMeta& a, const proto::FrameMeta& b) {
+    return a.exposure_us != b.exposure_us || a.analogue_gain_q8 != b.analogue_gain_q8;
+  };
+  return std::ranges::adjacent_find(burst.meta, differ) == burst.meta.end();
 }
 
 /// Frames that another lamp spoils look like a wrong pattern or like none.

@@ -15,7 +15,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
-/// layout: variance of B over that of a frame; of the code frame less the mean of three, whose C and S are given.
+/// derived: variance of B over that of a frame.
 constexpr float kFringeVariance = 2.0F / 3;
 
 template <bool kSteady>

@@ -41,9 +41,9 @@ class MadeUpStream final : public test::BareStream {
 };
 
 struct Played {
-  explicit Played(std::uint64_t bursts, std::optional<std::uint64_t> damaged = {}) {
+  explicit Played(std::uint64_t bursts, std::optional<std::uint64_t> damaged = {}, std::uint32_t ours = kForeign + 1) {
     const auto rig = calib::load_rig(ENAMEL_SOURCE_DIR "/config/rigs/probe.json").value();
-    const ReplayConfig config{.pipeline = {}, .calib_crc32 = kForeign + 1};
+    const ReplayConfig config{.pipeline = {}, .calib_crc32 = ours};
     session = ReplaySession::create(std::make_unique<MadeUpStream>(bursts, damaged), rig, config, clock).value();
   }
   void wait_until_ended() {
@@ -52,6 +52,15 @@ struct Played {
   SteadyClock clock;
   std::unique_ptr<Session> session;
 };
+
+TEST(Session, bursts_whose_frames_were_not_exposed_alike_are_turned_away) {
+  Played played(3, {}, kForeign);  // each frame of test::camera_burst has a gain of its own
+  played.session->start();
+  played.wait_until_ended();
+  const auto outcome = played.session->finish();
+  ASSERT_TRUE(outcome) << outcome.error().message();
+  EXPECT_EQ(outcome->counts.rejected.at("exposure_changed"), 3U);
+}
 
 TEST(Session, a_playback_accounts_for_every_burst_and_says_where_its_time_went) {
   Played played(50);
