@@ -7,6 +7,7 @@ import time
 from reliability_live import ROUND, Live, balanced, holds, kill_at, say, wait
 
 CHUNK = 100_000  # a write of more bytes is a burst
+PROBE_GONE = 3
 SCAN_ENDS = (0, 4)  # 4: data were lost, and that is told
 
 
@@ -46,7 +47,7 @@ def resume(live, facts, probes):
     for p in probes:
         wait(p)
     facts["played"] = ROUND * (live.given.loops + len(probes) - 1)
-    facts["resume_code"], facts["resumed"] = code, code in SCAN_ENDS
+    facts["resume_code"] = code
     facts["back_s"] = rebuilt_after(live, "again", began_ns)
     report = live.report()
     ran, replayed = live.replay()
@@ -55,6 +56,8 @@ def resume(live, facts, probes):
     facts.update(same_hash=bool(report.get("hash")) and report["hash"] == replayed.get("hash"), balanced=balanced(bursts),
                  captured=bursts.get("captured"), begun=sum(live.begun(n) for n in names), replay_code=ran.returncode,
                  bursts=bursts)
+    # A probe whose recording came to its end while the model was rebuilt is gone for good: told, and nothing is missing.
+    facts["resumed"] = code in SCAN_ENDS or (code == PROBE_GONE and facts["captured"] == facts["played"])
     if not facts["resumed"] or not facts["same_hash"]:
         facts["said"] = live.text("again.err")[-1500:] + ran.stderr[-500:]
 
