@@ -120,8 +120,9 @@ BurstVerdict BurstDecoder::run(const Burst& burst) const {
     diagnostics.light_ripple_rad = taken_rad;
     return BurstVerdict::kAccepted;
   }
+  // Frames in another order may look as if a lamp had swung; they make no sense without it either.
   const bool of_rig = follows_code(diagnostics, config_.code);
-  return of_rig && burst.out.sight.trouble == SightTrouble::kLamp ? BurstVerdict::kLightChanged : verdict;
+  return sense && of_rig && burst.out.sight.trouble == SightTrouble::kLamp ? BurstVerdict::kLightChanged : verdict;
 }
 
 bool BurstDecoder::shows_lamp(const Burst& burst) const {

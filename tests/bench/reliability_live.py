@@ -89,9 +89,10 @@ class Live:
         self.files += [out, err]
         return process
 
-    def probe(self, name="probe", loops=None):
+    def probe(self, name="probe", loops=None, speed=None):
         return self.start(name, self.given.program("enamel-probe"), "--play", self.given.recording, "--serial", "P1", "--dds-tag",
-                          self.tag, "--loops", loops or self.given.loops, "--speed", self.given.speed, "--json")
+                          self.tag, "--loops", loops or self.given.loops, "--speed",
+                          speed or self.given.speed, "--json")
 
     def host(self, name="host", resume=False):
         return self.start(name, self.given.program("enamel"), "scan", "--headless", "--resume" if resume else "--session",
