@@ -43,7 +43,8 @@ void light_pixels(const CodeRow& in, const NoiseModel& model, float limit, std::
     by_sine[u] = gain * (model_of.angle.sin * c - model_of.angle.cos * s);
     by_gain[u] = -k.by_gain;
     const bool inside = (row.wraps[u] > kNoSurface) & (p.mean > 1);
-    const bool known = (std::abs(k.rest) < limit * k.modulation) & row.placed(u) & inside;  // false for NaN
+    const bool placed = row.placed(u), close = std::abs(k.rest) < limit * k.modulation;  // false for NaN
+    const bool known = close & placed & inside;
     const float inverse = 1 / noise.variance(row.mean[u]);
     weight[u] = select(inside, inverse / kFringeVariance, 0);
     sure[u] = select(known, inverse / kResidualVariance, 0);

@@ -56,7 +56,8 @@ void light_row(const PixelRow& in, const PixelReject* of_row, const NoiseModel& 
     by_sine[u] = -b, by_gain[u] = b * fringe;
     const bool inside =
         ((w[u] != 0) | (r[u] == r[u])) & (reject[u] == PixelReject::kNone) & (lit > 1) & (a + modulation < full);
-    const bool known = inside & (std::abs(w[u]) > 0.999F) & (r[u] == r[u]) & (std::abs(off) < limit * modulation);
+    const float decided = std::abs(w[u]), apart = std::abs(off);
+    const bool known = inside & (decided > 0.999F) & (r[u] == r[u]) & (apart < limit * modulation);
     const float inverse = 1 / noise.variance(mean[u]);
     weight[u] = select(inside, inverse / kFringeVariance, 0);
     sure[u] = select(known, inverse / kRestVariance, 0);

@@ -222,8 +222,9 @@ bool find_fringe_light(const PhaseMaps& maps, const NoiseModel& noise, FourthFra
     const std::size_t at = maps.phase_rad.index(0, v);
     const float* code = &maps.code_dn[at];
     for (std::size_t u = 0; u < columns; ++u) {
-      above[u] = maps.mean_dn[at + u] - noise.black_dn;
-      const bool asked = (maps.reject[at + u] == PixelReject::kNone) & (above[u] > 1);
+      const float over = maps.mean_dn[at + u] - noise.black_dn;
+      above[u] = over;
+      const bool asked = (maps.reject[at + u] == PixelReject::kNone) & (over > 1);
       const bool balanced = asked & (fourth == FourthFrame::kWholeFringes) & (code[u] == code[u]);
       const float variance = noise.variance(maps.mean_dn[at + u]), b = maps.modulation_dn[at + u];
       weight[u] = select(asked, 1 / variance, 0);
