@@ -107,11 +107,11 @@ void print_summary(const host::Report& report, bool json) {
   }
   const host::BurstCounts& b = report.bursts;
   if (report.simulated) std::puts("SIMULATED");
-  row("bursts", std::to_string(b.captured) + " captured, " + std::to_string(b.fused) + " fused" +
-                    (report.undetermined.empty()
-                         ? ""
-                         : " (" + std::to_string(report.undetermined.size()) + " of them undetermined)") +
-                    ", " + std::to_string(b.rejected_total()) + " rejected");
+  row("bursts",
+      std::to_string(b.captured) + " captured, " + std::to_string(b.fused) + " fused" +
+          (report.undetermined.empty() ? ""
+                                       : " (" + std::to_string(report.undetermined.size()) + " of them undetermined)") +
+          ", " + std::to_string(b.rejected_total()) + " rejected");
   row("losses", std::to_string(b.lost_on_wire) + " on the wire, " + std::to_string(b.incomplete) + " incomplete, " +
                     std::to_string(b.shed) + " shed");
   if (!report.map_json.empty()) print_map(nlohmann::json::parse(report.map_json, nullptr, /*allow_exceptions=*/false));
