@@ -49,8 +49,8 @@ struct IcpResult {
   int iterations = 0;       ///< over all levels
   int weak_directions = 0;  ///< held by the prior in the last step
   Vector6 eigenvalues = Vector6::Zero();
-  NormalSystem system;   ///< of the last step, about T_model_cam * the finest samples' centroid
-  int undetermined = 0;  ///< weak directions that texture does not hold either: there the prior stands alone
+  NormalSystem system;         ///< of the last step, about T_model_cam * the finest samples' centroid
+  int undetermined = 0;        ///< weak directions that texture does not hold either: there the prior stands alone
   bool texture_moved = false;  ///< texture holds, and it is the surface's own: TextureHold::moved
 };
 
