@@ -17,9 +17,6 @@ namespace {
 /// chosen: by judgement. Of a depth range at one pixel; probes have about 5.
 constexpr double kMostFringes = 100;
 
-/// Of light taken off before orders are known. chosen: by judgement.
-constexpr double kMostBack = 0.5;
-
 /// Largest number of fringes that the depth range spans at a pixel.
 double span_fringes(const RayDepth& rays) {
   float most = 0;
@@ -52,7 +49,6 @@ struct BurstDecoder::Burst {
   PatternStrategy::Work& work;
   const StepHook& hook;
   DecodedBurst& out;
-  bool less_lamp = false;  ///< light that changed by itself is taken off before the phase is looked at
 };
 
 Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfig& config) {
@@ -103,37 +99,8 @@ DecodedBurst BurstDecoder::decode(const BurstView& view) const {
   return out;
 }
 
-/// Light that changes by itself is taken off where it is known best, once orders are. It may be too much for that: what
-/// makes no sense is asked again without it.
-BurstVerdict BurstDecoder::run(const Burst& burst) const {
-  const BurstVerdict verdict = run_steps(burst);
-  DecodeDiagnostics& diagnostics = burst.out.diagnostics;
-  const bool unplaced = verdict == BurstVerdict::kNoCode && !strategy_->tells_unplaced();
-  const bool linked = diagnostics.linked_share >= config_.linked.min_linked_share;
-  if (!(verdict == BurstVerdict::kPatternMismatch || unplaced) || !linked || !shows_lamp(burst)) return verdict;
-  Burst again = burst;
-  again.less_lamp = true;
-  const double taken_rad = burst.steps.light.ripple_rad();
-  const bool sense = run_steps(again) == BurstVerdict::kAccepted;
-  // What comes back once motion is known was its own.
-  if (sense && diagnostics.light_ripple_rad < kMostBack * taken_rad) {
-    diagnostics.light_ripple_rad = taken_rad;
-    return BurstVerdict::kAccepted;
-  }
-  // Frames in another order may look as if a lamp had swung; they make no sense without it either.
-  const bool of_rig = follows_code(diagnostics, config_.code);
-  return sense && of_rig && burst.out.sight.trouble == SightTrouble::kLamp ? BurstVerdict::kLightChanged : verdict;
-}
-
-bool BurstDecoder::shows_lamp(const Burst& burst) const {
-  LightChange& light = burst.steps.light;
-  strategy_->solve_phase(burst.view, burst.out.diagnostics.noise, burst.work, burst.steps.phase);
-  return find_fringe_light(burst.steps.phase, burst.out.diagnostics.noise, strategy_->fourth_frame(),
-                           config_.light_change, light);
-}
-
 /// The steps, each from what the one before found; the first that finds no sense in the burst ends it.
-BurstVerdict BurstDecoder::run_steps(const Burst& burst) const {
+BurstVerdict BurstDecoder::run(const Burst& burst) const {
   burst.out.diagnostics = {};
   using Step = BurstVerdict (BurstDecoder::*)(const Burst&) const;
   constexpr Step kSteps[] = {&BurstDecoder::find_phase, &BurstDecoder::find_regions, &BurstDecoder::find_orders,
@@ -151,7 +118,6 @@ BurstVerdict BurstDecoder::find_phase(const Burst& burst) const {
   DecodeDiagnostics& diagnostics = burst.out.diagnostics;
   diagnostics.noise = noise_ ? noise_from_rig(*noise_, burst.view.bit_depth) : noise_from_closure(burst.view);
   strategy_->solve_phase(burst.view, diagnostics.noise, burst.work, phase);
-  if (burst.less_lamp) take_off_fringe_light(burst.steps.light, diagnostics.noise.black_dn, phase);
   copy_images(phase, diagnostics.noise, burst.out);
   burst.out.sight = look_at(diagnostics.noise, phase);
   tell(burst.hook, "phase");

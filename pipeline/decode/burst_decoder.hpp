@@ -9,7 +9,6 @@
 #include "calib/model/rig.hpp"
 #include "pipeline/decode/decode_config.hpp"
 #include "pipeline/decode/phase/burst_view.hpp"
-#include "pipeline/decode/phase/light_change.hpp"
 #include "pipeline/decode/phase/wave_knowledge.hpp"
 #include "pipeline/decode/steps/decoded_burst.hpp"
 #include "pipeline/decode/steps/pattern_strategy.hpp"
@@ -30,7 +29,6 @@ class DecodeWorkspace {
     PhaseMaps phase;
     Regions regions;
     FringeOrders orders;
-    LightChange light;
     std::vector<float> scratch;
   };
 
@@ -75,8 +73,6 @@ class BurstDecoder {
 
   BurstDecoder() = default;
   [[nodiscard]] BurstVerdict run(const Burst& burst) const;
-  [[nodiscard]] BurstVerdict run_steps(const Burst& burst) const;
-  [[nodiscard]] bool shows_lamp(const Burst& burst) const;
   [[nodiscard]] BurstVerdict find_phase(const Burst& burst) const;
   [[nodiscard]] BurstVerdict find_regions(const Burst& burst) const;
   [[nodiscard]] BurstVerdict find_orders(const Burst& burst) const;

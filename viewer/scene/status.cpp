@@ -21,7 +21,7 @@ std::string three_digits(double value) {
 StatusLine rejected_line(std::string_view why) {
   if (why == "too_fast") return {kBad, "TOO FAST", "Move slower"};
   if (why == "saturated") return {kBad, "TOO BRIGHT", "Dry here, turn the lamp away, or turn the probe"};
-  if (why == "other_light" || why == "light_changed") return {kBad, "OTHER LIGHT", "Turn the lamp away"};
+  if (why == "other_light") return {kBad, "OTHER LIGHT", "Turn the lamp away"};
   if (why == "no_fringes") return {kBad, "NO FRINGES", "Turn the lamp away, wipe the window"};
   return {kBad, "NO SURFACE", "Hold the probe over a tooth"};
 }

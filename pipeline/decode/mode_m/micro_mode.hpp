@@ -42,7 +42,6 @@ class MicroMode final : public PatternStrategy {
 
   [[nodiscard]] std::unique_ptr<Work> make_work() const override;
   void solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const override;
-  [[nodiscard]] FourthFrame fourth_frame() const override { return FourthFrame::kWholeFringes; }
   void straighten(std::span<const WavePrior> expected, Work& work, DecodeDiagnostics& diagnostics,
                   PhaseMaps& phase) const override;
   void measure_pattern(const PhaseMaps& phase, DecodeDiagnostics& diagnostics) const override;

@@ -81,6 +81,7 @@ class FourStepMode : public PatternStrategy {
 
  private:
   void find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnostics& diagnostics) const;
+  void tell_odd_frame(const PhaseMaps& phase, const Memory& m, DecodeDiagnostics& diagnostics) const;
   void undo_light(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const;
   void undo_wave(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const;
   void undo_motion(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const;

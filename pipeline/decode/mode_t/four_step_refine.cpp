@@ -47,18 +47,23 @@ void FourStepMode::undo_light(const FringeOrders& orders, Memory& m, DecodeDiagn
   }
 }
 
+void FourStepMode::tell_odd_frame(const PhaseMaps& phase, const Memory& m, DecodeDiagnostics& diagnostics) const {
+  const BurstErrors errors = m.errors(diagnostics.rigid.moved);
+  // Each block's own harmonic takes up what its light leaves, which an odd frame would be taken for.
+  const BurstErrors of_blocks{errors.motion_rad, m.closure.errors().harmonic, errors.light, {}, {}};
+  const OddFrame odd =
+      find_odd_frame({phase, m.polarity, of_blocks, diagnostics.noise.black_dn}, diagnostics.noise, m.closure.block_px);
+  diagnostics.odd_sigma_rad = odd.sigma_rad;
+  diagnostics.exposure_step = odd.exposure_step;
+  diagnostics.odd_shift_rad = odd.shift_rad;
+  diagnostics.unrest = odd.unrest;
+}
+
 void FourStepMode::undo_motion(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics,
                                PhaseMaps& phase) const {
   const float black_dn = diagnostics.noise.black_dn;
   const bool moved = diagnostics.rigid.moved;
   const BurstErrors errors = m.errors(moved);
-  // Each block's own harmonic takes up what its light leaves, which an odd frame would be taken for.
-  const BurstErrors of_blocks{errors.motion_rad, m.closure.errors().harmonic, errors.light, {}, {}};
-  const OddFrame odd = find_odd_frame({phase, m.polarity, of_blocks, black_dn}, diagnostics.noise, m.closure.block_px);
-  diagnostics.odd_sigma_rad = odd.sigma_rad;
-  diagnostics.exposure_step = odd.exposure_step;
-  diagnostics.odd_shift_rad = odd.shift_rad;
-  diagnostics.unrest = odd.unrest;
   fit_flip_blur({phase, m.polarity, errors, black_dn}, config_.polarity, config_.flips, m.flips);
   diagnostics.flip_blur_rad = m.flips.burst_rad;
   correct_saturated(m.saturated, m.polarity, errors, black_dn, phase, m.saturated_rad);
@@ -105,9 +110,15 @@ RefinedPhase FourStepMode::refine(const FringeOrders& orders, const RelativeSurf
     fit_closure(phase, m.polarity, diagnostics.noise, config_.closure, m.closure);
     tell(hook, "closure");
     find_motion(phase, m, diagnostics);
-    if (diagnostics.wave.is_cosine()) undo_light(orders, m, diagnostics, phase);
+    if (diagnostics.wave.is_cosine()) {
+      // Before light is taken off: a frame of another moment looks like a lamp that swung.
+      tell_odd_frame(phase, m, diagnostics);
+      undo_light(orders, m, diagnostics, phase);
+    } else {
+      undo_wave(orders, m, diagnostics, phase);
+      tell_odd_frame(phase, m, diagnostics);
+    }
     tell(hook, "light");
-    if (!diagnostics.wave.is_cosine()) undo_wave(orders, m, diagnostics, phase);
     undo_motion(orders, m, diagnostics, phase);
     // Last, because frames that join beside a flip make their sigma anew.
     if (!diagnostics.wave.is_cosine()) widen_by_wave(orders.spans, signs_, diagnostics.wave, common_.phase, phase);

@@ -211,47 +211,4 @@ Grid LightChange::share(std::size_t of) const noexcept {
   return {nodes_[of].data(), columns_, rows_, config_.block_px};
 }
 
-bool find_fringe_light(const PhaseMaps& maps, const NoiseModel& noise, FourthFrame fourth,
-                       const LightChangeConfig& config, LightChange& light) {
-  const int width = maps.phase_rad.width(), height = maps.phase_rad.height();
-  const auto columns = static_cast<std::size_t>(width);
-  std::vector<float> above(columns), weight(columns), rest_weight(columns);
-  const std::vector<float> none(columns, 0.0F);
-  light.start(width, height, config);
-  for (int v = config.row_step / 2; v < height; v += config.row_step) {
-    const std::size_t at = maps.phase_rad.index(0, v);
-    const float* code = &maps.code_dn[at];
-    for (std::size_t u = 0; u < columns; ++u) {
-      const float over = maps.mean_dn[at + u] - noise.black_dn;
-      above[u] = over;
-      const bool asked = (maps.reject[at + u] == PixelReject::kNone) & (over > 1);
-      const bool balanced = asked & (fourth == FourthFrame::kWholeFringes) & (code[u] == code[u]);
-      const float variance = noise.variance(maps.mean_dn[at + u]), b = maps.modulation_dn[at + u];
-      weight[u] = select(asked, 1 / variance, 0);
-      rest_weight[u] = select(balanced, 1 / (variance + 0.5F * b * b), 0);  // its fringe counts as noise
-    }
-    light.take_row(v, {above.data(), &maps.cosine_dn[at], &maps.sine_dn[at], code, none.data(), none.data(),
-                       none.data(), weight.data(), rest_weight.data()});
-  }
-  return light.find(0);
-}
-
-void take_off_fringe_light(const LightChange& light, float black_dn, PhaseMaps& maps) {
-  const int width = maps.phase_rad.width();
-  GridRows cosines(light.share(0), width), sines(light.share(1), width), rests(light.share(2), width);
-  for (int v = 0; v < maps.phase_rad.height(); ++v) {
-    const float *of_cosine = cosines.row(v), *of_sine = sines.row(v), *of_rest = rests.row(v);
-    const std::size_t first = maps.phase_rad.index(0, v);
-    for (std::size_t u = 0; u < static_cast<std::size_t>(width); ++u) {
-      const std::size_t i = first + u;
-      const float base = lamp_base_dn(light.light_of(), larger(maps.mean_dn[i] - black_dn, 0));
-      const float c = maps.cosine_dn[i] - base * of_cosine[u], s = maps.sine_dn[i] - base * of_sine[u];
-      maps.cosine_dn[i] = c, maps.sine_dn[i] = s;
-      maps.code_dn[i] -= base * of_rest[u];
-      maps.modulation_dn[i] = root(c * c + s * s + 1e-6F);
-      maps.phase_rad[i] = wrap_once(atan2_poly(s, c));
-    }
-  }
-}
-
 }  // namespace enamel::pipeline

@@ -119,15 +119,4 @@ template <class Find>
   return find(LampLight::kEven) && light.misfit() < as_surface ? LampLight::kEven : LampLight::kAsSurface;
 }
 
-/// Whether the fourth frame's own fringe averages out over whole fringes; one whose sign changes within them does not,
-/// and says nothing before its signs are known.
-enum class FourthFrame { kWholeFringes, kSigned };
-
-/// By wrapped phase as it was measured, before orders are known: what motion makes of it is taken for light. Whether
-/// there is such light.
-[[nodiscard]] bool find_fringe_light(const PhaseMaps& maps, const NoiseModel& noise, FourthFrame fourth,
-                                     const LightChangeConfig& config, LightChange& light);
-/// The same, from cosine_dn, sine_dn, code_dn, modulation_dn and phase_rad.
-void take_off_fringe_light(const LightChange& light, float black_dn, PhaseMaps& maps);
-
 }  // namespace enamel::pipeline

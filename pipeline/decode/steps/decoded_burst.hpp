@@ -29,15 +29,14 @@ enum class BurstVerdict : std::uint8_t {
   kPatternMismatch,  ///< frames permuted, or projected with other patterns than the rig's
   kNoCode,           ///< phase is there, but no region shows enough code to be placed
   kTooFewPoints,
-  kNoFringes,     ///< lit, but without a pattern
-  kTooFast,       ///< the surface moved on by more of a fringe from frame to frame than can be undone
-  kLightChanged,  ///< other light changed from frame to frame by more than can be undone
+  kNoFringes,  ///< lit, but without a pattern
+  kTooFast,    ///< the surface moved on by more of a fringe from frame to frame than can be undone
 };
 
 [[nodiscard]] constexpr std::string_view name_of(BurstVerdict v) noexcept {
-  constexpr std::array<std::string_view, 10> kNames = {
-      "accepted", "frame_size_mismatch", "too_dark",   "saturated", "pattern_set_mismatch",
-      "no_code",  "too_few_points",      "no_fringes", "too_fast",  "light_changed"};
+  constexpr std::array<std::string_view, 9> kNames = {"accepted",       "frame_size_mismatch",  "too_dark",
+                                                      "saturated",      "pattern_set_mismatch", "no_code",
+                                                      "too_few_points", "no_fringes",           "too_fast"};
   return kNames[static_cast<std::size_t>(v)];
 }
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "pipeline/decode/phase/burst_view.hpp"
-#include "pipeline/decode/phase/light_change.hpp"
 #include "pipeline/decode/phase/noise_model.hpp"
 #include "pipeline/decode/phase/phase.hpp"
 #include "pipeline/decode/phase/waveform_fit.hpp"
@@ -52,9 +51,6 @@ class PatternStrategy {
 
   /// Frames to wrapped phase, its noise and the physical mask.
   virtual void solve_phase(const BurstView& view, const NoiseModel& noise, Work& work, PhaseMaps& phase) const = 0;
-
-  /// What code_dn is before orders are known.
-  [[nodiscard]] virtual FourthFrame fourth_frame() const { return FourthFrame::kSigned; }
 
   /// Takes out what the projector's response did to the phase, and tells it as diagnostics.wave. Of frames that go
   /// together: two that are the same picture would pass for a strange response. expected: as for find_waveform.

@@ -62,10 +62,9 @@ TEST(StatusLine, what_is_in_the_way_is_told_with_what_to_do) {
     EXPECT_FALSE(status_line(frame).hint.empty());
   }
   frame = scanning(TrackState::kLost);
-  for (const char* why : {"", "too_fast", "saturated", "other_light", "light_changed", "no_fringes"}) {
+  for (const char* why : {"", "too_fast", "saturated", "other_light", "no_fringes"}) {
     frame.rejected = why;
-    const bool lamp = std::string_view(why) == "other_light" || std::string_view(why) == "light_changed";
-    EXPECT_TRUE(titles.emplace(status_line(frame).title).second || lamp) << why;
+    EXPECT_TRUE(titles.emplace(status_line(frame).title).second || std::string_view(why) == "other_light") << why;
     EXPECT_EQ(status_line(frame).colour, kBad);
   }
 }
