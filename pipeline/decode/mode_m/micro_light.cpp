@@ -1,7 +1,5 @@
 #include "pipeline/decode/mode_m/micro_light.hpp"
 
-#include <vector>
-
 #include "pipeline/decode/mode_m/micro_light_rows.hpp"
 #include "pipeline/decode/mode_m/micro_spans.hpp"
 
@@ -11,20 +9,17 @@ bool find_micro_light(const MicroBurst& burst, const MicroMotion& motion, float 
                       const LightChangeConfig& config, LampLight of, LightChange& light) {
   const int height = burst.wraps.height();
   const auto width = static_cast<std::size_t>(burst.wraps.width());
-  constexpr std::size_t kValues = 9;  // layout: of LightRow
-  std::vector<float> values(kValues * width);
-  const auto at = [&](std::size_t k) { return values.data() + k * width; };
-  const MicroLightRow out{at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)};
   CodeRows rows(motion, burst.maps, &burst.wraps);
   rows.expect(burst.code, burst.third_rad);
   light.start(burst.wraps.width(), height, config, of);
+  const LightRow out = light.row();
   for (int v = config.row_step / 2; v < height; v += config.row_step) {
     micro_light_row(rows.at(v), burst.noise, max_residual, width, out);
     const PixelReject* reject = &burst.maps.reject(0, v);
     for (std::size_t u = 0; u < width; ++u) {
       if (reject[u] != PixelReject::kNone) out.weight[u] = out.rest_weight[u] = 0;
     }
-    light.take_row(v, {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)});
+    light.take_row(v);
   }
   return light.find(motion.motion_rad);
 }

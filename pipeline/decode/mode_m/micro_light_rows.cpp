@@ -19,13 +19,12 @@ namespace enamel::pipeline::HWY_NAMESPACE {
 constexpr float kFringeVariance = 2.0F / 3;
 
 template <bool kSteady>
-void light_pixels(const CodeRow& in, const NoiseModel& model, float limit, std::size_t width,
-                  const MicroLightRow& out) {
+void light_pixels(const CodeRow& in, const NoiseModel& model, float limit, std::size_t width, const LightRow& out) {
   const NoiseModel noise = model;  // a copy cannot alias what is written
   const Row row(in);
   float* __restrict light = out.light, * __restrict cosine = out.cosine, * __restrict sine = out.sine;
-  float* __restrict rest = out.rest, * __restrict by_cosine = out.by_cosine, * __restrict by_sine = out.by_sine;
-  float* __restrict by_gain = out.by_gain, * __restrict weight = out.weight, * __restrict sure = out.rest_weight;
+  float* __restrict rest = out.rest, * __restrict by_cosine = out.rest_by_cosine, * __restrict by_sine = out.rest_by_sine;
+  float* __restrict by_gain = out.rest_by_gain, * __restrict weight = out.weight, * __restrict sure = out.rest_weight;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
     const PixelChange d = row.change<kSteady>(u);
@@ -51,7 +50,7 @@ void light_pixels(const CodeRow& in, const NoiseModel& model, float limit, std::
   }
 }
 
-void light_loop(const CodeRow& row, const NoiseModel& noise, float limit, std::size_t width, const MicroLightRow& out) {
+void light_loop(const CodeRow& row, const NoiseModel& noise, float limit, std::size_t width, const LightRow& out) {
   (row.steady ? light_pixels<true> : light_pixels<false>)(row, noise, limit, width, out);
 }
 
@@ -83,7 +82,7 @@ HWY_EXPORT(light_loop);
 HWY_EXPORT(take_off_loop);
 
 void micro_light_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width,
-                     const MicroLightRow& out) {
+                     const LightRow& out) {
   HWY_DYNAMIC_DISPATCH(light_loop)(row, noise, max_residual, width, out);
 }
 

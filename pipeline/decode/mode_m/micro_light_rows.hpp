@@ -8,13 +8,8 @@
 
 namespace enamel::pipeline {
 
-/// As LightRow, to be written.
-struct MicroLightRow {
-  float *light, *cosine, *sine, *rest, *by_cosine, *by_sine, *by_gain, *weight, *rest_weight;
-};
-
 void micro_light_row(const CodeRow& row, const NoiseModel& noise, float max_residual, std::size_t width,
-                     const MicroLightRow& out);
+                     const LightRow& out);
 
 /// Shares that light which changed added to C, to S and to the code frame less A; of: what they are shares of.
 struct LightShares {

@@ -6,6 +6,7 @@
 #include "pipeline/decode/mode_m/micro_saturated.hpp"
 #include "pipeline/decode/mode_m/micro_view.hpp"
 #include "pipeline/decode/phase/chosen.hpp"
+#include "pipeline/decode/steps/lamp_passes.hpp"
 #include "pipeline/decode/steps/relative_regions.hpp"
 
 namespace enamel::pipeline {
@@ -48,20 +49,16 @@ void MicroMode::undo_wave(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& 
   diagnostics.wave_shown = m.wave.fringe;
 }
 
-/// Light that changed by itself is told from motion, and motion without such light, in turn.
 void MicroMode::undo_light(Memory& m, DecodeDiagnostics& diagnostics, PhaseMaps& phase) const {
   const auto find = [&](LampLight of) {
     const MicroBurst burst{phase, m.wraps, code_, diagnostics.third_rad, diagnostics.noise};
     return find_micro_light(burst, m.motion, config_.refit.max_residual, common_.light_change, of, m.light);
   };
-  const bool changed = find(LampLight::kAsSurface);
-  diagnostics.light_ripple_rad = m.light.ripple_rad(), diagnostics.light_proof = m.light.proof();
-  if (!changed) return;
-  const LampLight of = likelier_lamp(find, m.light);
-  for (int pass = 0; pass < kLightPasses && find(of); ++pass) {
+  const auto take_off = [&] {
     take_off_light(m.light, diagnostics.noise.black_dn, phase);
     find_motion(phase, m, diagnostics);
-  }
+  };
+  undo_lamp(m.light, find, take_off, diagnostics);
 }
 
 RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface& relative, Work& work,

@@ -1,7 +1,6 @@
 #include "pipeline/decode/mode_t/four_step_light.hpp"
 
 #include <cmath>
-#include <vector>
 
 #include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/closure_rows.hpp"
@@ -15,18 +14,13 @@ namespace {
 /// shows beyond A + b S: 4 where b = +1, else 2.
 constexpr float kFringeVariance = 1, kRestVariance = 4;
 
-/// As LightRow, to be written.
-struct Written {
-  float *light, *cosine, *sine, *rest, *by_cosine, *by_sine, *by_gain, *weight, *rest_weight;
-};
-
 /// The three frames' own S and the sign of the fourth: polarity.hpp, backwards.
 [[gnu::always_inline]] inline float sine_of_three(float sine, float weight, float residual) {
   return sine + 0.5F * std::abs(weight) * select(residual == residual, residual, 0);
 }
 
 void light_row(const PixelRow& in, const PixelReject* of_row, const NoiseModel& model, float limit, std::size_t width,
-               const Written& out) {
+               const LightRow& out) {
   const NoiseModel noise = model;  // a copy cannot alias what is written
   const float* __restrict c = in.cosine, * __restrict s = in.sine, * __restrict r = in.code, * __restrict mean = in.mean;
   const float* __restrict w = in.errors.weight, * __restrict rate = in.errors.rate, * __restrict rho = in.errors.harmonic;
@@ -35,7 +29,7 @@ void light_row(const PixelRow& in, const PixelReject* of_row, const NoiseModel& 
   const PixelReject* __restrict reject = of_row;
   const float black_dn = in.errors.black_dn, full = kBrightest * model.full_scale_dn - black_dn;
   float* __restrict light = out.light, * __restrict cosine = out.cosine, * __restrict sine = out.sine;
-  float* __restrict rest = out.rest, * __restrict by_sine = out.by_sine, * __restrict by_gain = out.by_gain;
+  float* __restrict rest = out.rest, * __restrict by_sine = out.rest_by_sine, * __restrict by_gain = out.rest_by_gain;
   float* __restrict weight = out.weight, * __restrict sure = out.rest_weight;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
@@ -70,16 +64,13 @@ bool find_four_step_light(const KnownBurst& burst, const LightQuestion& question
   const LightChangeConfig& config = question.config;
   const int width = burst.maps.phase_rad.width(), height = burst.maps.phase_rad.height();
   const auto columns = static_cast<std::size_t>(width);
-  constexpr std::size_t kValues = 9;  // layout: of LightRow
-  std::vector<float> values(kValues * columns);
-  const auto at = [&](std::size_t k) { return values.data() + k * columns; };
-  const Written out{at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)};
   ErrorRows rows(burst.errors, burst.black_dn, width);
   light.start(width, height, config, question.of);
+  const LightRow out = light.row();
   for (int v = config.row_step / 2; v < height; v += config.row_step) {
     light_row(pixel_row(burst.maps, rows.at(burst.polarity, v), burst.maps.phase_rad.index(0, v)),
               &burst.maps.reject(0, v), question.noise, question.max_residual, columns, out);
-    light.take_row(v, {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)});
+    light.take_row(v);
   }
   return light.find(question.motion_rad);
 }

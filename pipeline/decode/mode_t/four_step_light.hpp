@@ -15,7 +15,7 @@ struct LightQuestion {
   float max_residual;  ///< of B; beyond it the pixel sees an edge or a glint
   float motion_rad;    ///< of the burst, a frame interval
   const LightChangeConfig& config;
-  LampLight of = LampLight::kAsSurface;
+  LampLight of;
 };
 
 /// burst: after apply_polarity. Whether light changed. Pixels near full scale, which may rest on three frames, are not

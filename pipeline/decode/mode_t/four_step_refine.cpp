@@ -5,6 +5,7 @@
 #include "pipeline/decode/mode_t/ripple_depth.hpp"
 #include "pipeline/decode/phase/chosen.hpp"
 #include "pipeline/decode/phase/median.hpp"
+#include "pipeline/decode/steps/lamp_passes.hpp"
 
 namespace enamel::pipeline {
 
@@ -25,7 +26,6 @@ void FourStepMode::find_motion(const PhaseMaps& phase, Memory& m, DecodeDiagnost
   diagnostics.harmonic = m.field.shared;
 }
 
-/// Light that changed by itself is told from motion, and motion without such light, in turn.
 void FourStepMode::undo_light(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics,
                               PhaseMaps& phase) const {
   const float black_dn = diagnostics.noise.black_dn;
@@ -34,17 +34,14 @@ void FourStepMode::undo_light(const FringeOrders& orders, Memory& m, DecodeDiagn
         {phase, m.polarity, m.errors(diagnostics.rigid.moved), black_dn},
         {diagnostics.noise, config_.closure.max_residual, diagnostics.motion_rad, common_.light_change, of}, m.light);
   };
-  const bool changed = find(LampLight::kAsSurface);
-  diagnostics.light_ripple_rad = m.light.ripple_rad(), diagnostics.light_proof = m.light.proof();
-  if (!changed) return;
-  const LampLight of = likelier_lamp(find, m.light);
-  for (int pass = 0; pass < kLightPasses && find(of); ++pass) {
+  const auto take_off = [&] {
     take_off_light(m.light, orders.spans, m.polarity, black_dn, phase);
     apply_polarity(orders.spans, signs_, diagnostics.noise, config_.polarity, phase, m.polarity);
     sort_out_saturated(m.saturated, signs_, diagnostics.noise, config_.polarity, m.polarity.wraps, phase);
     fit_closure(phase, m.polarity, diagnostics.noise, config_.closure, m.closure);
     find_motion(phase, m, diagnostics);
-  }
+  };
+  undo_lamp(m.light, find, take_off, diagnostics);
 }
 
 void FourStepMode::tell_odd_frame(const PhaseMaps& phase, const Memory& m, DecodeDiagnostics& diagnostics) const {

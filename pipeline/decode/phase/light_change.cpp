@@ -21,6 +21,8 @@ constexpr std::size_t sum_of(std::size_t i, std::size_t j) { return i * (kSaid +
 constexpr std::size_t kCount = sum_of(kSaid, kSaid) + 1;
 static_assert(kCount + 1 == BlockFit<kSaid>::kSums);
 
+constexpr std::size_t kRowValues = 9;  // layout: of LightRow
+
 using Terms = Eigen::Matrix<double, 6, 1>;
 
 Terms terms_at(double x, double y) { return (Terms() << 1, x, y, x * x, x * y, y * y).finished(); }
@@ -46,10 +48,17 @@ void LightChange::start(int width, int height, const LightChangeConfig& config, 
   width_ = static_cast<std::size_t>(width);
   columns_ = (width + config.block_px - 1) / config.block_px, rows_ = (height + config.block_px - 1) / config.block_px;
   stretch_.resize(kColumns * width_);
+  row_.assign(kRowValues * width_, 0.0F);
   blocks_of_image_.emplace(width, height, config.block_px, column_sums_, sums_);
 }
 
-void LightChange::take_row(int v, const LightRow& row) {
+LightRow LightChange::row() noexcept {
+  const auto at = [this](std::size_t k) { return row_.data() + k * width_; };
+  return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)};
+}
+
+void LightChange::take_row(int v) {
+  const LightRow row = this->row();
   float* sums = blocks_of_image_->columns_of(v);
   const auto size = static_cast<float>(config_.block_px);
   add_fringe(row, (static_cast<float>(v % config_.block_px) + 0.5F) / size - 0.5F, sums);

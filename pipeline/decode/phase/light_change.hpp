@@ -42,13 +42,13 @@ enum class LampLight { kAsSurface, kEven };
 
 /// A row's pixels at mid-burst, as far as motion is known. In DN where not said otherwise.
 struct LightRow {
-  const float* light;                          ///< A above black
-  const float *cosine, *sine;                  ///< B cos phi, B sin phi of three frames
-  const float* rest;                           ///< fourth frame less its prediction
-  const float *rest_by_cosine, *rest_by_sine;  ///< change of rest per DN of c and of s
-  const float* rest_by_gain;                   ///< and per unit of what blur leaves of the fourth frame's fringe
-  const float* weight;                         ///< one over the variance of B; 0: not asked
-  const float* rest_weight;                    ///< one over the variance of rest; 0: not known
+  float* light;                          ///< A above black
+  float *cosine, *sine;                  ///< B cos phi, B sin phi of three frames
+  float* rest;                           ///< fourth frame less its prediction
+  float *rest_by_cosine, *rest_by_sine;  ///< change of rest per DN of c and of s
+  float* rest_by_gain;                   ///< and per unit of what blur leaves of the fourth frame's fringe
+  float* weight;                         ///< one over the variance of B; 0: not asked
+  float* rest_weight;                    ///< one over the variance of rest; 0: not known
 };
 
 /// layout: DN. What shares of an even light are shares of: as A is at a usual place, so that both are alike in size.
@@ -62,9 +62,11 @@ inline constexpr float kEvenLight_dn = 50;
 /// One burst's; keeps its memory between bursts. Not thread-safe.
 class LightChange {
  public:
-  void start(int width, int height, const LightChangeConfig& config, LampLight of = LampLight::kAsSurface);
+  void start(int width, int height, const LightChangeConfig& config, LampLight of);
+  /// To be written before each take_row, which takes it; all 0 after start.
+  [[nodiscard]] LightRow row() noexcept;
   /// Every row_step-th row, in order.
-  void take_row(int v, const LightRow& row);
+  void take_row(int v);
   /// After the last row. Whether light changed by more than noise, and than what the blocks disagree by, explains.
   /// motion_rad: of the burst, a frame interval.
   [[nodiscard]] bool find(float motion_rad);
@@ -104,19 +106,12 @@ class LightChange {
   LampLight of_ = LampLight::kAsSurface;
   std::size_t width_ = 0;
   int columns_ = 0, rows_ = 0;
-  std::vector<float> column_sums_, stretch_;
+  std::vector<float> column_sums_, stretch_, row_;
   std::vector<double> sums_;
   std::optional<BlockSums<Fit::kSums>> blocks_of_image_;
   std::vector<Block> blocks_;
   std::array<std::vector<float>, 3> nodes_;
   double ripple_rad_ = 0, proof_ = 0, misfit_ = 0, motion_rad_ = 0;
 };
-
-/// Which lamp explains a burst better; light: after find(kAsSurface).
-template <class Find>
-[[nodiscard]] LampLight likelier_lamp(const Find& find, const LightChange& light) {
-  const double as_surface = light.misfit();
-  return find(LampLight::kEven) && light.misfit() < as_surface ? LampLight::kEven : LampLight::kAsSurface;
-}
 
 }  // namespace enamel::pipeline
