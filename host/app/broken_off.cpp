@@ -29,15 +29,20 @@ std::string ago(double seconds) {
   return s < 7200 ? std::to_string(s / 60) + " minutes" : std::to_string(s / 3600) + " hours";
 }
 
+/// Of several goes the last one decides.
+bool came_to_its_end(const std::vector<std::string>& parts, const host::BurstStream& all) {
+  if (parts.size() == 1) return !all.info().truncated;
+  const auto last = host::open_parts({parts.back()});
+  return last && !(*last)->info().truncated;
+}
+
 }  // namespace
 
 std::optional<BrokenOff> broken_off(const std::string& folder) {
   const auto parts = host::session_parts(folder);
   if (parts.empty() || in_use(folder)) return std::nullopt;
   const auto recording = host::open_parts(parts);
-  if (!recording || (*recording)->rig_text().empty()) return std::nullopt;
-  // Of several goes the last one decides.
-  if (const auto last = host::open_parts({parts.back()}); last && !(*last)->info().truncated) return std::nullopt;
+  if (!recording || (*recording)->rig_text().empty() || came_to_its_end(parts, **recording)) return std::nullopt;
   struct stat written {};
   if (::stat(parts.back().c_str(), &written) != 0) return std::nullopt;
   const double age_s = std::chrono::duration<double>(wall_time().time_since_epoch()).count() -

@@ -1,7 +1,6 @@
 #include "host/session/model_checkpoint.hpp"
 
 #include <algorithm>
-#include <array>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,17 +13,9 @@
 namespace enamel::host {
 namespace {
 
-constexpr std::string_view kMagic = "enamel-checkpoint-1\n";
-
 template <class T>
-void put_all(std::string& out, std::span<const T> values) {
-  const auto bytes = std::as_bytes(values);
-  out.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-}
-
-template <class T>
-void put(std::string& out, const T& value) {
-  put_all(out, std::span<const T>(&value, 1));
+void put_all(ByteWriter& out, const std::vector<T>& values) {
+  out.put_bytes(std::as_bytes(std::span(values)));
 }
 
 /// Precondition: the bytes that are left hold so many, which has been checked.
@@ -38,15 +29,15 @@ void get_all(ByteReader& in, std::vector<T>& into, std::size_t count) {
 static_assert(sizeof(Vec3f) == 3 * sizeof(float));
 constexpr std::size_t kVertexBytes = 2 * sizeof(Vec3f) + sizeof(float), kTriangleBytes = 3 * sizeof(std::uint32_t);
 
-void put_block(std::string& out, const BlockMesh& block) {
-  put(out, block.block);
-  put(out, block.epoch);
-  put(out, static_cast<std::uint32_t>(block.vertices.size()));
-  put(out, static_cast<std::uint32_t>(block.triangles.size()));
-  put_all(out, std::span(block.vertices));
-  put_all(out, std::span(block.normals));
-  put_all(out, std::span(block.quality));
-  put_all(out, std::span(block.triangles));
+void put_block(ByteWriter& out, const BlockMesh& block) {
+  for (const std::int32_t index : block.block) out.put(index);
+  out.put(block.epoch);
+  out.put(static_cast<std::uint32_t>(block.vertices.size()));
+  out.put(static_cast<std::uint32_t>(block.triangles.size()));
+  put_all(out, block.vertices);
+  put_all(out, block.normals);
+  put_all(out, block.quality);
+  put_all(out, block.triangles);
 }
 
 /// Null where it does not add up.
@@ -72,23 +63,24 @@ std::shared_ptr<const BlockMesh> get_block(ByteReader& in) {
 std::string checkpoint_path(const std::string& session_folder) { return session_folder + "/model.checkpoint"; }
 
 std::string checkpoint_bytes(const ModelCheckpoint& checkpoint) {
-  std::string out(kMagic);
-  put_all(out, std::span<const double>(checkpoint.T_model_cam.data(), 16));
-  put(out, checkpoint.model->after_burst);
-  put(out, static_cast<std::uint32_t>(checkpoint.model->blocks.size()));
+  ByteWriter out;
+  out.put_text(kCheckpointMagic);
+  for (const double value : std::span(checkpoint.T_model_cam.data(), 16)) out.put(value);
+  out.put(checkpoint.model->after_burst);
+  out.put(static_cast<std::uint32_t>(checkpoint.model->blocks.size()));
   for (const auto& block : checkpoint.model->blocks) put_block(out, *block);
-  put(out, crc32(std::as_bytes(std::span(out))));
-  return out;
+  out.put(crc32(out.bytes()));
+  return {reinterpret_cast<const char*>(out.bytes().data()), out.size()};
 }
 
 Result<ModelCheckpoint> parse_checkpoint(std::string_view bytes) {
   const auto invalid = [](const char* why) { return fail(ErrorCode::kMeshInvalid, std::string("checkpoint: ") + why); };
-  if (!bytes.starts_with(kMagic) || bytes.size() < kMagic.size() + sizeof(std::uint32_t))
+  if (!bytes.starts_with(kCheckpointMagic) || bytes.size() < kCheckpointMagic.size() + sizeof(std::uint32_t))
     return invalid("another format");
   const auto body = bytes.substr(0, bytes.size() - sizeof(std::uint32_t));
   ByteReader sum(std::as_bytes(std::span(bytes.substr(body.size()))));
   if (sum.get<std::uint32_t>() != crc32(std::as_bytes(std::span(body)))) return invalid("damaged");
-  ByteReader in(std::as_bytes(std::span(body.substr(kMagic.size()))));
+  ByteReader in(std::as_bytes(std::span(body.substr(kCheckpointMagic.size()))));
   ModelCheckpoint out;
   for (double& value : std::span(out.T_model_cam.data(), 16)) value = in.get<double>();
   auto model = std::make_shared<ModelSnapshot>();

@@ -24,6 +24,9 @@ struct ModelCheckpoint {
   Pose T_model_cam = Pose::Identity();
 };
 
+/// layout: what a checkpoint begins with.
+inline constexpr std::string_view kCheckpointMagic = "enamel-checkpoint-1\n";
+
 /// Little endian, with a CRC-32 of all that comes before it.
 [[nodiscard]] std::string checkpoint_bytes(const ModelCheckpoint& checkpoint);
 /// Errors: kMeshInvalid (damaged, another format).

@@ -54,9 +54,8 @@ def rows(page, facts):
     page.row("accounting balanced", "yes", "yes" if facts["balanced"] else "no", facts["balanced"])
     page.row("memory, slope", "–", f"{facts['rss_mb_a_minute']:+.2f} MB a minute, of {facts['rss_mb']:.0f} MB", None)
     page.row("memory, slope a burst", "≤ 1 kB", f"{kilobytes_a_burst(facts):.2f} kB", kilobytes_a_burst(facts) <= 1)
-    for what in ("files", "threads"):
-        page.row(f"{what} open" if what == "files" else what, "constant", " to ".join(str(n) for n in sorted({facts[what][0],
-                 facts[what][-1]})), facts[what][-1] - facts[what][0] <= 0)
+    for what, key in (("files open", "files"), ("threads", "threads")):
+        page.row(what, "constant", " to ".join(str(n) for n in facts[key]), len(facts[key]) == 1)
 
 
 def kilobytes_a_burst(facts):

@@ -17,7 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::seconds;
 
-Ran shell(const std::string& command) { return run({"/bin/sh", "-c", command}, seconds(120)); }
 std::string in_quotes(const std::string& text) { return "'" + text + "'"; }
 
 /// The first bursts of the small recording, as a folder.

@@ -180,12 +180,12 @@ TEST_F(Promises, a_recording_is_not_written_over) {
 TEST_F(Promises, a_scan_without_a_folder_gets_a_new_one_and_leaves_none_behind_for_nothing) {
   const std::string command =
       "cd '" + (tmp_ / "") + "' && exec '" + program("enamel") + "' scan --headless --wait-seconds 1 --dds-tag " + tag_;
-  EXPECT_EQ(run({"/bin/sh", "-c", command}).code, 3);
+  EXPECT_EQ(shell(command).code, 3);
   EXPECT_TRUE(fs::is_empty(tmp_ / "out")) << "no probe, no session";
   const auto probe = start_probe(tmp_, tag_, "P1", "1");
   const std::string scan =
       "cd '" + (tmp_ / "") + "' && exec '" + program("enamel") + "' scan --headless --dds-tag " + tag_;
-  ASSERT_EQ(run({"/bin/sh", "-c", scan}, seconds(90)).code, 0);
+  ASSERT_EQ(shell(scan, seconds(90)).code, 0);
   EXPECT_TRUE(fs::is_symlink(tmp_ / "out/session"));
   EXPECT_TRUE(fs::exists(tmp_ / "out/session/capture.mcap"));
   EXPECT_TRUE(fs::read_symlink(tmp_ / "out/session").string().starts_with("session-20"));

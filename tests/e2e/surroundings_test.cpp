@@ -3,10 +3,8 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
-#include "tests/e2e/small_capture.hpp"
-#include "tests/support/run.hpp"
+#include "tests/e2e/live_scan.hpp"
 
 namespace enamel::test {
 namespace {
@@ -29,13 +27,7 @@ class Surroundings : public ::testing::Test {
     EXPECT_EQ(ran.code, 0) << before << ran.err;
     return out;
   }
-  static Ran shell(const std::string& command, seconds patience = seconds(120)) {
-    return run({"/bin/sh", "-c", command}, patience);
-  }
-  static std::string hash_of(const std::string& out) {
-    const auto report = nlohmann::json::parse(read_file(out + "/report.json").value_or("{}"), nullptr, false);
-    return report.value("hash", std::string());
-  }
+  static std::string hash_of(const std::string& out) { return report_of(out).value("hash", std::string()); }
   TempFolder tmp_;
   std::string few_ = tmp_ / "few.mcap", plain_;
   int runs_ = 0;

@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   if (data[0] % 2 == 1) {
-    bytes.insert(0, "enamel-checkpoint-1\n");
+    bytes.insert(0, host::kCheckpointMagic);
     const std::uint32_t sum = crc32(std::as_bytes(std::span(bytes)));
     bytes.append(reinterpret_cast<const char*>(&sum), sizeof sum);
   }

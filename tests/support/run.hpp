@@ -41,4 +41,8 @@ inline Ran run(const std::vector<std::string>& argv, std::chrono::seconds timeou
   return ran;
 }
 
+inline Ran shell(const std::string& command, std::chrono::seconds timeout = std::chrono::seconds(120)) {
+  return run({"/bin/sh", "-c", command}, timeout);
+}
+
 }  // namespace enamel::test
