@@ -31,6 +31,8 @@ class Scan {
     for (std::uint64_t k = 0; k < kBursts; ++k) {
       const test::Shot shot{.later_s = 0.03 * static_cast<double>(k), .noise = k, .with_truth = false};
       proto::Burst burst = test::camera_burst(k, rig.camera.width, rig.camera.height);
+      // Exposed alike, as a probe exposes a burst.
+      for (proto::FrameMeta& frame : burst.meta) frame.analogue_gain_q8 = burst.meta[0].analogue_gain_q8;
       burst.payload.clear();
       for (const auto& frame : test::render(drawn, shot).frames.frames)
         burst.payload.insert(burst.payload.end(), frame.begin(), frame.end());
