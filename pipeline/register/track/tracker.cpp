@@ -64,13 +64,13 @@ TrackResult Tracker::track(BurstId id, DeviceTime t_mid, const SurfacePatch& pat
     lost.segment = active_;
     return lost;
   }
-  if (segments_.empty()) return accept(start(), TrackState::kStarted, burst, as_it_lies());
+  if (segments_.empty()) return accept(start(burst), TrackState::kStarted, burst, as_it_lies());
   std::optional<IcpResult> here;
   if (SegmentMemory& active = find(active_); was_here(active, burst)) here = near_(active, burst.near());
   if (here && active_ == kModelSegment) return accept(find(active_), TrackState::kTracking, burst, *here);
   if (auto back = back_in_an_older(burst, here)) return *back;
   TrackResult out = here ? accept(find(active_), TrackState::kTracking, burst, *here)
-                         : accept(start(), TrackState::kStarted, burst, as_it_lies());
+                         : accept(start(burst), TrackState::kStarted, burst, as_it_lies());
   if (const auto join = vote({id, out.segment, out.T_model_cam}, patch, pyramid)) {
     out.state = TrackState::kRelocalised;
     out.segment = join->into;
@@ -86,7 +86,7 @@ std::optional<SegmentJoin> Tracker::seek(const PlacedBurst& burst, const Surface
 
 bool Tracker::was_here(const SegmentMemory& segment, const Burst& burst) const {
   const double since = seconds(segment.motion.last_time(), burst.t);
-  return burst.in_sequence && since >= 0 && since <= config_.max_gap_s;
+  return segment.last_patch && burst.in_sequence && since >= 0 && since <= config_.max_gap_s;
 }
 
 std::optional<TrackResult> Tracker::back_in_an_older(const Burst& burst, const std::optional<IcpResult>& here) {
@@ -135,17 +135,40 @@ std::optional<SegmentJoin> Tracker::believe(const PlacedBurst& placed, SegmentId
 }
 
 void Tracker::carry_out(const SegmentJoin& join) {
-  SegmentMemory& from = find(join.segment);
-  find(join.into).absorb(std::move(from), join.T_into_segment, active_ == join.segment);
-  std::erase_if(segments_, [&](const SegmentMemory& s) { return s.id == join.segment; });
+  const auto from = std::ranges::find(segments_, join.segment, &SegmentMemory::id);
+  if (from != segments_.end()) {
+    find(join.into).absorb(std::move(*from), join.T_into_segment, active_ == join.segment);
+    segments_.erase(from);
+  }
   votes_.forget(join.segment);
   if (active_ == join.segment) active_ = join.into;
 }
 
-SegmentMemory& Tracker::start() {
+SegmentMemory& Tracker::start(const Burst& burst) {
+  for (SegmentMemory& left : segments_) {
+    if (!was_here(left, burst)) left.last_patch.reset();
+  }
+  forget_the_smallest();
   segments_.push_back({next_id_, MotionModel(config_.motion), KeyframeStore(lens_, config_.keyframes), {}, {}});
   active_ = next_id_++;
   return segments_.back();
+}
+
+void Tracker::forget_the_smallest() {
+  const auto size = [](const SegmentMemory& segment) { return segment.keyframes.all().size(); };
+  for (;;) {
+    std::size_t remembered = 0;
+    auto smallest = segments_.end();
+    for (auto s = segments_.begin(); s != segments_.end(); ++s) {
+      if (s->id == kModelSegment) continue;
+      remembered += size(*s);
+      if (smallest == segments_.end() || size(*s) < size(*smallest)) smallest = s;
+    }
+    if (smallest == segments_.end() || remembered < config_.max_apart_keyframes) return;
+    if (smallest->id == active_) active_ = kModelSegment;
+    votes_.forget(smallest->id);
+    segments_.erase(smallest);
+  }
 }
 
 SegmentMemory& Tracker::find(SegmentId id) { return *std::ranges::find(segments_, id, &SegmentMemory::id); }

@@ -39,8 +39,8 @@ class Tracker {
   [[nodiscard]] TrackResult track(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view,
                                   const std::optional<ProbeTwist>& twist = std::nullopt);
 
-  /// Looks for the place of a burst, whose segment is still apart, in the older segments. After the scan, when these
-  /// have all their keyframes; `burst` as track() placed it, after the joins since.
+  /// Looks for the place of a burst, whose segment is still apart, in the older segments that are remembered. After the
+  /// scan, when these have all their keyframes; `burst` as track() placed it, after the joins since.
   [[nodiscard]] std::optional<SegmentJoin> seek(const PlacedBurst& burst, const SurfacePatch& patch);
 
   /// After the scan, when nothing is sought any more: frees what was remembered, a third of a gigabyte for an arch.
@@ -55,7 +55,10 @@ class Tracker {
   [[nodiscard]] bool was_here(const SegmentMemory& segment, const Burst& burst) const;
   /// In one that the hand left a moment ago. Where the burst stands in the active one too, that is a vote.
   [[nodiscard]] std::optional<TrackResult> back_in_an_older(const Burst& burst, const std::optional<IcpResult>& here);
-  [[nodiscard]] SegmentMemory& start();
+  /// A new segment. What is remembered of others is cut to what can still be of use.
+  [[nodiscard]] SegmentMemory& start(const Burst& burst);
+  /// The oldest of the smallest segments first, until the others leave room.
+  void forget_the_smallest();
   void remember_texture(SegmentMemory& segment, const Burst& burst, const IcpResult& icp) const;
   [[nodiscard]] TrackResult accept(SegmentMemory& segment, TrackState state, const Burst& burst, const IcpResult& icp);
   [[nodiscard]] std::optional<SegmentJoin> vote(const PlacedBurst& placed, const SurfacePatch& patch,

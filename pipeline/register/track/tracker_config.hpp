@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "pipeline/register/feature/surface_texture.hpp"
 #include "pipeline/register/icp/icp.hpp"
@@ -32,6 +33,10 @@ struct TrackerConfig {
   double max_turn_deg_s = 360;
   double slack_mm = 0.5;  ///< added to what the speed limits allow
   double slack_deg = 3;
+  /// In segments apart; the smallest are forgotten beyond it. Their bursts are still sought in the model at the end,
+  /// but nothing is found in them any more. Chosen: 2.5 MB each; another arch has fewer, and where most bursts are shed
+  /// each other one is a segment.
+  std::size_t max_apart_keyframes = 128;
   std::array<double, 2> wrist_deg{12, 24};  ///< turns tried about the place looked at where no other start converges
 };
 

@@ -1,6 +1,8 @@
 // Segments of a scan: what cannot be placed begins one, what is found again is joined, nothing is joined on one word.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "pipeline/register/track/join_votes.hpp"
@@ -165,6 +167,56 @@ TEST(Segments, after_the_scan_a_burst_apart_is_found_where_the_model_has_grown_t
     if (const auto now = tracker.seek(placed[i], kept[i])) join = now;
   }
   EXPECT_EQ(tracker.segments().size(), 1U);
+}
+
+std::size_t apart_keyframes(const Tracker& tracker) {
+  std::size_t out = 0;
+  for (const SegmentMemory& s : tracker.segments()) out += s.id == kModelSegment ? 0 : s.keyframes.all().size();
+  return out;
+}
+
+TEST(Segments, the_smallest_apart_are_forgotten_and_still_join_the_model_at_the_end) {
+  TrackerConfig config;
+  config.max_apart_keyframes = 4;
+  const calib::Rig rig = ts::test_rig(4);
+  const ts::SyntheticSurface surface(24);
+  Tracker tracker(rig, config);
+  std::uint64_t burst = 0;
+  const auto feed = [&](const Pose& T, int n) {
+    const SurfacePatch patch = ts::make_patch(surface, rig.camera, T, {0.01, 0.03, burst + 1});
+    const TrackResult r = tracker.track(BurstId{burst}, time_of(n), patch, {});
+    return std::pair{PlacedBurst{BurstId{burst++}, r.segment, r.T_model_cam}, patch};
+  };
+  (void)feed(ts::looking_down(0, 0), 0);
+  // Four bursts in a row that are one segment, then one burst a second, each where nothing is known.
+  std::pair<PlacedBurst, SurfacePatch> early;
+  for (int n = 0; n < 4; ++n) early = feed(ts::looking_down(24 + 1.5 * n, 0), 60 + n);
+  const SegmentId large = early.first.segment;
+  ASSERT_EQ(large, 1U);
+  ASSERT_GE(apart_keyframes(tracker), 2U);
+  std::vector<std::pair<PlacedBurst, SurfacePatch>> singles;
+  for (int k = 0; k < 6; ++k) {
+    singles.push_back(feed(ts::looking_down(0, 40 + 24.0 * k), 120 + 60 * k));
+    EXPECT_LE(apart_keyframes(tracker), 4U);
+  }
+  const auto remembered = [&](SegmentId id) {
+    return std::ranges::find(tracker.segments(), id, &SegmentMemory::id) != tracker.segments().end();
+  };
+  EXPECT_TRUE(remembered(large)) << "small ones go first";
+  const PlacedBurst& gone = singles.front().first;
+  EXPECT_FALSE(remembered(gone.segment));
+  // The model grows to where the forgotten one lies.
+  for (int k = 0; k <= 24; ++k) (void)feed(ts::looking_down(0, 1.8 * k), 900 + k);
+  std::optional<SegmentJoin> join;
+  for (std::uint64_t vote = 0; vote < 3 && !join; ++vote) {
+    PlacedBurst again = gone;
+    again.id = BurstId{1000 + vote};
+    join = tracker.seek(again, singles.front().second);
+  }
+  ASSERT_TRUE(join);
+  EXPECT_EQ(join->segment, gone.segment);
+  EXPECT_EQ(join->into, kModelSegment);
+  EXPECT_TRUE(remembered(large));
 }
 
 }  // namespace
