@@ -66,22 +66,38 @@ class SourceStage final : public flow::Source {
   std::size_t pulled_ = 0;
 };
 
-/// Counts every burst that comes out, fused or rejected, and keeps poses and digests.
-class SinkStage final : public flow::Stage {
+/// When bursts inside the graph were exposed, in order of burst: noted as they go in, asked for as they come out.
+class ExposureTimes {
  public:
-  explicit SinkStage(const Clock& clock) : Stage("sink"), clock_(clock) {}
-  flow::In<stage::Fused> fused{*this, "fused"};
-
-  /// From the thread that pushes: when the burst's last exposure ended.
-  void note_exposure(BurstId id, HostTime exposed) {
+  void note(BurstId id, HostTime exposed) {
     const std::lock_guard lock(mutex_);
     exposed_[id.value] = exposed;
   }
+  /// Forgets it, and the oldest that never came out.
+  [[nodiscard]] std::optional<HostTime> take(BurstId id) {
+    const std::lock_guard lock(mutex_);
+    const auto found = exposed_.find(id.value);
+    if (found == exposed_.end()) return std::nullopt;
+    const HostTime exposed = found->second;
+    exposed_.erase(exposed_.begin(), std::next(found));
+    return exposed;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::uint64_t, HostTime> exposed_;
+};
+
+/// Counts every burst that comes out, fused or rejected, and keeps poses and digests.
+class SinkStage final : public flow::Stage {
+ public:
+  SinkStage(const Clock& clock, ExposureTimes& exposures) : Stage("sink"), clock_(clock), exposures_(exposures) {}
+  flow::In<stage::Fused> fused{*this, "fused"};
 
   [[nodiscard]] bool handles_rejected() const noexcept override { return true; }
   Result<void> step() override {
     const auto item = fused.take();
-    measure_latency(item.id);
+    if (const auto exposed = exposures_.take(item.id)) latency_ns.record((clock_.now() - *exposed).count());
     if (last_captured_ && item.captured <= *last_captured_) clock_went_back.push_back(item.id);
     last_captured_ = item.captured;
     TraceRow row{item.id.value, {}, item.ok() ? "fused" : item.rejected};
@@ -136,18 +152,10 @@ class SinkStage final : public flow::Stage {
     sight.lifted_mm += static_cast<double>(seen.translucent_share * seen.apparent_depth_mm);
     sight.unsure_share = kApparentDepthUnsure;
   }
-  void measure_latency(BurstId id) {
-    const std::lock_guard lock(mutex_);
-    const auto found = exposed_.find(id.value);
-    if (found == exposed_.end()) return;
-    latency_ns.record((clock_.now() - found->second).count());
-    exposed_.erase(exposed_.begin(), std::next(found));
-  }
 
   const Clock& clock_;
+  ExposureTimes& exposures_;
   std::optional<DeviceTime> last_captured_;
-  std::mutex mutex_;  // guards exposed_
-  std::map<std::uint64_t, HostTime> exposed_;
 };
 
 /// End of the keep-latest edge: hands the newest item to whoever draws.

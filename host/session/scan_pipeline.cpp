@@ -34,8 +34,9 @@ struct ScanPipeline::Impl {
   Impl(const calib::Rig& r, const PipelineConfig& p, const ScanPipelineOptions& o, Clock& c)
       : rig(r), config(p), options(o), clock(c), gate(o.waiting_room, GatePolicy::kLossless), graph(c) {}
 
-  void build(const std::shared_ptr<const pipeline::BurstDecoder>& decoder);
   void start(std::optional<double> temp_c);
+  void open(std::optional<double> temp_c);
+  void build();
   void run(const std::stop_token& stop);
   void conclude();
 
@@ -46,9 +47,10 @@ struct ScanPipeline::Impl {
   Clock& clock;
   std::once_flag started;
   IngressGate<Accepted> gate;
+  ExposureTimes exposures;  ///< live only
   flow::Graph graph;
   PreviewSlot preview;
-  std::atomic<SinkStage*> sink{nullptr};  ///< of the graph, once started
+  std::atomic<SinkStage*> sink{nullptr};  ///< of the graph, once built
   SourceStage* source = nullptr;
   stage::TrackStage* track = nullptr;
   stage::FuseStage* fuse = nullptr;
@@ -64,15 +66,41 @@ struct ScanPipeline::Impl {
   std::jthread thread;  // last: ends before what it uses
 };
 
-void ScanPipeline::Impl::build(const std::shared_ptr<const pipeline::BurstDecoder>& baked) {
+/// The graph is made on its own thread: who pushes the first burst, a recorder, has the next one to write.
+void ScanPipeline::Impl::start(std::optional<double> temp_c_first) {
+  std::call_once(started, [&] {
+    thread = std::jthread([this, temp_c_first](const std::stop_token& stop) {
+      open(temp_c_first);
+      run(stop);
+    });
+  });
+}
+
+/// Optics at the first burst's temperature: a scan takes minutes, the optics drift over the better part of an hour.
+/// What the bursts' temperatures were stands in the result.
+void ScanPipeline::Impl::open(std::optional<double> temp_c_first) {
+  optics = rig;
+  if (rig.temperature && temp_c_first) {
+    optics = calib::rig_at(rig, *temp_c_first);
+    if (auto warm = pipeline::BurstDecoder::make(optics, config.decode)) {
+      decoder = std::make_shared<const pipeline::BurstDecoder>(std::move(*warm));
+    } else {
+      ran = tl::unexpected<Error>(warm.error());
+    }
+  }
+  build();
+  if (ran) ran = graph.validate();
+}
+
+void ScanPipeline::Impl::build() {
   auto& entrance = graph.add<SourceStage>(gate);
   source = &entrance;
   std::array<stage::DecodeStage*, kDecoders> decoders{};
   for (std::size_t i = 0; i < kDecoders; ++i) {
-    decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), baked, options.calib_crc32);
+    decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), decoder, options.calib_crc32);
   }
   auto& learner = graph.add<stage::LearnStage>();
-  track = &graph.add<stage::TrackStage>(optics, config.track, config.guide, baked);
+  track = &graph.add<stage::TrackStage>(optics, config.track, config.guide, decoder);
   const stage::FuseStageConfig fuse_config{.fuse = config.fuse,
                                            .mesh = config.mesh,
                                            .preview_model = options.preview_model,
@@ -80,8 +108,8 @@ void ScanPipeline::Impl::build(const std::shared_ptr<const pipeline::BurstDecode
                                            .keep_history = config.map.refine,
                                            .store = kept_in(options.scratch_folder)};
   fuse = &graph.add<stage::FuseStage>(optics, fuse_config,
-                                      pipeline::Unpacker(baked->shared_rays(), baked->config().normals));
-  SinkStage& last = graph.add<SinkStage>(clock);
+                                      pipeline::Unpacker(decoder->shared_rays(), decoder->config().normals));
+  SinkStage& last = graph.add<SinkStage>(clock, exposures);
   auto& screen = graph.add<PreviewStage>(preview, options.on_preview);
 
   const std::array<flow::In<proto::Burst>*, kDecoders> ins{&decoders[0]->burst, &decoders[1]->burst};
@@ -100,25 +128,6 @@ void ScanPipeline::Impl::build(const std::shared_ptr<const pipeline::BurstDecode
   graph.connect_feedback(fuse->view, track->model, static_cast<std::size_t>(config.feedback_delay),
                          flow::make_item<ModelView>(none, ModelView{}));
   sink = &last;
-}
-
-/// Optics at the first burst's temperature: a scan takes minutes, the optics drift over the better part of an hour.
-/// What the bursts' temperatures were stands in the result.
-void ScanPipeline::Impl::start(std::optional<double> temp_c_first) {
-  std::call_once(started, [&] {
-    optics = rig;
-    if (rig.temperature && temp_c_first) {
-      optics = calib::rig_at(rig, *temp_c_first);
-      if (auto warm = pipeline::BurstDecoder::make(optics, config.decode)) {
-        decoder = std::make_shared<const pipeline::BurstDecoder>(std::move(*warm));
-      } else {
-        ran = tl::unexpected<Error>(warm.error());
-      }
-    }
-    build(decoder);
-    if (ran) ran = graph.validate();
-    thread = std::jthread([this](const std::stop_token& stop) { run(stop); });
-  });
 }
 
 void ScanPipeline::Impl::run(const std::stop_token& stop) {
@@ -170,7 +179,7 @@ bool ScanPipeline::push(Accepted item) {
   impl_->start(temp_c);
   auto& range = impl_->temp_c;
   range = range ? std::array{std::min((*range)[0], temp_c), std::max((*range)[1], temp_c)} : std::array{temp_c, temp_c};
-  if (item.exposed) impl_->sink.load()->note_exposure(item.id, *item.exposed);
+  if (item.exposed) impl_->exposures.note(item.id, *item.exposed);
   if (impl_->gate.push(std::move(item))) return false;
   impl_->pushed.fetch_add(1, std::memory_order_relaxed);
   impl_->graph.waker().notify();
