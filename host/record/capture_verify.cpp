@@ -1,4 +1,7 @@
+#include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "host/record/burst_stream.hpp"
 #include "host/record/capture_tools.hpp"
@@ -50,18 +53,27 @@ class Verifier {
       problem("record " + std::to_string(report_.records - 1) + " was logged before the one in front of it");
     }
     last_log_ns_ = record.log_ns;
-    const auto* burst = std::get_if<proto::Burst>(&record.value);
-    if (burst == nullptr) return;
+    if (const auto* status = std::get_if<proto::Status>(&record.value)) take(*status);
+    if (const auto* burst = std::get_if<proto::Burst>(&record.value)) take(*burst);
+  }
+
+  /// A probe that was started again counts from zero, its words as well as its bursts.
+  void take(const proto::Status& status) {
+    if (status.seq < last_status_) last_index_.reset();
+    last_status_ = status.seq;
+  }
+
+  void take(const proto::Burst& burst) {
     ++seen_bursts_;
-    const std::string name = "burst " + std::to_string(burst->burst_index);
-    if (proto::is_consistent(*burst)) {
+    const std::string name = "burst " + std::to_string(burst.burst_index);
+    if (proto::is_consistent(burst)) {
       ++report_.bursts;
     } else {
       problem(name + ": sizes, frames, times or payload CRC do not fit together");
     }
-    if (seen_bursts_ > 1 && burst->burst_index <= last_index_) problem(name + ": number does not ascend");
-    last_index_ = burst->burst_index;
-    if (!stream_.rig_text().empty() && burst->calib_crc32 != 0 && burst->calib_crc32 != rig_crc_ && !rig_told_) {
+    if (last_index_ && burst.burst_index <= *last_index_) problem(name + ": number does not ascend");
+    last_index_ = burst.burst_index;
+    if (!stream_.rig_text().empty() && burst.calib_crc32 != 0 && burst.calib_crc32 != rig_crc_ && !rig_told_) {
       problem(name + ": names another calibration than the rig.json in the recording");
       rig_told_ = true;
     }
@@ -70,7 +82,9 @@ class Verifier {
   BurstStream& stream_;
   VerifyReport report_;
   std::uint32_t rig_crc_ = 0;
-  std::uint64_t seen_bursts_ = 0, last_index_ = 0;
+  std::uint64_t seen_bursts_ = 0;
+  std::optional<std::uint64_t> last_index_;  ///< of a burst of the probe's life
+  std::uint32_t last_status_ = 0;
   std::int64_t last_log_ns_ = 0;
   bool unreadable_ = false, rig_told_ = false;
 };

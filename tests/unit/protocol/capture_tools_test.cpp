@@ -132,6 +132,31 @@ TEST_F(CaptureTools, verify_finds_what_is_wrong) {
   EXPECT_EQ(capture_verify(folder_ / "none").error().code, ErrorCode::kFileNotFound);
 }
 
+TEST_F(CaptureTools, verify_knows_a_probe_that_was_started_again) {
+  // Two lives of three bursts; each begins with the probe's first word, where it says one at all.
+  const auto lives = [&](bool says_so) {
+    auto out = capture::CaptureWriter::create(other_, test::sample_header());
+    ASSERT_TRUE(out);
+    for (std::int64_t life = 0; life < 2; ++life) {
+      for (std::uint32_t i = 0; i < 3; ++i) {
+        const std::int64_t now = 1000 + 10 * life + i;
+        proto::Status status;
+        status.seq = says_so ? i : 3 * static_cast<std::uint32_t>(life) + i;
+        ASSERT_TRUE(out->write_status(status, now));
+        proto::Burst burst = test::camera_burst(i, 16, 12);
+        burst.calib_crc32 = 0;
+        ASSERT_TRUE(out->write_burst(burst, now));
+      }
+    }
+    ASSERT_TRUE(out->finish());
+  };
+  lives(true);
+  EXPECT_TRUE(capture_verify(other_)->clean());
+  EXPECT_EQ(capture_verify(other_)->bursts, 6U);
+  lives(false);
+  EXPECT_FALSE(capture_verify(other_)->clean());
+}
+
 TEST_F(CaptureTools, verify_finds_every_flipped_bit) {
   const auto bytes = test::slurp(good_);
   test::Random random(6);
