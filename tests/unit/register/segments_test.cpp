@@ -189,9 +189,8 @@ TEST(Segments, the_smallest_apart_are_forgotten_and_still_join_the_model_at_the_
   };
   (void)feed(ts::looking_down(0, 0), 0);
   // Four bursts in a row that are one segment, then one burst a second, each where nothing is known.
-  std::pair<PlacedBurst, SurfacePatch> early;
-  for (int n = 0; n < 4; ++n) early = feed(ts::looking_down(24 + 1.5 * n, 0), 60 + n);
-  const SegmentId large = early.first.segment;
+  SegmentId large = kModelSegment;
+  for (int n = 0; n < 4; ++n) large = feed(ts::looking_down(24 + 1.5 * n, 0), 60 + n).first.segment;
   ASSERT_EQ(large, 1U);
   ASSERT_GE(apart_keyframes(tracker), 2U);
   std::vector<std::pair<PlacedBurst, SurfacePatch>> singles;
