@@ -66,6 +66,13 @@ struct Rig {
   std::uint32_t crc32 = 0;                      ///< CRC-32 of `text`: Burst::calib_crc32
 };
 
+constexpr double kUsualDepthMm = 48;  ///< where a rig states no range
+
+/// The middle of the rig's depth range: where sizes of pixels are told and motion is measured.
+[[nodiscard]] inline double middle_depth_mm(const Rig& rig, double fallback_mm = kUsualDepthMm) {
+  return rig.depth_range ? 0.5 * (rig.depth_range->near_mm + rig.depth_range->far_mm) : fallback_mm;
+}
+
 /// Errors: kRigInvalid (syntax, NaN or infinite numbers, missing or ill-typed key, impossible value; the detail names
 /// the key), never a partial rig.
 [[nodiscard]] Result<Rig> parse_rig(std::string text);

@@ -68,7 +68,7 @@ int run(const Folder& known, const Folder& asked, int first, const std::string& 
   for (const auto& [id, T] : known.truth) {
     if (id >= first || !store.wants(T)) continue;
     const auto patch = known.patch(id);
-    store.add(patch, T, ea::extract_features(patch, known.rig.camera.fx / 48, config.features));
+    store.add(patch, T);
   }
   const bool own = &known == &asked && turn != "mirror";
   const double roll = turn == "mirror" ? 0 : std::stod(turn);

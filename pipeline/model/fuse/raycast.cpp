@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "pipeline/model/fuse/depth_hint.hpp"
 #include "pipeline/model/fuse/sampler.hpp"
@@ -13,54 +14,51 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr int kNewtonSteps = 6;
-constexpr float kConvergedMm = 1e-3F;  ///< one more step from here is exact to nanometres
+constexpr float kConvergedMm = 4e-3F;  ///< one more step from here is exact to 10 nm: derived, (4 um)^2 / 2R, R = 1 mm
 constexpr float kSameSurfaceMm = 0.3F;
 
 /// Points o + s d in voxels, s = camera depth in mm.
 struct Ray {
-  Vec3d origin, direction;
-  double mm_per_depth = 1.0;  ///< length of the ray per mm of camera depth
+  Vec3f origin, direction;
+  float mm_per_depth = 1;  ///< length of the ray per mm of camera depth
+  [[nodiscard]] Vec3f at(float s) const { return origin + s * direction; }
 };
 
 class Caster {
  public:
   Caster(const BlockGrid& grid, const FuseConfig& config)
-      : sampler_(grid), voxel_mm_(config.voxel_mm), band_mm_(config.voxel_mm * config.truncation_voxels) {}
+      : sampler_(grid),
+        voxel_mm_(static_cast<float>(config.voxel_mm)),
+        band_mm_(static_cast<float>(config.voxel_mm * config.truncation_voxels)) {}
 
   /// Front-facing zero near depth s; moves s. False if there is none within the band around the start.
-  bool newton(const Ray& ray, double& s, Vec3f& gradient) {
-    const double start = s;
+  bool newton(const Ray& ray, float& s, Vec3f& gradient) {
+    const float start = s;
     for (int k = 0; k < kNewtonSteps; ++k) {
       float d = 0.0F;
-      if (!sampler_.sample(ray.origin + s * ray.direction, d, gradient)) {
-        return false;
-      }
-      const double slope = gradient.cast<double>().dot(ray.direction);  // change of distance per mm of depth
-      if (!(slope < -0.1)) {
-        return false;  // seen from behind, or too flat a field to trust
-      }
-      s -= static_cast<double>(d) / slope;
+      if (!sampler_.sample(ray.at(s), d, gradient)) return false;
+      const float slope = gradient.dot(ray.direction);  // change of distance per mm of depth
+      if (!(slope < -0.1F)) return false;               // seen from behind, or too flat a field to trust
+      s -= d / slope;
       if (std::fabs(d) < kConvergedMm) {
         // Trilinear interpolation shows a convex surface too deep, by voxel^2/6R on average: registration would sink.
-        s += static_cast<double>(sampler_.excess_mm(ray.origin + s * ray.direction)) / slope;
+        s += sampler_.excess_mm(ray.at(s)) / slope;
         return true;
       }
-      if (std::fabs(s - start) > 2.0 * band_mm_) {
-        return false;
-      }
+      if (std::fabs(s - start) > 2 * band_mm_) return false;
     }
     return false;
   }
 
   /// First change from outside to inside between the depths.
-  bool march(const Ray& ray, double from, double to, double& s, Vec3f& gradient) {
-    const double fine = 0.5 * voxel_mm_ / ray.mm_per_depth;
+  bool march(const Ray& ray, float from, float to, float& s, Vec3f& gradient) {
+    const float fine = 0.5F * voxel_mm_ / ray.mm_per_depth;
     bool outside = false;
-    for (double at = from; at <= to;) {
+    for (float at = from; at <= to;) {
       float d = 0.0F;
-      if (!sampler_.sample(ray.origin + at * ray.direction, d, gradient)) {
+      if (!sampler_.sample(ray.at(at), d, gradient)) {
         outside = false;
-        at += 2.0 * fine;
+        at += 2 * fine;
         continue;
       }
       if (d <= 0.0F && outside) {
@@ -68,14 +66,14 @@ class Caster {
         return newton(ray, s, gradient);
       }
       outside = d > 0.0F;
-      at += std::max(fine, 0.8 * static_cast<double>(d) / ray.mm_per_depth);
+      at += std::max(fine, 0.8F * d / ray.mm_per_depth);
     }
     return false;
   }
 
  private:
   Sampler sampler_;
-  double voxel_mm_, band_mm_;
+  float voxel_mm_, band_mm_;
 };
 
 /// Unit normals from the gradients of the 3 x 3 neighbours on the same surface: the gradient of a trilinear interpolant
@@ -105,13 +103,20 @@ Map<Vec3f> smooth_normals(const Map<Vec3f>& points, const Map<Vec3f>& gradients)
   return normals;
 }
 
+/// Of the rays through every stride-th pixel: (u - c) / f.
+std::vector<float> slopes(int count, int stride, double c, double f) {
+  std::vector<float> out;
+  for (int i = 0; i < count; ++i) out.push_back(static_cast<float>((i * stride - c) / f));
+  return out;
+}
+
 }  // namespace
 
 ModelView TsdfModel::view(const Pose& T_model_cam, const SurfacePatch& hint) const {
   ModelView view;
   view.T_model_cam = T_model_cam;
   view.after_burst = after_burst_;
-  view.stride = std::max(1, config_.view_stride);
+  view.stride = view_stride_;
   const bool fits = hint.depth_mm.width() == camera_.width && hint.depth_mm.height() == camera_.height;
   if (empty() || !fits || hint.depth_mm.empty() || !T_model_cam.matrix().allFinite()) {
     return view;
@@ -124,28 +129,30 @@ ModelView TsdfModel::view(const Pose& T_model_cam, const SurfacePatch& hint) con
   const CoarseDepth coarse(hint.depth_mm);
   Caster caster(grid_, config_);
   Ray ray;
-  ray.origin = T_model_cam.translation() / config_.voxel_mm;
+  ray.origin = (T_model_cam.translation() / config_.voxel_mm).cast<float>();
+  const Eigen::Matrix3f R = T_model_cam.linear().cast<float>();
+  const Vec3f t = T_model_cam.translation().cast<float>();
+  const auto per_voxel = static_cast<float>(1 / config_.voxel_mm);
+  const auto band = static_cast<float>(config_.voxel_mm * config_.truncation_voxels);
+  const auto search = static_cast<float>(config_.view_search_mm);
+  const std::vector<float> columns = slopes(width, view.stride, camera_.cx, camera_.fx);
+  const std::vector<float> rows = slopes(height, view.stride, camera_.cy, camera_.fy);
   for (int j = 0; j < height; ++j) {
     for (int i = 0; i < width; ++i) {
       const int u = i * view.stride;
       const int v = j * view.stride;
       const float own = hint.depth_mm(u, v);
       const float guess = std::isnan(own) ? coarse.near_pixel(u, v) : own;
-      if (!(guess > 0.0F)) {
-        continue;
-      }
-      const Vec3d in_camera((u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1.0);
-      const Vec3d in_model = T_model_cam.linear() * in_camera;
-      ray.direction = in_model / config_.voxel_mm;
+      if (!(guess > 0.0F)) continue;
+      const Vec3f in_camera(columns[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)], 1.0F);
+      const Vec3f in_model = R * in_camera;
+      ray.direction = in_model * per_voxel;
       ray.mm_per_depth = in_camera.norm();
-      double s = static_cast<double>(guess);
+      float s = guess;
       Vec3f gradient = Vec3f::Zero();
-      const double range = std::isnan(own) ? config_.view_search_mm : config_.voxel_mm * config_.truncation_voxels;
-      if (!caster.newton(ray, s, gradient) &&
-          !caster.march(ray, static_cast<double>(guess) - range, static_cast<double>(guess) + range, s, gradient)) {
-        continue;
-      }
-      view.points(i, j) = (T_model_cam.translation() + s * in_model).cast<float>();
+      const float range = std::isnan(own) ? search : band;
+      if (!caster.newton(ray, s, gradient) && !caster.march(ray, guess - range, guess + range, s, gradient)) continue;
+      view.points(i, j) = t + s * in_model;
       gradients(i, j) = gradient;
     }
   }

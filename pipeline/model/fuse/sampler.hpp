@@ -1,12 +1,16 @@
-// Trilinear interpolation of the distance field and its gradient.
+// Trilinear interpolation of the distance field and its gradient. In the header: a view asks some 200 000 times.
 #pragma once
+
+#include <array>
+#include <cmath>
 
 #include "pipeline/model/fuse/block_grid.hpp"
 #include "pipeline/types/geometry.hpp"
 
 namespace enamel::pipeline {
 
-/// Positions are in voxels (model coordinates / voxel_mm). Remembers the last block: neighbouring queries are cheap.
+/// Positions are in voxels (model coordinates / voxel_mm); in single precision a voxel of 0.1 mm, 100 mm from the
+/// origin, is told to 6 nm. Remembers the last block: neighbouring queries are cheap.
 /// Not thread-safe; make one a thread.
 class Sampler {
  public:
@@ -14,25 +18,117 @@ class Sampler {
 
   /// Interpolated distance (mm) and the gradient of the interpolant (mm a voxel). False where one of the eight voxels
   /// is unobserved.
-  bool sample(const Vec3d& at, float& distance_mm, Vec3f& gradient);
+  bool sample(const Vec3f& at, float& distance_mm, Vec3f& gradient) {
+    std::array<float, 8> f;
+    if (!locate(at) || !corners(f)) return false;
+    const auto [tx, ty, tz] = part_;
+    const float x00 = mix(f[0], f[1], tx);
+    const float x10 = mix(f[2], f[3], tx);
+    const float x01 = mix(f[4], f[5], tx);
+    const float x11 = mix(f[6], f[7], tx);
+    const float y0 = mix(x00, x10, ty);
+    const float y1 = mix(x01, x11, ty);
+    distance_mm = mix(y0, y1, tz);
+    gradient.x() = mix(mix(f[1] - f[0], f[3] - f[2], ty), mix(f[5] - f[4], f[7] - f[6], ty), tz);
+    gradient.y() = mix(x10 - x00, x11 - x01, tz);
+    gradient.z() = y1 - y0;
+    return true;
+  }
 
   /// By how much (mm) the interpolant lies above a field with the curvature of the voxels around: t (1 - t)/2 times the
   /// second difference, summed over the axes. Axes along which a neighbour is unobserved add nothing.
-  float excess_mm(const Vec3d& at);
+  float excess_mm(const Vec3f& at) {
+    if (!locate(at)) return 0;
+    std::array<int, 3> nearest = local_;
+    bool inside = true;  // of the block, and so are its neighbours
+    for (std::size_t k = 0; k < 3; ++k) {
+      nearest[k] += part_[k] > 0.5F ? 1 : 0;
+      inside = inside && nearest[k] >= 1 && nearest[k] <= kBlockEdge - 2;
+    }
+    return inside ? bend(nearest, [this](int x, int y, int z, float& value) { return voxel_here(x, y, z, value); })
+                  : bend(nearest, [this](int x, int y, int z, float& value) { return voxel(x, y, z, value); });
+  }
 
  private:
-  struct Cell {
-    std::array<int, 3> local{};   ///< lower corner within the block, 0 … 7
-    std::array<float, 3> part{};  ///< position between lower and upper corner, 0 … 1
-  };
-  bool locate(const Vec3d& at, Cell& cell);
-  bool corners(const Cell& cell, std::array<float, 8>& value) const;
+  static float mix(float a, float b, float t) noexcept { return a + t * (b - a); }
+
+  /// Finds the block, the lower corner within it and the position beyond that. False where there is no block.
+  bool locate(const Vec3f& at) {
+    constexpr float kLimit = static_cast<float>(kBlockRange - 1) * kBlockEdge;
+    if (!(std::fabs(at.x()) < kLimit && std::fabs(at.y()) < kLimit && std::fabs(at.z()) < kLimit)) return false;
+    std::array<std::int32_t, 3> index;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float x = at[static_cast<Eigen::Index>(k)];
+      auto lower = static_cast<std::int32_t>(x);
+      lower -= static_cast<float>(lower) > x ? 1 : 0;
+      index[k] = lower >> 3;
+      local_[k] = lower & (kBlockEdge - 1);
+      part_[k] = x - static_cast<float>(lower);
+    }
+    if (index != index_) {
+      index_ = index;
+      const std::int32_t id = grid_.find({index[0], index[1], index[2]});
+      block_ = id == kNoBlock ? nullptr : &grid_.block(id);
+    }
+    return block_ != nullptr;
+  }
+
+  bool corners(std::array<float, 8>& value) const {
+    const auto [x, y, z] = local_;
+    if (x < kBlockEdge - 1 && y < kBlockEdge - 1 && z < kBlockEdge - 1) {
+      const std::size_t base = voxel_index(x, y, z);
+      constexpr std::array<std::size_t, 8> kOffset{0, 1, 8, 9, 64, 65, 72, 73};
+      bool ok = true;
+      for (std::size_t c = 0; c < 8; ++c) {
+        value[c] = block_->distance_mm[base + kOffset[c]];
+        ok = ok & (block_->weight[base + kOffset[c]] > 0.0F);
+      }
+      return ok;
+    }
+    for (std::size_t c = 0; c < 8; ++c) {
+      const int corner = static_cast<int>(c);
+      if (!voxel(x + (corner & 1), y + ((corner >> 1) & 1), z + (corner >> 2), value[c])) return false;
+    }
+    return true;
+  }
+
+  /// Voxel of the current block. False if unobserved.
+  bool voxel_here(int x, int y, int z, float& value) const {
+    const std::size_t i = voxel_index(x, y, z);
+    value = block_->distance_mm[i];
+    return block_->weight[i] > 0.0F;
+  }
+
   /// Voxel at an offset from the current block's first voxel, each -8 … 15. False if unobserved.
-  bool voxel(int x, int y, int z, float& value) const;
+  bool voxel(int x, int y, int z, float& value) const {
+    if (((x | y | z) & ~7) == 0) return voxel_here(x, y, z, value);
+    const std::int32_t id = block_->neighbour[neighbour_index(x >> 3, y >> 3, z >> 3)];
+    if (id == kNoBlock) return false;
+    const Block& block = grid_.block(id);
+    const std::size_t i = voxel_index(x & 7, y & 7, z & 7);
+    value = block.distance_mm[i];
+    return block.weight[i] > 0.0F;
+  }
+
+  template <class Voxel>
+  float bend(const std::array<int, 3>& at, const Voxel& voxel_at) const {
+    float here = 0, sum = 0;
+    if (!voxel_at(at[0], at[1], at[2], here)) return 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::array<int, 3> before = at, after = at;
+      --before[k], ++after[k];
+      float low = 0, high = 0;
+      if (!voxel_at(before[0], before[1], before[2], low) || !voxel_at(after[0], after[1], after[2], high)) continue;
+      sum += 0.5F * part_[k] * (1 - part_[k]) * ((low + high) - 2 * here);
+    }
+    return sum;
+  }
 
   const BlockGrid& grid_;
   const Block* block_ = nullptr;
-  std::uint64_t key_ = ~std::uint64_t{0};  ///< of the block last looked up
+  std::array<std::int32_t, 3> index_{kBlockRange, kBlockRange, kBlockRange};  ///< of the block last looked up
+  std::array<int, 3> local_{};   ///< lower corner within the block, 0 … 7
+  std::array<float, 3> part_{};  ///< position between lower and upper corner, 0 … 1
 };
 
 }  // namespace enamel::pipeline

@@ -8,8 +8,7 @@ namespace {
 
 // A second difference of three equal sigmas has std sqrt(6) sigma; 3.5 of those is noise, more is an edge.
 constexpr float kBendLimit = 8.5F;
-constexpr double kTypicalDepthMm = 48.0;  ///< where the rig states no range
-constexpr double kFinest = 0.7;           ///< surfels are at most this much of a voxel apart
+constexpr double kFinest = 0.7;  ///< surfels are at most this much of a voxel apart
 
 struct Average {
   float depth_mm;
@@ -67,7 +66,7 @@ void SurfelMap::average_columns(const SurfacePatch& patch, int v) {
 
 SurfelMap::SurfelMap(const calib::Rig& rig, const FuseConfig& config) {
   const calib::LensValues& camera = rig.camera;
-  const double depth = rig.depth_range ? 0.5 * (rig.depth_range->near_mm + rig.depth_range->far_mm) : kTypicalDepthMm;
+  const double depth = calib::middle_depth_mm(rig);
   const double pixels_per_voxel = config.voxel_mm * camera.fx / depth;
   stride_ = pixels_per_voxel * kFinest >= 2.0 ? 2 : 1;
   const int w = std::max(0, (camera.width + stride_ - 1) / stride_);

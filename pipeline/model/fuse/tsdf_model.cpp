@@ -46,7 +46,11 @@ void clear(Block& block) {
 }  // namespace
 
 TsdfModel::TsdfModel(const calib::Rig& rig, const FuseConfig& config)
-    : config_(config), camera_(rig.camera), surfels_(rig, config) {}
+    : config_(config),
+      camera_(rig.camera),
+      view_stride_(std::max(
+          1, static_cast<int>(std::lround(config.view_pitch_mm * rig.camera.fx / calib::middle_depth_mm(rig))))),
+      surfels_(rig, config) {}
 
 void TsdfModel::touch(const Vec3f& p_model, FuseStats& stats) {
   const auto per_block = static_cast<float>(1.0 / (config_.voxel_mm * kBlockEdge));

@@ -53,6 +53,7 @@ class TsdfModel {
 
   FuseConfig config_;
   calib::LensValues camera_;
+  int view_stride_;  ///< camera pixels a pixel of ModelView
   BlockGrid grid_;
   SurfelMap surfels_;
   std::vector<std::int32_t> touched_;    ///< ids of the blocks in the band of the current patch, in raster order

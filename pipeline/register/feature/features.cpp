@@ -1,7 +1,9 @@
 #include "pipeline/register/feature/features.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <opencv2/features2d.hpp>
 #include <optional>
@@ -10,32 +12,53 @@
 namespace enamel::pipeline {
 namespace {
 
-/// Bilinear point at a camera pixel, if its four neighbours are good surface.
-std::optional<Vec3f> lift(const SurfacePatch& patch, double u, double v, const FeatureConfig& config) {
-  const int u0 = static_cast<int>(std::floor(u));
-  const int v0 = static_cast<int>(std::floor(v));
-  if (!patch.depth_mm.contains(u0, v0) || !patch.depth_mm.contains(u0 + 1, v0 + 1)) return std::nullopt;
-  float low = 1e9F;
-  float high = -1e9F;
-  for (int k = 0; k < 4; ++k) {
-    const std::size_t i = patch.depth_mm.index(u0 + k % 2, v0 + k / 2);
-    const float z = patch.depth_mm[i];
-    if (!std::isfinite(z) || !(patch.sigma_mm[i] <= static_cast<float>(config.max_sigma_mm))) return std::nullopt;
-    low = std::min(low, z);
-    high = std::max(high, z);
+/// Of good surface at a camera pixel; between pixels of the mean of the four around. NaN where there is none.
+Vec3f surface_at(const SurfacePatch& patch, int u, int v, bool between, const FeatureConfig& config) {
+  Vec3f sum = Vec3f::Zero();
+  const int last = between ? 1 : 0;
+  for (int y = v; y <= v + last; ++y) {
+    for (int x = u; x <= u + last; ++x) {
+      const bool good = patch.depth_mm.contains(x, y) && std::isfinite(patch.depth_mm(x, y)) &&
+                        patch.sigma_mm(x, y) <= static_cast<float>(config.max_sigma_mm);
+      if (!good) return Vec3f::Constant(std::numeric_limits<float>::quiet_NaN());
+      sum += patch.points(x, y);
+    }
   }
-  if (high - low > static_cast<float>(config.max_spread_mm)) return std::nullopt;
-  const auto a = static_cast<float>(u - u0);
-  const auto b = static_cast<float>(v - v0);
-  const Vec3f top = (1 - a) * patch.points(u0, v0) + a * patch.points(u0 + 1, v0);
-  const Vec3f bottom = (1 - a) * patch.points(u0, v0 + 1) + a * patch.points(u0 + 1, v0 + 1);
+  return between ? Vec3f(0.25F * sum) : sum;
+}
+
+Map<Vec3f> points_of(const SurfacePatch& patch, const FeatureImages& images, const FeatureConfig& config) {
+  Map<Vec3f> out(images.texture.width(), images.texture.height(), Vec3f::Zero());
+  const int middle = (images.step - 1) / 2;
+  for (int j = 0; j < out.height(); ++j) {
+    for (int i = 0; i < out.width(); ++i) {
+      out(i, j) = surface_at(patch, i * images.step + middle, j * images.step + middle, images.step % 2 == 0, config);
+    }
+  }
+  return out;
+}
+
+/// Bilinear point at a picture's place, if the four pixels around it are one good surface.
+std::optional<Vec3f> lift(const Map<Vec3f>& points, const cv::Point2f& at, const FeatureConfig& config) {
+  const int u = static_cast<int>(std::floor(at.x));
+  const int v = static_cast<int>(std::floor(at.y));
+  if (!points.contains(u, v) || !points.contains(u + 1, v + 1)) return std::nullopt;
+  const std::array<float, 4> depth{points(u, v).z(), points(u + 1, v).z(), points(u, v + 1).z(),
+                                   points(u + 1, v + 1).z()};
+  const auto [low, high] = std::minmax_element(depth.begin(), depth.end());
+  const bool known = std::ranges::none_of(depth, [](float z) { return std::isnan(z); });
+  if (!known || *high - *low > static_cast<float>(config.max_spread_mm)) return std::nullopt;
+  const float a = at.x - static_cast<float>(u);
+  const float b = at.y - static_cast<float>(v);
+  const Vec3f top = (1 - a) * points(u, v) + a * points(u + 1, v);
+  const Vec3f bottom = (1 - a) * points(u, v + 1) + a * points(u + 1, v + 1);
   return Vec3f((1 - b) * top + b * bottom);
 }
 
 /// Strongest first; the rest of the key makes the order total.
 auto strength_key(const cv::KeyPoint& k) { return std::make_tuple(-k.response, k.pt.y, k.pt.x, k.size, k.angle); }
 
-void extract_from(const Map<std::uint8_t>& picture, int step, FeatureKind kind, const SurfacePatch& patch,
+void extract_from(const Map<std::uint8_t>& picture, FeatureKind kind, const Map<Vec3f>& points,
                   const FeatureConfig& config, std::vector<Feature>& out) {
   // OpenCV takes a mutable pointer but SIFT only reads it; a copy keeps that promise ours to check.
   cv::Mat image(picture.height(), picture.width(), CV_8U);
@@ -54,10 +77,7 @@ void extract_from(const Map<std::uint8_t>& picture, int step, FeatureKind kind, 
   int kept = 0;
   for (const int row : order) {
     if (kept == config.max_features) break;
-    const cv::Point2f at = keys[static_cast<std::size_t>(row)].pt;
-    const double half = 0.5 * (step - 1);
-    const auto point =
-        lift(patch, static_cast<double>(at.x) * step + half, static_cast<double>(at.y) * step + half, config);
+    const auto point = lift(points, keys[static_cast<std::size_t>(row)].pt, config);
     if (!point) continue;
     Feature feature{kind, *point, {}};
     const auto* values = descriptors.ptr<std::uint8_t>(row);
@@ -92,16 +112,31 @@ struct Nearest {
 
 }  // namespace
 
-std::vector<Feature> extract_features(const SurfacePatch& patch, double px_per_mm, const FeatureConfig& config) {
-  std::vector<Feature> out;
+FeaturePictures make_feature_pictures(const SurfacePatch& patch, double px_per_mm, const FeatureConfig& config) {
+  FeaturePictures out;
   try {
-    const FeatureImages images = make_feature_images(patch, px_per_mm, config.images);
-    extract_from(images.texture, images.step, FeatureKind::kTexture, patch, config, out);
-    extract_from(images.relief, images.step, FeatureKind::kRelief, patch, config, out);
+    out.images = make_feature_images(patch, px_per_mm, config.images);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+  out.points = points_of(patch, out.images, config);
+  return out;
+}
+
+std::vector<Feature> extract_features(const FeaturePictures& pictures, const FeatureConfig& config) {
+  std::vector<Feature> out;
+  if (pictures.points.empty()) return out;
+  try {
+    extract_from(pictures.images.texture, FeatureKind::kTexture, pictures.points, config, out);
+    extract_from(pictures.images.relief, FeatureKind::kRelief, pictures.points, config, out);
   } catch (const cv::Exception&) {
     out.clear();
   }
   return out;
+}
+
+std::vector<Feature> extract_features(const SurfacePatch& patch, double px_per_mm, const FeatureConfig& config) {
+  return extract_features(make_feature_pictures(patch, px_per_mm, config), config);
 }
 
 std::vector<FeatureMatch> match_features(const std::vector<Feature>& a, const std::vector<Feature>& b, double ratio) {

@@ -26,12 +26,23 @@ struct FeatureConfig {
   double contrast_threshold = 0.006;  ///< half a grey level: twice what shot noise leaves in a block mean
   double edge_threshold = 12;
   double max_sigma_mm = 0.1;   ///< features on worse measured surface are dropped
-  double max_spread_mm = 0.4;  ///< depth range among the four pixels around it: beyond, it lies on an edge
+  double max_spread_mm = 0.4;  ///< depth range among the four picture pixels around it: beyond, it lies on an edge
   double ratio = 0.8;          ///< best distance / second best
 };
 
+/// What features are sought in, small enough to be kept.
+struct FeaturePictures {
+  FeatureImages images;
+  Map<Vec3f> points;  ///< surface at the middle of each picture pixel, camera frame, mm; NaN where it is not good
+};
+
+/// An OpenCV failure gives empty pictures. Pure.
+[[nodiscard]] FeaturePictures make_feature_pictures(const SurfacePatch& patch, double px_per_mm,
+                                                    const FeatureConfig& config);
+
 /// Deterministic: same patch, same features in the same order, whatever the number of OpenCV threads (its work is split
 /// by rows and keypoints only; the order is ours). Thread-safe. An OpenCV failure gives an empty list.
+[[nodiscard]] std::vector<Feature> extract_features(const FeaturePictures& pictures, const FeatureConfig& config);
 [[nodiscard]] std::vector<Feature> extract_features(const SurfacePatch& patch, double px_per_mm,
                                                     const FeatureConfig& config);
 

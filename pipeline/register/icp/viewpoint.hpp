@@ -3,15 +3,9 @@
 
 #include <numbers>
 
-#include "calib/model/rig.hpp"
 #include "pipeline/types/geometry.hpp"
 
 namespace enamel::pipeline {
-
-/// Of the point that motion and keyframes are measured at, before the camera.
-[[nodiscard]] inline double middle_depth_mm(const calib::Rig& rig, double fallback_mm) {
-  return rig.depth_range ? 0.5 * (rig.depth_range->near_mm + rig.depth_range->far_mm) : fallback_mm;
-}
 
 struct Closeness {
   double mm, deg;  ///< at the point looked at, and of any turn

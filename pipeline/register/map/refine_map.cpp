@@ -10,7 +10,6 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr double kUsualDepth_mm = 48;  // where the rig states no range
 // Of the time that it takes.
 constexpr double kNodesShare = 0.15;
 constexpr double kEdgesShare = 0.83;
@@ -109,7 +108,7 @@ std::vector<Pose> carry_bursts(const std::vector<MapBurst>& bursts, const std::v
 }  // namespace
 
 RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpConfig& icp, const MapConfig& config) {
-  const double work_distance_mm = middle_depth_mm(rig, kUsualDepth_mm);
+  const double work_distance_mm = calib::middle_depth_mm(rig);
   RefinedMap out;
   for (const MapBurst& burst : input.bursts) out.poses.push_back(burst.T_model_cam);
   const auto keyframes = choose_keyframes(input.bursts, work_distance_mm, config);

@@ -24,9 +24,21 @@ bool KeyframeStore::wants(const Pose& T_model_cam) const {
   });
 }
 
-void KeyframeStore::add(const SurfacePatch& patch, const Pose& T_model_cam, std::vector<Feature> features) {
-  frames_.push_back({T_model_cam, std::move(features), view_from_patch(patch, T_model_cam, lens_, config_.view_stride),
-                     extract_surface_features(patch, lens_.fx / config_.work_distance_mm, config_.surface)});
+void KeyframeStore::add(const SurfacePatch& patch, const Pose& T_model_cam) {
+  const double px_per_mm = lens_.fx / config_.work_distance_mm;
+  frames_.push_back({T_model_cam, make_feature_pictures(patch, px_per_mm, config_.features), std::nullopt,
+                     view_from_patch(patch, T_model_cam, lens_, config_.view_stride),
+                     extract_surface_features(patch, px_per_mm, config_.surface)});
+}
+
+void KeyframeStore::describe(const std::vector<std::size_t>& asked, std::size_t most) {
+  for (const std::size_t k : asked) {
+    if (most == 0) return;
+    if (frames_[k].features) continue;
+    frames_[k].features = extract_features(frames_[k].pictures, config_.features);
+    frames_[k].pictures = {};
+    --most;
+  }
 }
 
 void KeyframeStore::absorb(KeyframeStore&& other, const Pose& T_model_other) {
@@ -44,7 +56,6 @@ std::vector<std::size_t> KeyframeStore::candidates(const Pose& T_model_cam, std:
                                                    std::size_t most) const {
   std::vector<std::size_t> order(frames_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  if (order.size() <= most) return order;
   std::vector<double> distance;
   distance.reserve(frames_.size());
   for (const Keyframe& frame : frames_) {
@@ -53,13 +64,12 @@ std::vector<std::size_t> KeyframeStore::candidates(const Pose& T_model_cam, std:
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return distance[a] != distance[b] ? distance[a] < distance[b] : a < b;
   });
+  if (order.size() <= most) return order;
   const std::size_t near = most / 2;
   const std::size_t far = most - near;
   const std::size_t others = order.size() - near;
   std::vector<std::size_t> out(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(near));
   for (std::size_t k = 0; k < far; ++k) out.push_back(order[near + (turn * far + k) % others]);
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "calib/model/rig.hpp"
@@ -14,19 +15,22 @@
 namespace enamel::pipeline {
 
 struct KeyframeConfig {
-  double spacing_mm = 2;         ///< a new one where every old one is farther than this …
-  double spacing_deg = 3;        ///< … or turned by more than this
-  double work_distance_mm = 48;  ///< spacing is measured at the point this far before the camera
-  int view_stride = 2;           ///< camera pixels a pixel of the kept surface
-  std::size_t max_tried = 32;    ///< most keyframes compared with one burst: the nearest, then the others by turns
-  std::size_t max_voting = 128;  ///< likewise by surface features; derived: 0.3 ms a keyframe, 40 ms
+  double spacing_mm = 2;          ///< a new one where every old one is farther than this …
+  double spacing_deg = 3;         ///< … or turned by more than this
+  double work_distance_mm = 48;   ///< spacing is measured at the point this far before the camera
+  int view_stride = 3;            ///< camera pixels a pixel of the kept surface
+  std::size_t max_tried = 32;     ///< most keyframes compared with one burst: the nearest, then the others by turns
+  std::size_t max_described = 4;  ///< keyframes that one burst's search extracts features for; chosen: a burst's time
+  std::size_t max_voting = 128;   ///< likewise by surface features; derived: 0.3 ms a keyframe, 40 ms
+  FeatureConfig features;
   SurfaceFeatureConfig surface;
 };
 
 struct Keyframe {
   Pose T_model_cam = Pose::Identity();
-  std::vector<Feature> features;
-  ModelView view;  ///< the patch itself, thinned
+  FeaturePictures pictures;                      ///< until features are asked for
+  std::optional<std::vector<Feature>> features;  ///< in its pictures: see KeyframeStore::describe
+  ModelView view;                                ///< the patch itself, thinned
   std::vector<SurfaceFeature> surface;
 };
 
@@ -35,11 +39,14 @@ class KeyframeStore {
   KeyframeStore(const calib::LensValues& lens, const KeyframeConfig& config) : lens_(lens), config_(config) {}
 
   [[nodiscard]] bool wants(const Pose& T_model_cam) const;
-  void add(const SurfacePatch& patch, const Pose& T_model_cam, std::vector<Feature> features);
+  void add(const SurfacePatch& patch, const Pose& T_model_cam);
+  /// Extracts the features of those keyframes of `asked` that have none yet, the first `most` of them: SIFT costs a
+  /// third of a burst's time a keyframe, and most scans never ask for it.
+  void describe(const std::vector<std::size_t>& asked, std::size_t most);
   /// Takes over another store's keyframes: those that are wanted here, in their order.
   void absorb(KeyframeStore&& other, const Pose& T_model_other);
   [[nodiscard]] const std::vector<Keyframe>& all() const noexcept { return frames_; }
-  /// Indices to try for a burst last known near T: at most `most`, half of them the nearest, half by turns so that
+  /// Indices to try for a burst last known near T: at most `most`, first the nearest, then as many by turns so that
   /// every keyframe is reached within a few bursts. `turn` counts the attempts.
   [[nodiscard]] std::vector<std::size_t> candidates(const Pose& T_model_cam, std::uint64_t turn,
                                                     std::size_t most) const;

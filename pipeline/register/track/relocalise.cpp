@@ -16,14 +16,18 @@ struct Hypothesis {
 std::vector<Hypothesis> hypotheses(const LostPatch& lost, const KnownPlaces& places, double px_per_mm,
                                    const RelocaliseConfig& config) {
   const auto features = extract_features(lost.patch, px_per_mm, config.features);
-  const KeyframeStore& store = places.keyframes;
+  KeyframeStore& store = places.keyframes;
+  const auto asked = store.candidates(places.T_model_cam, places.turn, store.config().max_tried);
+  store.describe(asked, store.config().max_described);
   std::vector<Hypothesis> out;
-  for (const std::size_t k : store.candidates(places.T_model_cam, places.turn, store.config().max_tried)) {
+  for (const std::size_t k : asked) {
     const Keyframe& frame = store.all()[k];
+    if (!frame.features) continue;
+    const std::vector<Feature>& known = *frame.features;
     std::vector<PointPair> pairs;
-    for (const FeatureMatch& match : match_features(features, frame.features, config.features.ratio)) {
+    for (const FeatureMatch& match : match_features(features, known, config.features.ratio)) {
       pairs.push_back(
-          {features[match.a].point.cast<double>(), frame.T_model_cam * frame.features[match.b].point.cast<double>()});
+          {features[match.a].point.cast<double>(), frame.T_model_cam * known[match.b].point.cast<double>()});
     }
     if (const auto fit = fit_rigid(pairs, lost.seed + k, config.ransac)) out.push_back({k, *fit});
   }

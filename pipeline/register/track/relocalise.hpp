@@ -43,9 +43,9 @@ struct LostPatch {
 
 /// Where it may be. Refers to its parts.
 struct KnownPlaces {
-  const KeyframeStore& keyframes;
-  const Pose& T_model_cam;  ///< last known
-  std::uint64_t turn;       ///< counts the searches: what is not tried in one is tried in the next
+  KeyframeStore& keyframes;  ///< their features are extracted when they are needed: a few a search
+  const Pose& T_model_cam;   ///< last known
+  std::uint64_t turn;        ///< counts the searches: what is not tried in one is tried in the next
 };
 
 /// Deterministic. lens: of the camera that took the patch and the keyframes. nullopt: not found, or not without doubt.

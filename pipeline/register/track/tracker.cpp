@@ -15,6 +15,7 @@ TrackerConfig with_work_distance(TrackerConfig config, double distance_mm) {
   config.keyframes.work_distance_mm = distance_mm;
   config.relocalise.work_distance_mm = distance_mm;
   config.relocalise.features = config.features;
+  config.keyframes.features = config.features;
   return config;
 }
 
@@ -43,7 +44,7 @@ struct Tracker::Burst {
 };
 
 Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
-    : config_(with_work_distance(config, middle_depth_mm(rig, config.motion.work_distance_mm))),
+    : config_(with_work_distance(config, calib::middle_depth_mm(rig, config.motion.work_distance_mm))),
       lens_(rig.camera),
       texture_{config_.surface_texture, config_.texture, rig.camera.fx / config_.motion.work_distance_mm,
                FringePhase(rig)},
@@ -117,7 +118,7 @@ std::optional<SegmentJoin> Tracker::vote(const PlacedBurst& placed, const Surfac
     if (older.id < placed.segment) ids.push_back(older.id);
   }
   for (const SegmentId id : segments_to_ask(ids, turn, config_.join.asked)) {
-    const SegmentMemory& older = find(id);
+    SegmentMemory& older = find(id);
     const auto found = relocalise({patch, pyramid, placed.id.value}, {older.keyframes, older.motion.last_pose(), turn},
                                   lens_, config_.icp, config_.relocalise);
     if (!found) continue;
@@ -189,8 +190,7 @@ TrackResult Tracker::accept(SegmentMemory& segment, TrackState state, const Burs
   segment.motion.add(burst.t, icp.T_model_cam, burst.twist);
   segment.last_patch = view_from_patch(burst.patch, icp.T_model_cam, lens_, config_.keyframes.view_stride);
   if (segment.keyframes.wants(icp.T_model_cam)) {
-    segment.keyframes.add(burst.patch, icp.T_model_cam,
-                          extract_features(burst.patch, texture_.px_per_mm, config_.features));
+    segment.keyframes.add(burst.patch, icp.T_model_cam);
   }
   if (icp.weak_directions > 0 || state == TrackState::kStarted) remember_texture(segment, burst, icp);
   return {state,       icp.T_model_cam,  icp.rms_mm,

@@ -68,7 +68,8 @@ TEST(Fuse, after_one_noise_free_burst_the_view_is_the_sphere_within_a_micrometre
   const ModelView view = model.view(pose, patch);
   EXPECT_EQ(view.after_burst, 7U);
   const Deviation d = to_sphere(view, 5.0);
-  EXPECT_GT(d.count, stats.surfels_used * 95 / 100);
+  const auto camera_px = [](auto count, int stride) { return static_cast<double>(count) * stride * stride; };
+  EXPECT_GT(camera_px(d.count, view.stride), 0.95 * camera_px(stats.surfels_used, 2));
   EXPECT_LT(std::abs(d.mean_um), 1.0);
   EXPECT_LT(d.rms_um, 1.0);
   EXPECT_LT(d.normal_rad, 0.01);

@@ -41,7 +41,7 @@ TEST(Sampler, excess_is_what_interpolation_adds_to_a_curved_surface) {
   double as_is_um = 0, less_excess_um = 0;
   constexpr int kPoints = 20'000;
   for (int k = 0; k < kPoints; ++k) {
-    const Vec3d on_ball = kRadius_mm / kVoxel_mm * random.vector().normalized();
+    const Vec3f on_ball = (kRadius_mm / kVoxel_mm * random.vector().normalized()).cast<float>();
     float distance_mm = 0;
     Vec3f gradient;
     ASSERT_TRUE(sampler.sample(on_ball, distance_mm, gradient));
@@ -59,7 +59,7 @@ TEST(Sampler, excess_is_nothing_where_neighbours_were_not_seen) {
   Block& block = grid.block(grid.allocate({0, 0, 0}));
   block.weight[voxel_index(3, 3, 3)] = 1;
   Sampler sampler(grid);
-  EXPECT_EQ(sampler.excess_mm({3.2, 3.3, 3.1}), 0.0F);
+  EXPECT_EQ(sampler.excess_mm({3.2F, 3.3F, 3.1F}), 0.0F);
   EXPECT_EQ(sampler.excess_mm({30, 3, 3}), 0.0F);
 }
 

@@ -19,14 +19,14 @@ namespace ts = ::enamel::testing;
 class Scene {
  public:
   explicit Scene(std::uint64_t seed, std::int64_t repeat = 0)
-      : rig_(ts::test_rig(2)), surface_(seed, 1, repeat), store_(rig_.camera, {}) {}
+      : rig_(ts::test_rig(2)), surface_(seed, 1, repeat), store_(rig_.camera, without_pictures()) {}
 
-  void show(double x) { store_.add(patch_from(surface_, ts::looking_down(x, 0)), ts::looking_down(x, 0), {}); }
+  void show(double x) { store_.add(patch_from(surface_, ts::looking_down(x, 0)), ts::looking_down(x, 0)); }
   [[nodiscard]] SurfacePatch patch_from(const ts::SyntheticSurface& surface, const Pose& T) const {
     return ts::make_patch(surface, rig_.camera, T, {0.01, 0.03, 77});
   }
   [[nodiscard]] SurfacePatch patch_from(const Pose& T) const { return patch_from(surface_, T); }
-  [[nodiscard]] std::optional<Relocalised> ask(const SurfacePatch& patch) const {
+  [[nodiscard]] std::optional<Relocalised> ask(const SurfacePatch& patch) {
     const TrackerConfig config;
     const PatchPyramid pyramid = make_pyramid(patch, config.icp);
     const LostPatch lost{patch, pyramid, 7};
@@ -40,6 +40,13 @@ class Scene {
   }
 
  private:
+  /// Votes alone: the pictures' features cannot help out.
+  static KeyframeConfig without_pictures() {
+    KeyframeConfig config;
+    config.max_described = 0;
+    return config;
+  }
+
   calib::Rig rig_;
   ts::SyntheticSurface surface_;
   KeyframeStore store_;

@@ -142,11 +142,10 @@ std::optional<Relocalised> search_where_teeth_repeat(std::int64_t repeat) {
   const calib::Rig rig = ts::test_rig(4);
   const ts::SyntheticSurface surface(33, 1, repeat);
   const TrackerConfig config;
-  const double px_per_mm = rig.camera.fx / 48;
   KeyframeStore store(rig.camera, config.keyframes);
   for (const double x : {0.0, 24.0}) {
     const SurfacePatch patch = ts::make_patch(surface, rig.camera, ts::looking_down(x, 0), {0.01, 0.03, 1});
-    store.add(patch, ts::looking_down(x, 0), extract_features(patch, px_per_mm, config.features));
+    store.add(patch, ts::looking_down(x, 0));
   }
   const SurfacePatch patch =
       ts::make_patch(surface, rig.camera, ts::looking_down(24.5, 0.3, {0, 0, 0.2}), {0.01, 0.03, 2});
