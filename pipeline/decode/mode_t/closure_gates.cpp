@@ -58,7 +58,8 @@ OddFrame find_odd_frame(const KnownBurst& burst, const NoiseModel& noise, int bl
       if (sums[3] > 0) levels.push_back(2 * std::abs(sums[2] / sums[3]));
     }
   }
-  return {median(shifts), median(levels), median(sigmas), std::abs(median(steps))};
+  const std::size_t blocks = shifts.size();
+  return {median(shifts), median(levels), median(sigmas), std::abs(median(steps)), blocks};
 }
 
 }  // namespace enamel::pipeline

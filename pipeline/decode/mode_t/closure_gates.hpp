@@ -23,6 +23,7 @@ struct OddFrame {
   /// Of A: by which frames 0 and 2 are brighter than 1 and 3 beside what motion explains. A frame whose exposure
   /// differs by d has d/2 or d: its mean over whole fringes.
   float exposure_step = 0;
+  std::size_t blocks = 0;  ///< that could be asked: with pixels whose four frames all count, and b = +1
 };
 /// burst: errors of motion, light and harmonic; block_px: of the blocks.
 [[nodiscard]] OddFrame find_odd_frame(const KnownBurst& burst, const NoiseModel& noise, int block_px);

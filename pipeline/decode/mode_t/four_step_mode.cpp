@@ -91,6 +91,11 @@ std::vector<Figure> FourStepMode::figures(const DecodeDiagnostics& d) const {
           {"ripple_by_depth_rad", 6, {d.ripple_by_depth_rad}}};
 }
 
+/// One saturated frame leaves three, and any three make a phase: somewhere four must go together.
+bool FourStepMode::explains_frames(const DecodeDiagnostics& diagnostics) const {
+  return !diagnostics.odd_blocks || *diagnostics.odd_blocks >= config_.min_odd_blocks;
+}
+
 bool FourStepMode::trusts_orders(const DecodeDiagnostics& diagnostics) const {
   return follows_code(diagnostics, common_.code);
 }

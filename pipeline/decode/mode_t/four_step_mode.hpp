@@ -46,6 +46,8 @@ struct FourStepConfig {
   ClosureGate closes;
   RunningGate runs;
   FastMotionGate fast;
+  /// Of DecodeDiagnostics::odd_blocks. derived: with none, nothing says that the four frames belong together.
+  std::size_t min_odd_blocks = 1;
 };
 
 class FourStepMode : public PatternStrategy {
@@ -65,6 +67,7 @@ class FourStepMode : public PatternStrategy {
   [[nodiscard]] BurstVerdict why_unplaced(const PhaseMaps& phase, const Work& work,
                                           const DecodeDiagnostics& diagnostics) const override;
   [[nodiscard]] bool trusts_orders(const DecodeDiagnostics& diagnostics) const override;
+  [[nodiscard]] bool explains_frames(const DecodeDiagnostics& diagnostics) const override;
   [[nodiscard]] RefinedPhase refine(const FringeOrders& orders, const RelativeSurface& relative, Work& work,
                                     const StepHook& hook, DecodeDiagnostics& diagnostics,
                                     PhaseMaps& phase) const override;

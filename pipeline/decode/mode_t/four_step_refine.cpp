@@ -54,6 +54,7 @@ void FourStepMode::tell_odd_frame(const PhaseMaps& phase, const Memory& m, Decod
   diagnostics.exposure_step = odd.exposure_step;
   diagnostics.odd_shift_rad = odd.shift_rad;
   diagnostics.unrest = odd.unrest;
+  diagnostics.odd_blocks = odd.blocks;
 }
 
 void FourStepMode::undo_motion(const FringeOrders& orders, Memory& m, DecodeDiagnostics& diagnostics,

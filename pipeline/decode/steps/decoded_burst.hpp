@@ -47,25 +47,26 @@ struct DecodeDiagnostics {
                               ///< mode M placed pixels whose code frame is
   double repeated_share = 0;  ///< of lit pixels: two frames are the same there, for the pair most alike
   float odd_shift_rad = 0;    ///< by which one frame seems to be off the others
-  std::optional<double> odd_share;  ///< mode M: of what nothing else explains, what one such frame does
-  float exposure_step = 0;          ///< of A: by which single frames are brighter than motion and light explain
-  float odd_sigma_rad = 0;          ///< what noise leaves of it in a block; not in mode M, which asks blocks that know
-  float unrest = 0;                 ///< what else motion and harmonic do not explain, on the same scale
-  double light_ripple_rad = 0;      ///< of phase, by light that changed by itself, as it was found first
-  double light_proof = 0;           ///< chi squared of that
-  double direction_share = 0;       ///< neighbours whose phase changes in the carrier's direction
-  double code_agreement = 0;        ///< of pixels in decided cells: code as labelled
-  double withdrawn_share = 0;       ///< of pixels in decided cells: their region's code was not as labelled
-  double torn_share = 0;            ///< of smooth borders between cells: labelling jumps there
-  float motion_rad = 0;             ///< mean phase change per frame interval
-  float motion_spread_rad = 0;      ///< rms of the phase change per frame interval over blocks; not in mode M, to which
-                                    ///< permuted frames look like motion
-  float harmonic = 0;               ///< projector's B2/B1, from the closure; not in mode M
-  float flip_blur_rad = 0;          ///< sigma of projector's and camera's blur at the code's flips; not in mode M
-  RigidMotion rigid;                ///< of the surface in the camera's frame, per frame interval
-  PhaseRipple ripple;               ///< of four steps, as it was subtracted; not in mode M
-  double ripple_by_depth_rad = 0;   ///< rms of what was subtracted beside it, because it changes with depth
-  float third_rad = 0;              ///< mode M: a1 of the sin 3phi correction that was subtracted
+  std::optional<double> odd_share;        ///< mode M: of what nothing else explains, what one such frame does
+  float exposure_step = 0;                ///< of A: by which single frames are brighter than motion and light explain
+  std::optional<std::size_t> odd_blocks;  ///< mode T: that could be asked whether a frame is off the others
+  float odd_sigma_rad = 0;         ///< what noise leaves of it in a block; not in mode M, which asks blocks that know
+  float unrest = 0;                ///< what else motion and harmonic do not explain, on the same scale
+  double light_ripple_rad = 0;     ///< of phase, by light that changed by itself, as it was found first
+  double light_proof = 0;          ///< chi squared of that
+  double direction_share = 0;      ///< neighbours whose phase changes in the carrier's direction
+  double code_agreement = 0;       ///< of pixels in decided cells: code as labelled
+  double withdrawn_share = 0;      ///< of pixels in decided cells: their region's code was not as labelled
+  double torn_share = 0;           ///< of smooth borders between cells: labelling jumps there
+  float motion_rad = 0;            ///< mean phase change per frame interval
+  float motion_spread_rad = 0;     ///< rms of the phase change per frame interval over blocks; not in mode M, to which
+                                   ///< permuted frames look like motion
+  float harmonic = 0;              ///< projector's B2/B1, from the closure; not in mode M
+  float flip_blur_rad = 0;         ///< sigma of projector's and camera's blur at the code's flips; not in mode M
+  RigidMotion rigid;               ///< of the surface in the camera's frame, per frame interval
+  PhaseRipple ripple;              ///< of four steps, as it was subtracted; not in mode M
+  double ripple_by_depth_rad = 0;  ///< rms of what was subtracted beside it, because it changes with depth
+  float third_rad = 0;             ///< mode M: a1 of the sin 3phi correction that was subtracted
   float code_shift_rad = 0;  ///< mode M: phase by which the code frame alone is off the other three, motion undone
   float code_turn_rad = 0;   ///< mode M: mean angle of the code against its orders
   Waveform wave;             ///< of the projector, as it was undone before the code was read; no harmonics: nothing was

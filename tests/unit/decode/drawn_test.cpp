@@ -163,6 +163,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, DrawnBursts, testing::ValuesIn(kPromises));
 TEST(DrawnSwap, frames_1_and_3_in_each_others_place_are_told_by_what_runs_backwards) {
   pipeline::DecodeConfig blind;  // the control
   blind.four_step.runs = {.min_direction_share = 0, .sound_linked_share = 0};
+  blind.four_step.min_odd_blocks = 0;
   constexpr std::array<std::uint64_t, 5> kSeeds = {800034, 800043, 800046, 800124, 800146};
   std::size_t told = 0, taken_blindly = 0;
   for (const std::uint64_t seed : kSeeds) {

@@ -48,6 +48,12 @@ class LightChangeOf : public testing::TestWithParam<bool> {
     }
     return frames;
   }
+  /// Frame k brighter by `gain`, and nobody says so.
+  static test::FrameSet exposed(test::FrameSet frames, std::size_t k, double gain) {
+    for (std::uint8_t& dn : frames.frames[k])
+      dn = static_cast<std::uint8_t>(std::clamp(std::lround(gain * static_cast<double>(dn)), 0L, 255L));
+    return frames;
+  }
   /// Rms of what one depth is off the other by, um; rounding alone leaves some 3.
   static double off_um(const DecodedBurst& a, const DecodedBurst& b) {
     double sum = 0, count = 0;
@@ -90,6 +96,24 @@ TEST_P(LightChangeOf, steady_light_leaves_every_bit) {
     const auto same = [](float a, float b) { return a == b || (a != a && b != b); };
     EXPECT_TRUE(std::ranges::equal(asked.patch.depth_mm.pixels(), unasked.patch.depth_mm.pixels(), same)) << seed;
     EXPECT_TRUE(std::ranges::equal(asked.patch.sigma_mm.pixels(), unasked.patch.sigma_mm.pixels(), same)) << seed;
+  }
+}
+
+TEST_P(LightChangeOf, a_frame_of_another_gain_is_refused_or_does_no_harm) {
+  const test::FrameSet frames = burst(3);
+  const DecodedBurst as_one = decode(frames);
+  ASSERT_TRUE(as_one.accepted());
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (const double gain : {0.6, 0.75, 1.3, 1.6}) {
+      EXPECT_FALSE(decode(exposed(frames, k, gain)).accepted()) << k << ' ' << gain;
+    }
+    for (const double gain : {0.98, 1.02}) {
+      const DecodedBurst other = decode(exposed(frames, k, gain)), left = decode(exposed(frames, k, gain), false);
+      ASSERT_TRUE(other.accepted()) << k << ' ' << gain;
+      EXPECT_GT(other.diagnostics.light_ripple_rad, 3e-3) << k << ' ' << gain;
+      EXPECT_LT(off_um(other, as_one), 8) << k << ' ' << gain;
+      EXPECT_GT(off_um(left, as_one), off_um(other, as_one)) << "control " << k << ' ' << gain;
+    }
   }
 }
 
