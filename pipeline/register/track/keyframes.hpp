@@ -18,7 +18,7 @@ struct KeyframeConfig {
   double spacing_mm = 2;          ///< a new one where every old one is farther than this …
   double spacing_deg = 3;         ///< … or turned by more than this
   double work_distance_mm = 48;   ///< spacing is measured at the point this far before the camera
-  int view_stride = 3;            ///< camera pixels a pixel of the kept surface
+  int view_stride = 2;            ///< camera pixels a pixel of the kept surface
   std::size_t max_tried = 32;     ///< most keyframes compared with one burst: the nearest, then the others by turns
   std::size_t max_described = 4;  ///< keyframes that one burst's search extracts features for; chosen: a burst's time
   std::size_t max_voting = 128;   ///< likewise by surface features; derived: 0.3 ms a keyframe, 40 ms
