@@ -108,8 +108,11 @@ AlignPass accumulate(const Alignment& of, const Pose& T_model_cam, const MatchGa
       const std::size_t i = first + k;
       const Vec3f p = to_model(samples.x[i], samples.y[i], samples.z[i]);
       const Vec3f d = p - pixel.point;
-      const float e = pixel.normal.dot(d);
-      const float cosine = pixel.normal.dot(to_model.turn(samples.nx[i], samples.ny[i], samples.nz[i]));
+      const Vec3f own = to_model.turn(samples.nx[i], samples.ny[i], samples.nz[i]);
+      const float cosine = pixel.normal.dot(own);
+      // Rusinkiewicz 2019: between the two normals the distance is exact on any constant curvature. By the pixel's
+      // alone a sample half a pixel beside it is off by its sagitta, to the same side everywhere.
+      const float e = 0.5F * (pixel.normal + own).dot(d);
       if (!(std::abs(e) < gate.distance_mm) || d.squaredNorm() > gate.distance3d_mm * gate.distance3d_mm ||
           cosine < gate.min_cos) {
         pass.contradictions += axis.dot(d) > gate.hidden_mm ? 0U : 1U;
