@@ -53,6 +53,7 @@ class Caster {
   /// First change from outside to inside between the depths.
   bool march(const Ray& ray, float from, float to, float& s, Vec3f& gradient) {
     const float fine = 0.5F * voxel_mm_ / ray.mm_per_depth;
+    if (!(from + fine > from)) return false;  // so long a ray of so poor a lens that steps are lost in rounding
     bool outside = false;
     for (float at = from; at <= to;) {
       float d = 0.0F;
