@@ -66,7 +66,7 @@ struct Rig {
   std::uint32_t crc32 = 0;                      ///< CRC-32 of `text`: Burst::calib_crc32
 };
 
-constexpr double kUsualDepthMm = 48;  ///< where a rig states no range
+inline constexpr double kUsualDepthMm = 48;  ///< where a rig states no range
 
 /// The middle of the rig's depth range: where sizes of pixels are told and motion is measured.
 [[nodiscard]] inline double middle_depth_mm(const Rig& rig, double fallback_mm = kUsualDepthMm) {

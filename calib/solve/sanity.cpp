@@ -60,7 +60,7 @@ Result<void> check_views(const std::vector<PoseView>& views, const TargetDesign&
                   fmt::format("pitch_mm {} puts the target of pose {} at {:.3g} mm, the rig measures from {} to {} mm",
                               target.pitch_mm, view.name, depth, range.near_mm, range.far_mm));
     }
-    const double mid = nominal.depth_range ? 0.5 * (range.near_mm + range.far_mm) : depth;
+    const double mid = middle_depth_mm(nominal, depth);
     std::size_t against = 0;
     for (const DotView& dot : view.dots)
       against += dot.map.jacobian.determinant() * nominal_determinant(nominal, mid) < 0 ? 1U : 0U;

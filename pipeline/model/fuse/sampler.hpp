@@ -1,4 +1,4 @@
-// Trilinear interpolation of the distance field and its gradient. In the header: a view asks some 200 000 times.
+// Trilinear interpolation of the distance field and its gradient. In the header: the inner loop of a view.
 #pragma once
 
 #include <array>
@@ -40,13 +40,17 @@ class Sampler {
   float excess_mm(const Vec3f& at) {
     if (!locate(at)) return 0;
     std::array<int, 3> nearest = local_;
-    bool inside = true;  // of the block, and so are its neighbours
+    for (std::size_t k = 0; k < 3; ++k) nearest[k] += part_[k] > 0.5F ? 1 : 0;
+    float here = 0, sum = 0;
+    if (!voxel(nearest[0], nearest[1], nearest[2], here)) return 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      nearest[k] += part_[k] > 0.5F ? 1 : 0;
-      inside = inside && nearest[k] >= 1 && nearest[k] <= kBlockEdge - 2;
+      std::array<int, 3> before = nearest, after = nearest;
+      --before[k], ++after[k];
+      float low = 0, high = 0;
+      if (!voxel(before[0], before[1], before[2], low) || !voxel(after[0], after[1], after[2], high)) continue;
+      sum += 0.5F * part_[k] * (1 - part_[k]) * ((low + high) - 2 * here);
     }
-    return inside ? bend(nearest, [this](int x, int y, int z, float& value) { return voxel_here(x, y, z, value); })
-                  : bend(nearest, [this](int x, int y, int z, float& value) { return voxel(x, y, z, value); });
+    return sum;
   }
 
  private:
@@ -92,36 +96,17 @@ class Sampler {
     return true;
   }
 
-  /// Voxel of the current block. False if unobserved.
-  bool voxel_here(int x, int y, int z, float& value) const {
-    const std::size_t i = voxel_index(x, y, z);
-    value = block_->distance_mm[i];
-    return block_->weight[i] > 0.0F;
-  }
-
   /// Voxel at an offset from the current block's first voxel, each -8 … 15. False if unobserved.
   bool voxel(int x, int y, int z, float& value) const {
-    if (((x | y | z) & ~7) == 0) return voxel_here(x, y, z, value);
-    const std::int32_t id = block_->neighbour[neighbour_index(x >> 3, y >> 3, z >> 3)];
-    if (id == kNoBlock) return false;
-    const Block& block = grid_.block(id);
-    const std::size_t i = voxel_index(x & 7, y & 7, z & 7);
-    value = block.distance_mm[i];
-    return block.weight[i] > 0.0F;
-  }
-
-  template <class Voxel>
-  float bend(const std::array<int, 3>& at, const Voxel& voxel_at) const {
-    float here = 0, sum = 0;
-    if (!voxel_at(at[0], at[1], at[2], here)) return 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      std::array<int, 3> before = at, after = at;
-      --before[k], ++after[k];
-      float low = 0, high = 0;
-      if (!voxel_at(before[0], before[1], before[2], low) || !voxel_at(after[0], after[1], after[2], high)) continue;
-      sum += 0.5F * part_[k] * (1 - part_[k]) * ((low + high) - 2 * here);
+    const Block* block = block_;
+    if (((x | y | z) & ~7) != 0) {
+      const std::int32_t id = block_->neighbour[neighbour_index(x >> 3, y >> 3, z >> 3)];
+      if (id == kNoBlock) return false;
+      block = &grid_.block(id);
     }
-    return sum;
+    const std::size_t i = voxel_index(x & 7, y & 7, z & 7);
+    value = block->distance_mm[i];
+    return block->weight[i] > 0.0F;
   }
 
   const BlockGrid& grid_;

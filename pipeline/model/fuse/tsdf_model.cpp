@@ -6,6 +6,7 @@
 #include "pipeline/model/fuse/integrate_block.hpp"
 #include "pipeline/model/fuse/projection.hpp"
 #include "pipeline/model/fuse/see_through.hpp"
+#include "pipeline/types/pixel_step.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -48,8 +49,7 @@ void clear(Block& block) {
 TsdfModel::TsdfModel(const calib::Rig& rig, const FuseConfig& config)
     : config_(config),
       camera_(rig.camera),
-      view_stride_(std::max(
-          1, static_cast<int>(std::lround(config.view_pitch_mm * rig.camera.fx / calib::middle_depth_mm(rig))))),
+      view_stride_(pixel_step(config.view_pitch_mm, rig.camera.fx / calib::middle_depth_mm(rig))),
       surfels_(rig, config) {}
 
 void TsdfModel::touch(const Vec3f& p_model, FuseStats& stats) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "pipeline/types/pixel_step.hpp"
+
 namespace enamel::pipeline {
 namespace {
 
@@ -44,7 +46,7 @@ Element block_mean(const SurfacePatch& patch, int u0, int v0, int step, float mi
 }  // namespace
 
 SurfaceGrid make_surface_grid(const SurfacePatch& patch, double px_per_mm, const GridConfig& config) {
-  const int step = std::max(1, static_cast<int>(std::lround(config.pitch_mm * px_per_mm)));
+  const int step = pixel_step(config.pitch_mm, px_per_mm);
   const int width = patch.points.width() / step;
   const int height = patch.points.height() / step;
   SurfaceGrid out{Map<Vec3f>(width, height, Vec3f::Zero()), Map<Vec3f>(width, height, Vec3f::Zero()),

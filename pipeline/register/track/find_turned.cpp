@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/types/pixel_step.hpp"
+
 namespace enamel::pipeline {
 namespace {
 
@@ -26,8 +28,7 @@ bool believable(const TriedPlace& place, double median_sigma_mm, const Relocalis
 
 /// Camera pixels a drawn pixel.
 int draw_stride(const calib::LensValues& lens, const RelocaliseConfig& config) {
-  const double per_mm = lens.fx / config.work_distance_mm;
-  return std::max(1, static_cast<int>(std::lround(config.evidence.draw_pitch_mm * per_mm)));
+  return pixel_step(config.evidence.draw_pitch_mm, lens.fx / config.work_distance_mm);
 }
 
 /// The alignment without its finest level, which costs three quarters of it: enough to tell a wrong place.
