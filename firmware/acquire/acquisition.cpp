@@ -206,7 +206,9 @@ void Acquisition::settle(BurstAssembler& assembler, ScanTag session) {
       if (needs_restart(lost->reason)) (void)hw_.projector.restart();
       continue;
     }
-    handler_({session, std::move(std::get<AssembledBurst>(outcome)), hw_.camera.mode().frame_period, optics_cc_,
+    auto& burst = std::get<AssembledBurst>(outcome);
+    BurstPixels pixels = take_pixels(burst);
+    handler_({session, std::move(burst), std::move(pixels), hw_.camera.mode().frame_period, optics_cc_,
               static_cast<std::uint8_t>(pattern_set_)});
   }
 }

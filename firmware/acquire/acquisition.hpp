@@ -12,6 +12,7 @@
 #include "firmware/acquire/assembler.hpp"
 #include "firmware/acquire/burst_ledger.hpp"
 #include "firmware/acquire/delay_calibration.hpp"
+#include "firmware/acquire/frame_pixels.hpp"
 #include "firmware/acquire/light_switch.hpp"
 #include "firmware/acquire/sequencer.hpp"
 #include "firmware/hal/hardware.hpp"
@@ -25,10 +26,11 @@ struct AcquisitionConfig {
   int dark_led_frames = 3;  ///< frames in a row without current although switched on: the LED has failed
 };
 
-/// What the publisher needs beside the frames.
+/// What the publisher needs: it works later, when the camera has its memory back.
 struct CapturedBurst {
   ScanTag session;
-  AssembledBurst burst;
+  AssembledBurst burst;  ///< its frames without pixels
+  BurstPixels pixels;
   Nanoseconds frame_period{};
   std::int16_t temp_centi_c = 0;
   std::uint8_t pattern_set = 0;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "firmware/acquire/frame_digest.hpp"
+#include "firmware/acquire/frame_pixels.hpp"
 
 namespace enamel::fw {
 namespace {
@@ -122,7 +123,7 @@ void BurstAssembler::judge(CameraFrame frame) {
     return fault(DropReason::kFrameStatus);
   }
   if (frame.width != config_.width || frame.height != config_.height || frame.bit_depth != config_.bit_depth ||
-      frame.pixels.size() != frame_bytes(frame.width, frame.height, frame.bit_depth)) {
+      !is_whole(frame)) {
     return fault(DropReason::kEncode);
   }
   check_sequence(frame);

@@ -2,6 +2,9 @@
 
 #include <cstring>
 #include <span>
+#include <vector>
+
+#include "firmware/acquire/frame_pixels.hpp"
 
 namespace enamel::fw {
 namespace {
@@ -38,20 +41,21 @@ std::uint64_t sum_row(std::span<const std::uint8_t> row, std::size_t bpp) {
 
 FrameDigest digest(const CameraFrame& frame) {
   const std::size_t bpp = bytes_per_pixel(frame.bit_depth);
-  const std::size_t stride = static_cast<std::size_t>(frame.width) * bpp;
-  const std::span<const std::uint8_t> pixels(frame.pixels);
+  std::vector<std::uint8_t> row(static_cast<std::size_t>(frame.width) * bpp);
+  std::vector<std::uint8_t> begin(row.size());
+  unpack_row(frame, 0, begin);
   std::uint64_t hash = 0;
   std::uint64_t sum = 0;
   std::uint64_t count = 0;
   bool blank = true;
   for (int y = frame.height > kRowStep / 2 ? kRowStep / 2 : 0; y < frame.height; y += kRowStep) {
-    const auto row = pixels.subspan(static_cast<std::size_t>(y) * stride, stride);
+    unpack_row(frame, y, row);
     hash = hash_row(hash, row);
     sum += sum_row(row, bpp);
     count += row.size() / bpp;
     // A row is blank when it equals itself shifted by one pixel and starts as the frame does.
     blank = blank && std::memcmp(row.data(), row.data() + bpp, row.size() - bpp) == 0 &&
-            std::memcmp(row.data(), pixels.data(), bpp) == 0;
+            std::memcmp(row.data(), begin.data(), bpp) == 0;
   }
   FrameDigest d;
   if (count > 0) d.mean_dn = static_cast<double>(sum) / static_cast<double>(count);

@@ -14,12 +14,7 @@ struct FrameDigest {
   std::optional<std::uint64_t> hash;
 };
 
-[[nodiscard]] constexpr std::size_t bytes_per_pixel(int bit_depth) noexcept { return bit_depth > 8 ? 2 : 1; }
-[[nodiscard]] constexpr std::size_t frame_bytes(int width, int height, int bit_depth) noexcept {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * bytes_per_pixel(bit_depth);
-}
-
-/// Needs frame.pixels.size() == frame_bytes(…) of its own width, height and depth.
+/// Needs is_whole(frame).
 [[nodiscard]] FrameDigest digest(const CameraFrame& frame);
 
 }  // namespace enamel::fw

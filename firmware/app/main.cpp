@@ -7,6 +7,7 @@
 #include <exception>
 #include <iostream>
 
+#include "firmware/app/camera_command.hpp"
 #include "firmware/app/options.hpp"
 #include "firmware/app/probe.hpp"
 #include "firmware/app/self_test_client.hpp"
@@ -35,6 +36,12 @@ void handle_signals() {
   sigaction(SIGALRM, &action, nullptr);
 }
 
+enamel::Result<int> run(const enamel::fw::ProbeOptions& options) {
+  if (options.self_test) return enamel::fw::ask_self_test(options, g_stop);
+  if (options.camera == "list") return enamel::fw::print_cameras(options.json);
+  return enamel::fw::run_probe(options, g_stop);
+}
+
 int report(const enamel::Error& error) {
   std::cerr << "enamel-probe: " << error.message() << '\n';
   return enamel::exit_code(error.code);
@@ -48,8 +55,7 @@ int main(int argc, char** argv) {
     if (!options) return report(options.error());
     if (!*options) return enamel::with_stdout_written(0);
     handle_signals();
-    const auto code =
-        (*options)->self_test ? enamel::fw::ask_self_test(**options, g_stop) : enamel::fw::run_probe(**options, g_stop);
+    const auto code = run(**options);
     return code ? enamel::with_stdout_written(*code) : report(code.error());
   } catch (const std::exception& e) {
     return report({enamel::ErrorCode::kInternal, e.what()});

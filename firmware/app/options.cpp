@@ -17,7 +17,9 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
   source->add_option("--twin", o.twin_scene, "virtual mouth: SCENE.toml")->type_name("SCENE");
   source->add_option("--play", o.capture, "recording, played once at recorded speed; then the session ends")
       ->type_name("CAPTURE");
-  source->add_option("--camera", o.camera, "real camera")->type_name("ID");
+  source
+      ->add_option("--camera", o.camera, "real camera by id or model; 'list' prints those there are, with their modes")
+      ->type_name("ID|list");
   source->add_flag("--self-test", o.self_test,
                    "no light: asks the enamel-probe that runs here to test itself; exit code 0 when it passed");
   source->require_option(1);

@@ -5,11 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "firmware/app/light_source.hpp"
 #include "firmware/app/lock_gate.hpp"
+#include "firmware/app/open_device.hpp"
 #include "firmware/control/dds_transport.hpp"
 #include "firmware/publish/dds_burst_sink.hpp"
-#include "firmware/sim/sim_device.hpp"
 #include "protocol/base/crc32.hpp"
 #include "protocol/base/json_text.hpp"
 #include "protocol/base/log.hpp"
@@ -23,12 +22,12 @@ constexpr Nanoseconds kFlush{200'000'000};
 
 std::uint32_t crc_of(const std::string& text) { return crc32(std::as_bytes(std::span(text))); }
 
-proto::DeviceInfo device_info(const ProbeOptions& options, const std::string& rig_text, bool simulated) {
+proto::DeviceInfo device_info(const ProbeOptions& options, const Device& device) {
+  const std::string& rig_text = device.rig_text();
   proto::DeviceInfo info;
   info.serial = options.serial;
   info.probe_id = crc_of(options.serial);
-  info.model = options.capture.empty() ? "enamel twin" : "enamel player";
-  if (simulated) info.model += ", SIMULATED";
+  info.model = device.identity().model;
   info.fw_version = kVersion;
   info.calibration_blob.assign(rig_text.begin(), rig_text.end());
   info.calib_crc32 = crc_of(rig_text);
@@ -51,7 +50,7 @@ struct ProbeEnds {
 
 /// Members in order of dependence; the acquisition stops before what it feeds.
 struct Probe {
-  SimDevice& device;
+  Device& device;
   ProbeEnds ends;
   BurstLedger ledger;
   LightSwitch light;
@@ -60,15 +59,16 @@ struct Probe {
   ProbeController controller;
   ControlServer server;
 
-  Probe(SimDevice& dev, ProbeEnds its_ends, Clock& clock, const proto::DeviceInfo& info)
+  Probe(Device& dev, ProbeEnds its_ends, Clock& clock, const proto::DeviceInfo& info)
       : device(dev),
         ends(std::move(its_ends)),
-        light(dev),
+        light(dev.hardware().light),
         publisher(ends.sink, ledger, clock, publisher_config(info)),
         acquisition(dev.hardware(), light, ledger, [this](CapturedBurst b) { publisher.push(std::move(b)); }),
-        controller(acquisition, light, ledger, controller_config(dev.mode()), ends.gate.get()),
-        server({controller, *ends.transport, ledger, dev, dev, [this] { return link_rates(); }}, clock,
-               ServerConfig{info.probe_id, info.fw_version}) {}
+        controller(acquisition, light, ledger, controller_config(dev.hardware().camera.mode()), ends.gate.get()),
+        server({controller, *ends.transport, ledger, dev.hardware().thermal, dev.hardware().light,
+                [this] { return link_rates(); }},
+               clock, ServerConfig{info.probe_id, info.fw_version}) {}
 
   static PublisherConfig publisher_config(const proto::DeviceInfo& info) {
     PublisherConfig config;
@@ -154,7 +154,7 @@ Result<std::unique_ptr<LockGate>> open_gate(const std::string& path) {
   return std::make_unique<LockGate>(std::move(lock));
 }
 
-Result<std::unique_ptr<Probe>> assemble(SimDevice& device, Clock& clock, const dds::Participant& participant,
+Result<std::unique_ptr<Probe>> assemble(Device& device, Clock& clock, const dds::Participant& participant,
                                         const proto::DeviceInfo& info, std::unique_ptr<LockGate> gate) {
   ENAMEL_TRY_ASSIGN(auto sink, DdsBurstSink::create(participant));
   ENAMEL_TRY_ASSIGN(auto sync, TimeSyncServer::create(participant, info.probe_id, clock));
@@ -168,17 +168,13 @@ Result<std::unique_ptr<Probe>> assemble(SimDevice& device, Clock& clock, const d
 Result<int> run_probe(const ProbeOptions& options, const std::atomic<bool>& stop) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(auto gate, open_gate(options.scan_lock));
-  ENAMEL_TRY_ASSIGN(auto source, open_source(options));
-  const bool simulated = source->simulated();
-  SimConfig sim;
-  sim.speed = options.speed;
-  ENAMEL_TRY_ASSIGN(const auto device, SimDevice::create(std::move(source), clock, sim));
-  const proto::DeviceInfo info = device_info(options, device->rig_text(), simulated);
+  ENAMEL_TRY_ASSIGN(const auto device, open_device(options, clock));
+  const proto::DeviceInfo info = device_info(options, *device);
   dds::ParticipantOptions dds_options;
   dds_options.tag = options.dds_tag;
   ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(dds_options));
   ENAMEL_TRY_ASSIGN(const auto probe, assemble(*device, clock, participant, info, std::move(gate)));
-  const CameraMode mode = device->mode();
+  const CameraMode mode = device->hardware().camera.mode();
   log::info("probe", "serial {}, id {:08x}, {}x{} at {:.1f} Hz, speed {}", info.serial, info.probe_id, mode.width,
             mode.height, 1e9 / static_cast<double>(mode.frame_period.count()), options.speed);
 

@@ -1,10 +1,10 @@
-// Narrow interfaces to the probe's hardware. Implementations: firmware/sim (twin and capture player), later libcamera
-// and the DLPC347x. One owner thread each, unless stated.
+// Narrow interfaces to the probe's hardware. Implementations: firmware/device/sim (twin and capture player) and
+// firmware/device/linux. One owner thread each, unless stated.
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "firmware/hal/pixels.hpp"
 #include "protocol/base/result.hpp"
 #include "protocol/base/time.hpp"
 
@@ -22,7 +22,8 @@ struct CameraFrame {
   int width = 0;
   int height = 0;
   int bit_depth = 8;
-  std::vector<std::uint8_t> pixels;  ///< rows top-down, no padding; two little-endian bytes a pixel above 8 bit
+  PixelFormat format = PixelFormat::kRaw8;
+  PixelLoan pixels;  ///< rows top-down
 };
 
 struct CameraMode {

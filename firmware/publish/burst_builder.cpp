@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "firmware/acquire/frame_digest.hpp"
 #include "protocol/base/crc32.hpp"
 
 namespace enamel::fw {
@@ -13,43 +13,13 @@ namespace {
 
 constexpr int kGrid = 16;  // every 16th pixel of every 16th row
 
-struct Levels {
-  double mean = 0;
-  std::uint64_t saturated = 0;
-  std::uint64_t count = 0;
-};
-
-Levels measure(const CameraFrame& f) {
-  const std::span<const std::uint8_t> px(f.pixels);
-  Levels l;
-  std::uint64_t sum = 0;
-  if (f.bit_depth <= 8) {
-    const unsigned full = (1U << static_cast<unsigned>(f.bit_depth)) - 1U;
-    l.count = px.size();
-    for (const std::uint8_t v : px) {
-      sum += v;
-      l.saturated += v >= full ? 1U : 0U;
-    }
-  } else {
-    const unsigned full = (1U << static_cast<unsigned>(f.bit_depth)) - 1U;
-    l.count = px.size() / 2;
-    for (std::size_t i = 0; i + 1 < px.size(); i += 2) {
-      const unsigned v = px[i] + 256U * px[i + 1];
-      sum += v;
-      l.saturated += v >= full ? 1U : 0U;
-    }
-  }
-  if (l.count > 0) l.mean = static_cast<double>(sum) / static_cast<double>(l.count);
-  return l;
-}
-
-double pixel(const CameraFrame& f, std::size_t i) {
-  return f.bit_depth <= 8 ? f.pixels[i] : f.pixels[2 * i] + 256.0 * f.pixels[2 * i + 1];
+double pixel(const BurstPixels& pixels, int bit_depth, std::size_t i) {
+  return bit_depth <= 8 ? pixels.bytes[i] : pixels.bytes[2 * i] + 256.0 * pixels.bytes[2 * i + 1];
 }
 
 std::uint64_t ns(DeviceTime t) { return static_cast<std::uint64_t>(std::max<std::int64_t>(0, to_ns(t))); }
 
-proto::FrameMeta meta_of(const LitFrame& lit, int k, const Levels& levels) {
+proto::FrameMeta meta_of(const LitFrame& lit, int k, const FrameLevels& levels, std::size_t length) {
   const CameraFrame& f = lit.frame;
   proto::FrameMeta m;
   m.sensor_seq = f.sensor_seq;
@@ -60,24 +30,25 @@ proto::FrameMeta meta_of(const LitFrame& lit, int k, const Levels& levels) {
   m.t_sensor_ns = ns(f.t_sensor);
   m.t_trig_rise_ns = ns(lit.t_rise);
   m.t_trig_fall_ns = ns(lit.t_fall);
-  m.mean_q4 = static_cast<std::uint16_t>(std::min(65535.0, std::floor(levels.mean * 16.0 + 0.5)));
+  m.mean_q4 = static_cast<std::uint16_t>(std::min(65535.0, std::floor(levels.mean_dn * 16.0 + 0.5)));
   m.saturated_permille =
       static_cast<std::uint16_t>(levels.count > 0 ? (levels.saturated * 1000 + levels.count / 2) / levels.count : 0);
-  m.length = static_cast<std::uint32_t>(f.pixels.size());
-  m.offset = static_cast<std::uint32_t>(static_cast<std::size_t>(k) * f.pixels.size());
+  m.length = static_cast<std::uint32_t>(length);
+  m.offset = static_cast<std::uint32_t>(static_cast<std::size_t>(k) * length);
   return m;
 }
 
 }  // namespace
 
-double closure_residual(const AssembledBurst& burst, const SensorNoise& noise) {
-  const CameraFrame& first = burst.frames[0].frame;
+double closure_residual(const BurstPixels& pixels, const FrameShape& shape, const SensorNoise& noise) {
+  const auto width = static_cast<std::size_t>(shape.width);
+  const std::size_t frame = width * static_cast<std::size_t>(shape.height);
   std::vector<double> residuals;
-  for (int y = kGrid / 2; y < first.height; y += kGrid) {
-    for (int x = kGrid / 2; x < first.width; x += kGrid) {
-      const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(first.width) + static_cast<std::size_t>(x);
+  for (int y = kGrid / 2; y < shape.height; y += kGrid) {
+    for (int x = kGrid / 2; x < shape.width; x += kGrid) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
       std::array<double, 4> v{};
-      for (std::size_t k = 0; k < 4; ++k) v[k] = pixel(burst.frames[k].frame, i);
+      for (std::size_t k = 0; k < 4; ++k) v[k] = pixel(pixels, shape.bit_depth, k * frame + i);
       const double mean = (v[0] + v[1] + v[2] + v[3]) / 4.0 - noise.black_dn;
       const double read_dn = noise.read_noise_e / noise.gain_e_per_dn;
       const double sigma = std::sqrt(read_dn * read_dn + std::max(0.0, mean) / noise.gain_e_per_dn + 1.0 / 12.0);
@@ -92,9 +63,13 @@ double closure_residual(const AssembledBurst& burst, const SensorNoise& noise) {
   return *middle;
 }
 
-Result<proto::Burst> build_burst(const CapturedBurst& captured, const BurstBuilderConfig& config) {
+Result<proto::Burst> build_burst(CapturedBurst captured, const BurstBuilderConfig& config) {
   const AssembledBurst& in = captured.burst;
   const CameraFrame& first = in.frames[0].frame;
+  const std::size_t length = frame_bytes(first.width, first.height, first.bit_depth);
+  if (captured.pixels.bytes.size() != in.frames.size() * length) {
+    return fail(ErrorCode::kInternal, "frames not whole or of different size");
+  }
   const double step = static_cast<double>(1U << static_cast<unsigned>(std::max(0, first.bit_depth - 8)));
   proto::Burst out;
   out.probe_id = config.probe_id;
@@ -110,20 +85,19 @@ Result<proto::Burst> build_burst(const CapturedBurst& captured, const BurstBuild
   out.temp_centi_c = captured.temp_centi_c;
   out.pattern_set = captured.pattern_set;
   out.calib_crc32 = config.calib_crc32;
-  out.payload.reserve(4 * first.pixels.size());
-  const bool motion = closure_residual(in, config.noise) > config.motion_sigmas;
+  const bool motion = closure_residual(captured.pixels, {first.width, first.height, first.bit_depth}, config.noise) >
+                      config.motion_sigmas;
   for (int k = 0; k < proto::kFramesPerBurst; ++k) {
     const LitFrame& lit = in.frames[static_cast<std::size_t>(k)];
-    if (lit.frame.pixels.size() != first.pixels.size()) return fail(ErrorCode::kInternal, "frames of different size");
-    const Levels levels = measure(lit.frame);
-    proto::FrameMeta meta = meta_of(lit, k, levels);
+    const FrameLevels& levels = captured.pixels.levels[static_cast<std::size_t>(k)];
+    proto::FrameMeta meta = meta_of(lit, k, levels, length);
     unsigned flags = motion ? unsigned{proto::kFlagMotion} : 0U;
     if (meta.saturated_permille > config.saturated_permille) flags |= proto::kFlagSaturated;
-    if (levels.mean < in.ambient_dn + config.low_mean_above_dark_dn * step) flags |= proto::kFlagLowMod;
+    if (levels.mean_dn < in.ambient_dn + config.low_mean_above_dark_dn * step) flags |= proto::kFlagLowMod;
     meta.quality_flags = static_cast<std::uint8_t>(flags);
     out.meta.push_back(meta);
-    out.payload.insert(out.payload.end(), lit.frame.pixels.begin(), lit.frame.pixels.end());
   }
+  out.payload = std::move(captured.pixels.bytes);
   out.payload_crc32 = crc32(std::as_bytes(std::span<const std::uint8_t>(out.payload)));
   return out;
 }

@@ -48,33 +48,34 @@ void Publisher::run(const std::stop_token& stop) {
   for (;;) {
     std::unique_lock lock(mutex_);
     if (!filled_.wait(lock, stop, [&] { return !queue_.empty(); }) || stop.stop_requested()) return;
-    const CapturedBurst captured = std::move(queue_.front());
+    CapturedBurst captured = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();
-    publish(captured);
+    publish(std::move(captured));
   }
 }
 
-void Publisher::publish(const CapturedBurst& captured) {
-  if (!(captured.session == session_)) {
-    session_ = captured.session;
+void Publisher::publish(CapturedBurst captured) {
+  const ScanTag session = captured.session;
+  if (!(session == session_)) {
+    session_ = session;
     next_seq_ = 0;
   }
-  auto burst = build_burst(captured, config_.burst);
+  auto burst = build_burst(std::move(captured), config_.burst);
   if (!burst) {
     log::error("publish", "{}", burst.error().message());
-    return ledger_.drop(captured.session, DropReason::kEncode);
+    return ledger_.drop(session, DropReason::kEncode);
   }
   const HostTime begin = clock_.now();
   burst->burst_seq = next_seq_;
   burst->t_publish_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(0, to_ns(begin)));
   if (auto written = sink_.write(*burst); !written) {
     log::warn("publish", "burst {}: {}", burst->burst_index, written.error().message());
-    return ledger_.drop(captured.session, DropReason::kWriteFail);
+    return ledger_.drop(session, DropReason::kWriteFail);
   }
   ++next_seq_;
   note_write(begin, clock_.now());
-  ledger_.emit(captured.session);
+  ledger_.emit(session);
 }
 
 void Publisher::note_write(HostTime begin, HostTime end) {

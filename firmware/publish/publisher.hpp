@@ -47,7 +47,7 @@ class Publisher {
 
  private:
   void run(const std::stop_token& stop);
-  void publish(const CapturedBurst& captured);
+  void publish(CapturedBurst captured);
   void note_write(HostTime begin, HostTime end);
 
   BurstSink& sink_;

@@ -1,7 +1,10 @@
 #include "protocol/base/clock.hpp"
 
+#include <time.h>
+
 #include <thread>
 
+#include "protocol/base/slept.hpp"
 #include "protocol/base/utc.hpp"
 
 namespace enamel {
@@ -29,6 +32,14 @@ void ManualClock::advance(Nanoseconds d) {
     now_ns_.fetch_add(d.count(), std::memory_order_acq_rel);
   }
   changed_.notify_all();
+}
+
+Nanoseconds slept() noexcept {
+  timespec boottime{}, monotonic{};
+  static_cast<void>(::clock_gettime(CLOCK_MONOTONIC, &monotonic));
+  static_cast<void>(::clock_gettime(CLOCK_BOOTTIME, &boottime));
+  return std::chrono::seconds{boottime.tv_sec - monotonic.tv_sec} +
+         std::chrono::nanoseconds{boottime.tv_nsec - monotonic.tv_nsec};
 }
 
 }  // namespace enamel

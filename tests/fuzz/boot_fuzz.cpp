@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "firmware/boot/policy.hpp"
-#include "firmware/sim/flash_model.hpp"
+#include "firmware/device/sim/flash_model.hpp"
 #include "tests/fuzz/byte_source.hpp"
 #include "tests/fuzz/demand.hpp"
 

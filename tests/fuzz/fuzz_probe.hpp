@@ -9,7 +9,7 @@
 
 #include "firmware/boot/policy.hpp"
 #include "firmware/boot/slot_image.hpp"
-#include "firmware/sim/flash_model.hpp"
+#include "firmware/device/sim/flash_model.hpp"
 #include "firmware/update/update_device.hpp"
 #include "tests/support/firmware_image.hpp"
 

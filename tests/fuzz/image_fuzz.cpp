@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "firmware/boot/slot_image.hpp"
-#include "firmware/sim/flash_model.hpp"
+#include "firmware/device/sim/flash_model.hpp"
 #include "firmware/update/image_receiver.hpp"
 #include "protocol/image/image_file.hpp"
 #include "tests/fuzz/demand.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "firmware/sim/flash_model.hpp"
+#include "firmware/device/sim/flash_model.hpp"
 #include "firmware/update/update_device.hpp"
 #include "tests/support/firmware_image.hpp"
 

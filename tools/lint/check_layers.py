@@ -8,7 +8,8 @@ from lint_common import CPP, ROOT, Finding, main
 BASE = ["protocol/base"]
 IMAGE = BASE + ["protocol/image"]
 PROTOCOL = BASE + ["protocol/types", "protocol/idl", "protocol/dds", "protocol/mcap", "protocol/capture"]
-FIRMWARE = ["firmware/hal", "firmware/sim", "firmware/acquire", "firmware/publish", "firmware/control"]
+DEVICE = ["firmware/device", "firmware/device/sim", "firmware/device/linux/camera", "firmware/device/linux/libcamera"]
+FIRMWARE = ["firmware/hal", "firmware/acquire", "firmware/publish", "firmware/control"] + DEVICE
 HOST = ["host/ingest", "host/record", "host/report", "host/update", "host/session"]
 DECODE = ["pipeline/decode/" + room for room in ("phase", "unwrap", "triangulate", "motion", "steps", "mode_t", "mode_m")]
 REGISTER = ["pipeline/register/" + room for room in ("icp", "feature", "track", "map")]
@@ -95,7 +96,7 @@ HOMES = [
     (r"embree[34]/", r"tools/twin/([a-z_]+/)*embree_\w+\.cpp$", "Embree"),
     (r"ceres/", r"calib/solve/|tests/unit/calib/", "Ceres"),
     (r"libusb", r"host/update/transport_usb\.cpp$", "libusb"),
-    (r"libcamera", r"firmware/hal/[a-z_]*\.cpp$", "libcamera"),
+    (r"libcamera", r"firmware/device/linux/libcamera/[a-z_]*\.[ch]pp$", "libcamera"),
     (r"opencv2/", r".*\.cpp$|tests/", "OpenCV (sources, not headers)"),
     (r"spdlog/|toml\+\+/|sodium|zstd|lz4", r".*\.cpp$|tests/", "this library (sources, not headers)"),
 ]

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/sim/burst_source.hpp"
+#include "firmware/device/sim/burst_source.hpp"
 #include "tools/twin/render/burst_renderer.hpp"
 #include "tools/twin/scene/scene.hpp"
 

@@ -38,7 +38,7 @@ class AssemblerFault : public testing::Test {
     EXPECT_EQ(run.assembler().under_way(), 0U);
     for (const AssembledBurst& b : run.bursts) {
       for (std::size_t k = 0; k < 4; ++k) {
-        EXPECT_EQ(tag_of(b.frames[k].frame.pixels), std::pair(b.burst_index, static_cast<int>(k)));
+        EXPECT_EQ(tag_of(b.frames[k].frame.pixels.bytes()), std::pair(b.burst_index, static_cast<int>(k)));
       }
     }
   }

@@ -97,7 +97,8 @@ TEST_F(AssemblerFault, exposure_changed_inside_a_burst) {
 
 TEST_F(AssemblerFault, ambient_light_in_the_sentinel) {
   harm_at(SimStep::kSentinel, [](SimStep& s) {
-    for (auto& v : s.frames.front().pixels) v = 60;
+    PixelLoan& pixels = s.frames.front().pixels;
+    pixels = PixelLoan(std::vector<std::uint8_t>(pixels.bytes().size(), 60));
   });
   expect_lost_for(DropReason::kDarkLeak);
 }

@@ -82,7 +82,7 @@ class Troublemaker {
         f.exposure_us -= static_cast<std::uint32_t>(pick(3000));
         return;
       default:
-        if (!before_.empty()) f.pixels = before_;
+        if (before_) f.pixels = *before_;
         return;
     }
   }
@@ -112,7 +112,9 @@ class Troublemaker {
         return;
       default:
         for (CameraFrame& f : s.frames) {
-          for (auto& v : f.pixels) v = static_cast<std::uint8_t>(pick(2) * 60);
+          std::vector<std::uint8_t> pixels(f.pixels.bytes().size());
+          for (auto& v : pixels) v = static_cast<std::uint8_t>(pick(2) * 60);
+          f.pixels = PixelLoan(std::move(pixels));
         }
         return;
     }
@@ -123,7 +125,7 @@ class Troublemaker {
   std::array<std::array<DeviceTime, 4>, kKept> starts_{};
   std::uint32_t seq_shift_ = 0;
   std::optional<CameraFrame> held_;
-  std::vector<std::uint8_t> before_;
+  std::optional<PixelLoan> before_;
   std::uint64_t faults_ = 0;
 };
 
@@ -131,7 +133,7 @@ class Troublemaker {
 int strangers(const AssembledBurst& b) {
   int n = 0;
   for (std::size_t k = 0; k < 4; ++k) {
-    const auto tag = tag_of(b.frames[k].frame.pixels);
+    const auto tag = tag_of(b.frames[k].frame.pixels.bytes());
     if (tag && *tag != std::pair(b.burst_index, static_cast<int>(k))) ++n;
   }
   return n;
@@ -203,7 +205,7 @@ TEST(AssociationProperty, counting_frames_in_order_of_arrival_mixes_bursts) {
     (void)run.device().read(edges);
     for (const Edge& e : edges) armed = armed && e.kind != EdgeKind::kGate;
     if (!frame) break;
-    if (const auto tag = tag_of(frame->pixels)) four.push_back(*tag);
+    if (const auto tag = tag_of(frame->pixels.bytes())) four.push_back(*tag);
     if (four.size() < 4) continue;
     for (int k = 0; k < 4; ++k) mixed += four[static_cast<std::size_t>(k)] != std::pair(four[0].first, k) ? 1 : 0;
     four.clear();

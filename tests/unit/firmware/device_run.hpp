@@ -9,7 +9,7 @@
 
 #include "firmware/acquire/assembler.hpp"
 #include "firmware/acquire/sequencer.hpp"
-#include "firmware/sim/sim_device.hpp"
+#include "firmware/device/sim/sim_device.hpp"
 #include "tests/unit/firmware/tagged_source.hpp"
 #include "tests/unit/firmware/virtual_clock.hpp"
 

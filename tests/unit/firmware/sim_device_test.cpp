@@ -1,4 +1,4 @@
-#include "firmware/sim/sim_device.hpp"
+#include "firmware/device/sim/sim_device.hpp"
 
 #include <gmock/gmock.h>
 
@@ -62,7 +62,7 @@ TEST(SimDevice, frames_are_dark_while_the_light_is_off) {
   run.device().set_enabled(false);
   run.run();
   ASSERT_EQ(run.bursts.size(), 2U);
-  for (const LitFrame& f : run.bursts[0].frames) EXPECT_THAT(f.frame.pixels, testing::Each(testing::Eq(2)));
+  for (const LitFrame& f : run.bursts[0].frames) EXPECT_THAT(f.frame.pixels.bytes(), testing::Each(testing::Eq(2)));
 }
 
 TEST(SimDevice, shows_nothing_until_armed) {
@@ -70,7 +70,7 @@ TEST(SimDevice, shows_nothing_until_armed) {
   for (int i = 0; i < 50; ++i) {
     const auto frame = run.device().next_frame();
     ASSERT_TRUE(frame.has_value());
-    EXPECT_THAT(frame->pixels, testing::Each(testing::Eq(2)));
+    EXPECT_THAT(frame->pixels.bytes(), testing::Each(testing::Eq(2)));
   }
   std::vector<Edge> edges;
   (void)run.device().read(edges);

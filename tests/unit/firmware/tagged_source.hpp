@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <utility>
 
-#include "firmware/sim/burst_source.hpp"
+#include "firmware/device/sim/burst_source.hpp"
 
 namespace enamel::fw::test {
 
@@ -16,7 +17,7 @@ inline constexpr int kTagHeight = 2;
 inline constexpr std::uint8_t kTagLevel = 100;
 
 /// Burst index and pattern of a frame made by TaggedSource; nullopt for one without light.
-inline std::optional<std::pair<std::uint64_t, int>> tag_of(const std::vector<std::uint8_t>& pixels) {
+inline std::optional<std::pair<std::uint64_t, int>> tag_of(std::span<const std::uint8_t> pixels) {
   if (pixels.size() < 9 || pixels.back() < kTagLevel) return std::nullopt;
   std::uint64_t index = 0;
   std::memcpy(&index, pixels.data(), 8);

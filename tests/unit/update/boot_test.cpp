@@ -6,7 +6,7 @@
 
 #include "firmware/boot/policy.hpp"
 #include "firmware/boot/transitions.hpp"
-#include "firmware/sim/flash_model.hpp"
+#include "firmware/device/sim/flash_model.hpp"
 #include "protocol/base/rng.hpp"
 
 namespace enamel::fw {

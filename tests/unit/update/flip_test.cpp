@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "firmware/boot/transitions.hpp"
-#include "firmware/sim/flash_model.hpp"
+#include "firmware/device/sim/flash_model.hpp"
 #include "firmware/update/image_receiver.hpp"
 #include "protocol/base/rng.hpp"
 #include "protocol/image/dfu_suffix.hpp"

@@ -8,7 +8,7 @@
 
 #include "firmware/boot/policy.hpp"
 #include "firmware/boot/transitions.hpp"
-#include "firmware/sim/flash_model.hpp"
+#include "firmware/device/sim/flash_model.hpp"
 #include "firmware/update/update_device.hpp"
 #include "protocol/image/dfu_suffix.hpp"
 #include "tests/support/firmware_image.hpp"

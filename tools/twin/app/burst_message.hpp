@@ -1,7 +1,7 @@
 // A rendered burst as the message that a probe would have sent.
 #pragma once
 
-#include "firmware/sim/burst_source.hpp"
+#include "firmware/device/sim/burst_source.hpp"
 #include "protocol/types/burst.hpp"
 
 namespace enamel::twin {

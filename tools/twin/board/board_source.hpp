@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "firmware/sim/burst_source.hpp"
+#include "firmware/device/sim/burst_source.hpp"
 #include "tools/twin/board/board_stage.hpp"
 
 namespace enamel::twin {

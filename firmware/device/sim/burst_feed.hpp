@@ -8,7 +8,7 @@
 #include <optional>
 #include <thread>
 
-#include "firmware/sim/burst_source.hpp"
+#include "firmware/device/sim/burst_source.hpp"
 
 namespace enamel::fw {
 
@@ -33,6 +33,7 @@ class BurstFeed {
   /// Needs a successful wait_first(). The first burst, still to be polled.
   [[nodiscard]] const SimBurst& first() const noexcept { return *first_; }
   [[nodiscard]] const std::string& rig_text() const noexcept { return rig_text_; }
+  [[nodiscard]] bool simulated() const noexcept { return simulated_; }
 
  private:
   void read_ahead(const std::stop_token& stop);
@@ -40,6 +41,7 @@ class BurstFeed {
   std::unique_ptr<BurstSource> source_;
   const std::size_t depth_;
   const std::string rig_text_;
+  const bool simulated_;
   std::optional<SimBurst> first_;
   bool first_taken_ = false;
   std::mutex mutex_;

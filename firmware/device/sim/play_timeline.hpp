@@ -6,14 +6,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "firmware/device/device.hpp"
 #include "protocol/base/time.hpp"
 
 namespace enamel::fw {
-
-struct StretchCount {
-  std::uint64_t times = 0;
-  Nanoseconds total{};
-};
 
 /// Exact at speed 1: integer differences are kept to the nanosecond. One thread.
 class PlayTimeline {

@@ -1,4 +1,4 @@
-#include "firmware/sim/capture_source.hpp"
+#include "firmware/device/sim/capture_source.hpp"
 
 #include <algorithm>
 #include <span>

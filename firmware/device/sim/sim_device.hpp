@@ -15,13 +15,14 @@
 #include <string>
 #include <vector>
 
-#include "firmware/hal/hardware.hpp"
-#include "firmware/sim/burst_feed.hpp"
-#include "firmware/sim/play_timeline.hpp"
+#include "firmware/device/device.hpp"
+#include "firmware/device/sim/burst_feed.hpp"
+#include "firmware/device/sim/play_timeline.hpp"
 
 namespace enamel::fw {
 
 struct SimConfig {
+  std::string model = "enamel twin";
   double speed = 1.0;                ///< 0.5: the whole device in slow motion, exposure and frame period included
   std::size_t read_ahead = 3;        ///< bursts; 0 = read when needed
   int startup_frames = 2;            ///< not usable after each start of the camera
@@ -51,16 +52,25 @@ struct SimFaults {
   ProjectorStatus projector{.ready = true, .sequence_abort = false, .watchdog = false};
 };
 
-class SimDevice final : public Camera, public Projector, public EdgeStream, public Light, public Thermal {
+class SimDevice final : public Device,
+                        public Camera,
+                        public Projector,
+                        public EdgeStream,
+                        public Light,
+                        public Thermal {
  public:
   /// Waits for the source's first burst. Errors: the source's; kEmptyInput; kConfigValue (frame times or sizes not
   /// usable, speed outside 0.01 … 100).
   [[nodiscard]] static Result<std::unique_ptr<SimDevice>> create(std::unique_ptr<BurstSource> source, Clock& clock,
                                                                  const SimConfig& config);
 
-  [[nodiscard]] Hardware hardware() noexcept { return {*this, *this, *this, *this, *this}; }
-  [[nodiscard]] const std::string& rig_text() const noexcept { return feed_->rig_text(); }
-  [[nodiscard]] StretchCount stretched() const;
+  // Device
+  [[nodiscard]] Hardware hardware() noexcept override { return {*this, *this, *this, *this, *this}; }
+  [[nodiscard]] DeviceIdentity identity() const override {
+    return {config_.model + (feed_->simulated() ? ", SIMULATED" : ""), feed_->simulated()};
+  }
+  [[nodiscard]] const std::string& rig_text() const noexcept override { return feed_->rig_text(); }
+  [[nodiscard]] StretchCount stretched() const override;
   /// Thread-safe; takes effect with the next frame.
   void set_faults(SimFaults faults);
 

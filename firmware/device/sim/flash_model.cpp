@@ -1,4 +1,4 @@
-#include "firmware/sim/flash_model.hpp"
+#include "firmware/device/sim/flash_model.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -1,4 +1,4 @@
-#include "firmware/sim/sim_device.hpp"
+#include "firmware/device/sim/sim_device.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -211,6 +211,7 @@ void SimDevice::expose(const Plan& plan, SimStep& step) {
   frame.width = mode_.width;
   frame.height = mode_.height;
   frame.bit_depth = mode_.bit_depth;
+  frame.format = unpacked_format(mode_.bit_depth);
   step.edges.push_back({EdgeKind::kStrobe, plan.t, strobes_++});
   bool pattern_shown = false;
   if (step.position >= 0) {
@@ -224,13 +225,13 @@ void SimDevice::expose(const Plan& plan, SimStep& step) {
       step.edges.push_back({EdgeKind::kT2Rise, rise, 0});
       step.edges.push_back({EdgeKind::kT2Fall, plan.t + exposure_ * 97 / 100, 0});
       if (lit())
-        frame.pixels = burst_->frames[static_cast<std::size_t>(pattern)];  // kept: a slipped projector shows one twice
+        frame.pixels = PixelLoan(burst_->frames[static_cast<std::size_t>(pattern)]);  // kept: it may be shown twice
       pattern_shown = lit();
     }
   }
   if (!pattern_shown) {
     const bool leak = faults_.led_stuck_on;
-    frame.pixels = blank_frame(mode_, leak ? kLeakDn : config_.dark_dn);
+    frame.pixels = PixelLoan(blank_frame(mode_, leak ? kLeakDn : config_.dark_dn));
   }
   step.frames.push_back(std::move(frame));
 }

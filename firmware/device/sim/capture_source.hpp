@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "firmware/sim/burst_source.hpp"
+#include "firmware/device/sim/burst_source.hpp"
 #include "protocol/capture/capture.hpp"
 
 namespace enamel::fw {

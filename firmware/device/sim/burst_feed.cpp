@@ -1,4 +1,4 @@
-#include "firmware/sim/burst_feed.hpp"
+#include "firmware/device/sim/burst_feed.hpp"
 
 #include <pthread.h>
 
@@ -7,7 +7,7 @@
 namespace enamel::fw {
 
 BurstFeed::BurstFeed(std::unique_ptr<BurstSource> source, std::size_t depth)
-    : source_(std::move(source)), depth_(depth), rig_text_(source_->rig_text()) {}
+    : source_(std::move(source)), depth_(depth), rig_text_(source_->rig_text()), simulated_(source_->simulated()) {}
 
 BurstFeed::~BurstFeed() {
   thread_.request_stop();

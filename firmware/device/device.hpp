@@ -1,0 +1,35 @@
+// The one seam between the probe's program and what it runs on: the twin and recordings (device/sim) or a board
+// (device/linux).
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "firmware/hal/hardware.hpp"
+
+namespace enamel::fw {
+
+struct DeviceIdentity {
+  std::string model;       ///< as a person would call it
+  bool simulated = false;  ///< the light never was; pictures and exports then say SIMULATED
+};
+
+/// Time that a slow source or machine cost a simulated device: everything later moved by it.
+struct StretchCount {
+  std::uint64_t times = 0;
+  Nanoseconds total{};
+};
+
+/// Everything a probe is made of. Thread-safety: that of the single parts (hal).
+class Device {
+ public:
+  virtual ~Device() = default;
+  [[nodiscard]] virtual Hardware hardware() noexcept = 0;
+  [[nodiscard]] virtual DeviceIdentity identity() const = 0;
+  /// rig.json of the calibration in force, byte for byte.
+  [[nodiscard]] virtual const std::string& rig_text() const = 0;
+  /// Hardware is never stretched.
+  [[nodiscard]] virtual StretchCount stretched() const { return {}; }
+};
+
+}  // namespace enamel::fw

@@ -1,0 +1,61 @@
+#include "firmware/device/linux/libcamera/runtime.hpp"
+
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+
+#include "firmware/device/linux/libcamera/camera_list.hpp"
+
+namespace enamel::fw {
+
+Result<std::shared_ptr<CameraRuntime>> CameraRuntime::get() {
+  static std::mutex mutex;
+  static std::weak_ptr<CameraRuntime> known;
+  const std::lock_guard lock(mutex);
+  if (auto runtime = known.lock()) return runtime;
+  if (std::getenv("LIBCAMERA_LOG_LEVELS") == nullptr) libcamera::logSetLevel("*", "ERROR");
+  std::shared_ptr<CameraRuntime> runtime(new CameraRuntime);
+  if (const int error = runtime->manager_.start(); error != 0) {
+    return fail(ErrorCode::kHal, std::string("libcamera does not start: ") + std::strerror(-error));
+  }
+  runtime->started_ = true;
+  known = runtime;
+  return runtime;
+}
+
+CameraRuntime::~CameraRuntime() {
+  if (started_) manager_.stop();
+}
+
+Result<std::shared_ptr<libcamera::Camera>> CameraRuntime::find(const std::string& name) const {
+  const auto all = cameras();
+  std::vector<std::shared_ptr<libcamera::Camera>> fits;
+  std::string known;
+  for (const auto& camera : all) {
+    known += (known.empty() ? "" : ", ") + camera->id();
+    if (camera->id() == name) return camera;
+    if (name == "any" || model_of(*camera) == name) fits.push_back(camera);
+  }
+  if (fits.size() == 1) return fits.front();
+  if (all.empty()) return fail(ErrorCode::kHal, "no camera: " + why_no_camera());
+  if (fits.empty()) return fail(ErrorCode::kHal, "no camera '" + name + "'; there is " + known);
+  return fail(ErrorCode::kHal, "'" + name + "' is " + std::to_string(fits.size()) + " cameras; name one of " + known);
+}
+
+std::string modes_text(const libcamera::StreamConfiguration& stream, std::size_t limit) {
+  std::string text;
+  std::size_t count = 0;
+  for (const libcamera::PixelFormat& format : stream.formats().pixelformats()) {
+    for (const libcamera::Size& size : stream.formats().sizes(format)) {
+      if (count++ == limit) return text + ", …";
+      text += (text.empty() ? "" : ", ") + format.toString() + " " + size.toString();
+    }
+  }
+  return text.empty() ? "nothing" : text;
+}
+
+std::string model_of(const libcamera::Camera& camera) {
+  return camera.properties().get(libcamera::properties::Model).value_or("");
+}
+
+}  // namespace enamel::fw
