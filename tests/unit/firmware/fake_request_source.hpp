@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <deque>
 #include <functional>
 #include <utility>
@@ -15,15 +14,15 @@ namespace enamel::fw::test {
 
 class FakeRequestSource final : public RequestSource {
  public:
-  static constexpr int kSlots = 8;
   static constexpr std::int64_t kPeriod = 4'004'000;
 
-  explicit FakeRequestSource(StreamFormat format = {16, 2, 8, PixelFormat::kRaw8, 20}) : format_(format) {
+  explicit FakeRequestSource(int slots = 8, StreamFormat format = {16, 2, 8, PixelFormat::kRaw8, 20})
+      : format_(format), memory_(static_cast<std::size_t>(slots)) {
     for (auto& m : memory_) m.resize(format_.stride * static_cast<std::size_t>(format_.height));
   }
 
   [[nodiscard]] const StreamFormat& format() const override { return format_; }
-  [[nodiscard]] int slots() const override { return kSlots; }
+  [[nodiscard]] int slots() const override { return static_cast<int>(memory_.size()); }
   [[nodiscard]] std::span<const std::uint8_t> memory(int slot) const override {
     return memory_[static_cast<std::size_t>(slot)];
   }
@@ -85,7 +84,7 @@ class FakeRequestSource final : public RequestSource {
 
  private:
   StreamFormat format_;
-  std::array<std::vector<std::uint8_t>, kSlots> memory_;
+  std::vector<std::vector<std::uint8_t>> memory_;
   std::deque<int> queued_;
   CompletionSink* sink_ = nullptr;
   CameraControls now_;

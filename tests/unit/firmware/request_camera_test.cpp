@@ -85,6 +85,15 @@ TEST_F(RequestCameraTest, starved_of_buffers_says_so_and_goes_on_when_they_retur
   EXPECT_EQ(next().status, FrameStatus::kSuccess);
 }
 
+TEST_F(RequestCameraTest, with_few_buffers_frames_are_copied_and_nothing_starves) {
+  source = std::make_shared<FakeRequestSource>(4);
+  make();
+  std::vector<CameraFrame> held;
+  for (int i = 0; i < 12; ++i) held.push_back(next());
+  EXPECT_EQ(source->queued(), 4U);
+  for (unsigned i = 0; i < 12; ++i) EXPECT_THAT(held[i].pixels.row(16, 1), testing::Each(testing::Eq(i)));
+}
+
 TEST_F(RequestCameraTest, silent_camera_is_restarted_and_settles_again) {
   make();
   settle();

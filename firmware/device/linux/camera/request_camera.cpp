@@ -161,8 +161,8 @@ Result<void> RequestCamera::restart() {
 
 CameraFrame RequestCamera::frame_of(const Completion& completion) {
   CameraFrame frame;
-  const auto pixels = desk_->lend(completion.slot);
-  if (pixels) frame.pixels = *pixels;
+  auto pixels = desk_->lend(completion.slot);
+  if (pixels) frame.pixels = slots_ < config_.least_lent ? own_copy(*pixels) : *pixels;
   frame.format = format_.pixels;
   frame.width = format_.width;
   frame.height = format_.height;
@@ -175,6 +175,11 @@ CameraFrame RequestCamera::frame_of(const Completion& completion) {
   frame.status = pixels ? status_of(completion) : FrameStatus::kError;
   if (!pixels) ++counts_.out_of_order;
   return frame;
+}
+
+PixelLoan RequestCamera::own_copy(const PixelLoan& lent) const {
+  const auto bytes = lent.bytes();
+  return PixelLoan({bytes.begin(), bytes.end()}, format_.stride);
 }
 
 /// Needs the lock.

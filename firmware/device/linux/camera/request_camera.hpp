@@ -16,9 +16,10 @@ namespace enamel::fw {
 
 struct RequestCameraConfig {
   CameraControls controls;
-  int startup_frames = 3;               ///< after each start, not usable: sensors settle
-  int control_delay = 2;                ///< frames from a request that changes exposure or gain to those that show it
-  int missing_periods = 25;             ///< no frame for so long: the camera has stopped …
+  int startup_frames = 3;    ///< after each start, not usable: sensors settle
+  int least_lent = 8;        ///< with fewer buffers than these, frames are copied: a burst would hold them all
+  int control_delay = 2;     ///< frames from a request that changes exposure or gain to those that show it
+  int missing_periods = 25;  ///< no frame for so long: the camera has stopped …
   Nanoseconds least_wait{100'000'000};  ///< … or for so long, where that is more
   int restarts = 3;                     ///< in a row, then kHal
   Nanoseconds first_pause{50'000'000};  ///< before the first of them, twice as long before each further one
@@ -63,6 +64,7 @@ class RequestCamera final : public Camera, private CompletionSink {
   [[nodiscard]] Wait wait();
   [[nodiscard]] Result<void> restart();
   [[nodiscard]] CameraFrame frame_of(const Completion& completion);
+  [[nodiscard]] PixelLoan own_copy(const PixelLoan& lent) const;
   [[nodiscard]] FrameStatus status_of(const Completion& completion);
 
   const RequestCameraConfig config_;

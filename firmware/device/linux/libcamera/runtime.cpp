@@ -13,7 +13,8 @@ Result<std::shared_ptr<CameraRuntime>> CameraRuntime::get() {
   static std::weak_ptr<CameraRuntime> known;
   const std::lock_guard lock(mutex);
   if (auto runtime = known.lock()) return runtime;
-  if (std::getenv("LIBCAMERA_LOG_LEVELS") == nullptr) libcamera::logSetLevel("*", "ERROR");
+  // Its log goes to stderr, among our own messages; who looks for a fault in it sets the variable.
+  static_cast<void>(::setenv("LIBCAMERA_LOG_LEVELS", "*:ERROR", 0));
   std::shared_ptr<CameraRuntime> runtime(new CameraRuntime);
   if (const int error = runtime->manager_.start(); error != 0) {
     return fail(ErrorCode::kHal, std::string("libcamera does not start: ") + std::strerror(-error));

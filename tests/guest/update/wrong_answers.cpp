@@ -10,7 +10,7 @@
 
 #include "protocol/image/dfu.hpp"
 #include "protocol/image/status_block.hpp"
-#include "tests/guest/endpoint0.hpp"
+#include "tests/guest/update/endpoint0.hpp"
 
 using namespace enamel::image;
 

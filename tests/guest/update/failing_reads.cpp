@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstddef>
 
-#include "tests/guest/endpoint0.hpp"
+#include "tests/guest/update/endpoint0.hpp"
 
 extern "C" ssize_t read(int fd, void* bytes, std::size_t size) {
   using Read = ssize_t (*)(int, void*, std::size_t);
