@@ -6,6 +6,7 @@
 #include <string>
 
 #include "protocol/base/result.hpp"
+#include "protocol/dds/participant.hpp"
 
 namespace enamel::fw {
 
@@ -15,7 +16,7 @@ struct ProbeOptions {
   std::string camera;
   std::optional<std::uint64_t> seed;  ///< overrides the scene's
   std::string serial;
-  std::string dds_tag = "enamel";
+  dds::LinkChoice link;
   double speed = 1.0;
   int loops = 1;
   std::optional<double> seconds;

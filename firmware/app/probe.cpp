@@ -170,8 +170,7 @@ Result<int> run_probe(const ProbeOptions& options, const std::atomic<bool>& stop
   ENAMEL_TRY_ASSIGN(auto gate, open_gate(options.scan_lock));
   ENAMEL_TRY_ASSIGN(const auto device, open_device(options, clock));
   const proto::DeviceInfo info = device_info(options, *device);
-  dds::ParticipantOptions dds_options;
-  dds_options.tag = options.dds_tag;
+  ENAMEL_TRY_ASSIGN(const auto dds_options, dds::participant_options(options.link, dds::LinkEnd::kProbe));
   ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(dds_options));
   ENAMEL_TRY_ASSIGN(const auto probe, assemble(*device, clock, participant, info, std::move(gate)));
   const CameraMode mode = device->hardware().camera.mode();

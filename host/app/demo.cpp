@@ -146,7 +146,7 @@ Result<void> compare_both(const Demo& demo) {
 }
 
 Result<int> run_live(Demo& demo, const std::string& path) {
-  demo.scan.dds_tag = "enamel-demo-" + std::to_string(::getpid());
+  demo.scan.link.tag = "enamel-demo-" + std::to_string(::getpid());
   demo.scan.serial = "TWIN-DEMO";
   demo.scan.start_at_once = true;
   demo.scan.may_replace_simulated = true;
@@ -156,7 +156,7 @@ Result<int> run_live(Demo& demo, const std::string& path) {
                      {"pace", "rendered ahead, played by enamel-probe at the true rate"},
                      {"source", path}};
   ENAMEL_TRY_ASSIGN(const auto probe, ChildProcess::start({sibling_program("enamel-probe"), "--play", path, "--serial",
-                                                           demo.scan.serial, "--dds-tag", demo.scan.dds_tag},
+                                                           demo.scan.serial, "--dds-tag", demo.scan.link.tag},
                                                           {.stdout_path = demo.scan.run.out + "/probe.out",
                                                            .stderr_path = demo.scan.run.out + "/probe.log"}));
   return run_scan(demo.scan);

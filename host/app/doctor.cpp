@@ -89,6 +89,12 @@ Finding dds_round_trip() {
   return {"DDS", Verdict::kOk, "round trip works, " + by, ""};
 }
 
+Finding network() {
+  std::string found = "for the probe: --link " + dds::proposed_link() + "; there is";
+  for (const dds::Interface& i : dds::interfaces()) found += " " + i.name + " " + i.address;
+  return {"network", Verdict::kOk, found, ""};
+}
+
 Finding display() {
   SteadyClock clock;
   view::ViewerOptions options;
@@ -138,7 +144,8 @@ Run add_doctor(CLI::App& app) {
   auto json = std::make_shared<bool>(false);
   app.add_flag("--json", *json, "one JSON array on stdout");
   return [json]() -> Result<int> {
-    const std::vector<Finding> findings{processor(), disk(), receive_buffer(), dds_round_trip(), display(), usb_rule()};
+    const std::vector<Finding> findings{processor(), disk(),    receive_buffer(), dds_round_trip(),
+                                        network(),   display(), usb_rule()};
     *json ? print_json(findings) : print_findings(findings);
     for (const Finding& f : findings) {
       if (f.verdict == Verdict::kBad) return exit_code(ErrorCode::kHal);

@@ -3,6 +3,7 @@
 
 #include "host/app/broken_off.hpp"
 #include "host/app/command.hpp"
+#include "host/app/link_options.hpp"
 #include "host/app/out_folder.hpp"
 #include "host/app/scan_run.hpp"
 #include "protocol/base/log.hpp"
@@ -27,7 +28,7 @@ Run add_scan(CLI::App& app) {
   app.add_option("--rig", scan->rig_path, "calibration to measure with instead of the probe's own");
   app.add_option("--seconds", scan->seconds, "end after this long")->check(CLI::PositiveNumber);
   app.add_option("--wait-seconds", scan->wait_seconds, "how long to wait for a probe")->capture_default_str();
-  app.add_option("--dds-tag", scan->dds_tag, "only probes with the same tag are seen")->capture_default_str();
+  add_link_options(app, scan->link);
   app.add_flag("!--no-record", scan->record, "keep no recording");
   return [scan, resume, anew]() -> Result<int> {
     scan->start_at_once = scan->run.headless;

@@ -81,7 +81,8 @@ Result<int> run_scan(const ScanRun& scan) {
   if (scan.resume && !calibration) {
     ENAMEL_TRY_ASSIGN(calibration, recorded_calibration(scan.run.out));
   }
-  ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create({.domain = 77, .tag = scan.dds_tag}));
+  ENAMEL_TRY_ASSIGN(const auto link, dds::participant_options(scan.link, dds::LinkEnd::kHost));
+  ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(link));
   ENAMEL_TRY_ASSIGN(const auto session,
                     host::LiveSession::create(participant, session_config(scan, config, calibration, clock), clock));
   return run_session(*session,

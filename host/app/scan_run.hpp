@@ -7,6 +7,7 @@
 
 #include "host/app/run_options.hpp"
 #include "protocol/base/result.hpp"
+#include "protocol/dds/participant.hpp"
 
 namespace enamel::app {
 
@@ -15,7 +16,7 @@ struct ScanRun {
   bool resume = false;                 ///< go on with the session whose recording is in the folder
   bool may_replace_simulated = false;  ///< a recording of a simulated scan in the folder is written over
   std::string serial;                  ///< empty: the only probe there is
-  std::string dds_tag = "enamel";
+  dds::LinkChoice link;
   double seconds = 0;          ///< 0: until the probe's session ends
   double wait_seconds = 15;    ///< for a probe to appear
   bool start_at_once = false;  ///< else the person starts with the space bar

@@ -1,19 +1,34 @@
-// One side of the link: a DDS participant with our own Cyclone configuration (domain 77, loopback, unicast) unless
-// CYCLONEDDS_URI is set, which then rules alone. Cyclone itself stays in the .cpp files of this folder.
+// One side of the link: a DDS participant with our own Cyclone configuration, that of a link profile. Without a
+// profile: CYCLONEDDS_URI where it is set, which then rules alone, else loopback. Cyclone itself stays in the .cpp
+// files of this folder.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "protocol/base/result.hpp"
+#include "protocol/dds/link.hpp"
 
 namespace enamel::dds {
 
 struct ParticipantOptions {
   std::uint32_t domain = 77;
-  std::string tag = "enamel";  ///< only participants with the same tag see each other; --dds-tag
+  std::string tag = "enamel";                      ///< only participants with the same tag see each other; --dds-tag
+  std::optional<LinkProfile> link = std::nullopt;  ///< --link
 };
+
+/// What a command line says of the link.
+struct LinkChoice {
+  std::string tag = "enamel";           ///< --dds-tag
+  std::string link = {};                ///< --link; empty: see ParticipantOptions
+  std::vector<std::string> peers = {};  ///< --peer, instead of the profile's
+};
+enum class LinkEnd : std::uint8_t { kProbe, kHost };
+
+/// Errors: kUsage, those of a profile's file.
+[[nodiscard]] Result<ParticipantOptions> participant_options(const LinkChoice& choice, LinkEnd end);
 
 /// Movable. Writers and readers keep what they need alive: the order of destruction does not matter.
 class Participant {
@@ -29,7 +44,7 @@ class Participant {
   std::shared_ptr<Impl> impl_;
 };
 
-/// The Cyclone configuration that create() uses; for `enamel doctor` and for logs.
-[[nodiscard]] std::string cyclone_config(const ParticipantOptions& options);
+/// The Cyclone configuration that create() uses on this interface.
+[[nodiscard]] std::string cyclone_config(const ParticipantOptions& options, const std::string& interface);
 
 }  // namespace enamel::dds

@@ -13,6 +13,7 @@
 #include "calib/guide/pose_writer.hpp"
 #include "host/app/calibrate/pose_feed.hpp"
 #include "host/app/calibrate/subcommand.hpp"
+#include "host/app/link_options.hpp"
 #include "host/app/run_options.hpp"
 #include "protocol/base/file.hpp"
 #include "protocol/base/json_text.hpp"
@@ -26,7 +27,7 @@ using Json = nlohmann::ordered_json;
 
 struct GatherOptions {
   std::string target, out, serial;
-  std::string dds_tag = "enamel";
+  dds::LinkChoice link;
   int poses = 10, sweeps = 4;
   double seconds = 0, wait_seconds = 15;
   bool json = false;
@@ -160,7 +161,8 @@ Result<int> run_capture(const GatherOptions& o) {
   auto target = calib::parse_target(target_text);
   if (!target) return fail(target.error().code, o.target + ": " + target.error().detail);
   ENAMEL_TRY_ASSIGN(calib::PoseWriter writer, calib::PoseWriter::begin(o.out));
-  ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create({.domain = 77, .tag = o.dds_tag}));
+  ENAMEL_TRY_ASSIGN(const auto link, dds::participant_options(o.link, dds::LinkEnd::kHost));
+  ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(link));
   ENAMEL_TRY_ASSIGN(
       const auto feed,
       PoseFeed::create(participant, {.serial = o.serial, .wait_seconds = o.wait_seconds, .sweeps = o.sweeps}, clock));
@@ -190,7 +192,7 @@ CalibrateCommand add_calibrate_capture(CLI::App& app) {
       ->capture_default_str();
   capture->add_option("--seconds", o->seconds, "end after this long")->check(CLI::PositiveNumber);
   capture->add_option("--wait-seconds", o->wait_seconds, "how long to wait for a probe")->capture_default_str();
-  capture->add_option("--dds-tag", o->dds_tag, "only probes with the same tag are seen")->capture_default_str();
+  add_link_options(*capture, o->link);
   capture->add_flag("--json", o->json, "one JSON object on stdout");
   return {capture, [o]() -> Result<int> { return run_capture(*o); }};
 }
