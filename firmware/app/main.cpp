@@ -6,10 +6,12 @@
 #include <atomic>
 #include <exception>
 #include <iostream>
+#include <string_view>
 
 #include "firmware/app/camera_command.hpp"
 #include "firmware/app/options.hpp"
 #include "firmware/app/probe.hpp"
+#include "firmware/app/projector_command.hpp"
 #include "firmware/app/self_test_client.hpp"
 #include "protocol/base/stdout_check.hpp"
 
@@ -51,6 +53,11 @@ int report(const enamel::Error& error) {
 
 int main(int argc, char** argv) {
   try {
+    if (argc > 1 && std::string_view(argv[1]) == "projector") {
+      handle_signals();
+      const auto code = enamel::fw::run_projector(argc - 1, argv + 1, g_stop);
+      return code ? enamel::with_stdout_written(*code) : report(code.error());
+    }
     auto options = enamel::fw::parse_options(argc, argv);
     if (!options) return report(options.error());
     if (!*options) return enamel::with_stdout_written(0);

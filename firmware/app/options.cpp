@@ -13,6 +13,7 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
   CLI::App app(
       "enamel-probe: the acquisition process of the probe. Waits for a host, scans when told to, publishes bursts.",
       "enamel-probe");
+  app.footer("enamel-probe projector --help: the projector's controller by itself");
   auto* source = app.add_option_group("source", "Where light comes from (one of)");
   source->add_option("--twin", o.twin_scene, "virtual mouth: SCENE.toml")->type_name("SCENE");
   source->add_option("--play", o.capture, "recording, played once at recorded speed; then the session ends")

@@ -1,0 +1,78 @@
+// DLPC3470, 3478 and 3479 over I2C: internal patterns, triggered from outside. Opcodes and payloads: TI DLPU075,
+// DLPU081.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/device/linux/dlpc347x/i2c_bus.hpp"
+#include "firmware/device/linux/dlpc347x/pattern_block.hpp"
+#include "protocol/base/clock.hpp"
+
+namespace enamel::fw {
+
+inline constexpr std::uint8_t kDlpcAddress = 0x1B;  // seven bits
+
+struct ProjectorLimits {
+  std::uint16_t max_led_code = 400;  ///< the eye's ceiling: written into the controller once, and read back
+  std::uint8_t leds = kBlueLed;
+};
+
+/// What the controller is and how it does.
+struct ControllerStatus {
+  std::string type;     ///< "DLPC3470" …
+  std::string version;  ///< of its software
+  double celsius = 0;
+  bool initialised = false;
+  bool system_error = false;
+  bool sequence_error = false;  ///< sensing sequence not usable
+  bool sequence_abort = false;  ///< stopped inside a pattern set
+  bool watchdog = false;        ///< it restarted by itself
+  std::uint8_t led_errors = 0;  ///< bits as kRedLed …
+};
+
+struct InternalStatus {
+  bool ready = false;
+  int patterns_shown = 0;  ///< of the current set
+};
+
+/// One thread. Every call has a deadline. Errors: kHal with what the controller refused; kPatternSet from validate().
+class Dlpc347x {
+ public:
+  /// Waits for the controller to boot (at most 3 s), checks what it is, then sets what a measurement needs: LEDs by
+  /// hand, under the ceiling, and everything off that makes brightness depend on content. The light stays off.
+  [[nodiscard]] static Result<Dlpc347x> open(I2cBus& bus, Clock& clock, const ProjectorLimits& limits);
+
+  /// Asks the controller whether it can show this. kPatternSet with what it needs instead.
+  [[nodiscard]] Result<void> validate(const PatternTiming& timing);
+  /// Writes the block into flash and reads it back. Takes seconds.
+  [[nodiscard]] Result<void> load(std::span<const std::uint8_t> block);
+  /// Triggered from outside: trigger settings, then the mode, in which alone they take effect, then waits until ready.
+  [[nodiscard]] Result<void> arm(const PatternTiming& timing);
+  [[nodiscard]] Result<void> start();
+  [[nodiscard]] Result<void> stop();
+  [[nodiscard]] Result<void> set_led(std::uint16_t code);
+  /// All LEDs off; whatever fails, it was tried.
+  void blank() noexcept;
+  [[nodiscard]] Result<ControllerStatus> status();
+  [[nodiscard]] Result<InternalStatus> internal_status();
+
+ private:
+  Dlpc347x(I2cBus& bus, Clock& clock, const ProjectorLimits& limits) : bus_(&bus), clock_(&clock), limits_(limits) {}
+  [[nodiscard]] Result<void> write(std::uint8_t opcode, std::span<const std::uint8_t> payload);
+  [[nodiscard]] Result<std::vector<std::uint8_t>> read(std::uint8_t opcode, std::span<const std::uint8_t> payload,
+                                                       std::size_t size);
+  [[nodiscard]] Result<void> wait_booted();
+  [[nodiscard]] Result<void> limit_light();
+  [[nodiscard]] Result<void> wait_erased();
+  template <class Done>
+  [[nodiscard]] Result<void> wait_until(Nanoseconds limit, const char* what, const Done& done);
+
+  I2cBus* bus_;
+  Clock* clock_;
+  ProjectorLimits limits_;
+};
+
+}  // namespace enamel::fw
