@@ -2,6 +2,10 @@
 
 #include <utility>
 
+#ifdef ENAMEL_HAS_LIBCAMERA
+#include "firmware/device/linux/board/open_board.hpp"
+#include "firmware/device/linux/libcamera/camera_list.hpp"
+#endif
 #ifdef ENAMEL_HAS_SIM
 #include "firmware/device/sim/capture_source.hpp"
 #include "firmware/device/sim/sim_device.hpp"
@@ -12,6 +16,26 @@
 
 namespace enamel::fw {
 namespace {
+
+/// Says what is missing: the camera, or everything else of a probe.
+Result<std::unique_ptr<Device>> only_a_camera(const std::string& name) {
+#ifdef ENAMEL_HAS_LIBCAMERA
+  ENAMEL_TRY_ASSIGN(const auto cameras, list_cameras());
+  std::string known;
+  for (const ListedCamera& c : cameras) {
+    if (c.id == name || c.model == name) {
+      return fail(ErrorCode::kUsage, "--camera " + name +
+                                         " is there, but a camera alone is no probe: write it into a " +
+                                         "profile as camera.id and give that with --profile");
+    }
+    known += (known.empty() ? "" : ", ") + c.id;
+  }
+  return fail(ErrorCode::kHal,
+              "no camera '" + name + "': " + (cameras.empty() ? why_no_camera() : "there is " + known));
+#else
+  return fail(ErrorCode::kHal, "--camera " + name + ": this build has no libcamera (ENAMEL_WITH_LIBCAMERA is off)");
+#endif
+}
 
 #ifdef ENAMEL_HAS_SIM
 Result<std::unique_ptr<BurstSource>> open_source(const ProbeOptions& options) {
@@ -30,9 +54,14 @@ Result<std::unique_ptr<BurstSource>> open_source(const ProbeOptions& options) {
 }  // namespace
 
 Result<std::unique_ptr<Device>> open_device(const ProbeOptions& options, Clock& clock) {
-  if (!options.camera.empty()) {
-    return fail(ErrorCode::kHal, "--camera " + options.camera + ": a camera alone is no probe; projector and trigger " +
-                                     "lines have no driver in this build. Use --twin or --play, or --camera list");
+  if (!options.camera.empty()) return only_a_camera(options.camera);
+  if (!options.profile.empty()) {
+#ifdef ENAMEL_HAS_LIBCAMERA
+    ENAMEL_TRY_ASSIGN(const BoardProfile profile, read_profile(options.profile));
+    return open_board(profile, clock);
+#else
+    return fail(ErrorCode::kHal, "--profile: this build has no libcamera (ENAMEL_WITH_LIBCAMERA is off)");
+#endif
   }
 #ifdef ENAMEL_HAS_SIM
   ENAMEL_TRY_ASSIGN(auto source, open_source(options));

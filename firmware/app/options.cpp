@@ -21,6 +21,9 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
   source
       ->add_option("--camera", o.camera, "real camera by id or model; 'list' prints those there are, with their modes")
       ->type_name("ID|list");
+  source
+      ->add_option("--profile", o.profile, "this board: camera, projector, lines and sensors as PROFILE.toml has them")
+      ->type_name("PROFILE");
   source->add_flag("--self-test", o.self_test,
                    "no light: asks the enamel-probe that runs here to test itself; exit code 0 when it passed");
   source->require_option(1);
@@ -55,6 +58,9 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
   if (o.serial.size() > 32) return fail(ErrorCode::kUsage, "--serial: at most 32 bytes");
   if (o.seed && o.twin_scene.empty()) return fail(ErrorCode::kUsage, "--seed goes with --twin");
   if (o.loops != 1 && o.capture.empty()) return fail(ErrorCode::kUsage, "--loops goes with --play");
+  if (o.serial.empty() && !o.profile.empty()) {
+    return fail(ErrorCode::kUsage, "--profile: give the probe's serial number with --serial");
+  }
   if (o.serial.empty() && !o.self_test) o.serial = fmt::format("sim-{}", getpid());
   if (!o.capture.empty()) o.exit_after_session = true;
   return std::optional(o);

@@ -13,7 +13,8 @@ namespace enamel::fw {
 struct ProbeOptions {
   std::string twin_scene;
   std::string capture;
-  std::string camera;
+  std::string camera;                 ///< "list", or a camera to look for
+  std::string profile;                ///< of the board that this runs on
   std::optional<std::uint64_t> seed;  ///< overrides the scene's
   std::string serial;
   dds::LinkChoice link;

@@ -43,6 +43,9 @@ class Dlpc347xModel final : public I2cBus {
         triggered = trigger_wanted_ && payload[0] == dlpc::kModeInternalPatterns;
         ready_polls_ = never_ready ? 1'000'000 : 2;
         break;
+      case dlpc::kWritePatternControl:
+        if (payload[0] == 0 && on_start) on_start();
+        break;
       case dlpc::kWriteLedEnable:
         leds = payload[0];
         break;
@@ -75,6 +78,7 @@ class Dlpc347xModel final : public I2cBus {
   bool never_erased = false;
   int spoiled_byte = -1;  ///< of the flash, when read back
   std::uint32_t least_us = 1677;
+  std::function<void()> on_start;
   std::function<bool(int)> refuses;  ///< by number of the transaction: no answer
 
  private:

@@ -63,10 +63,29 @@ class FakeRequestSource final : public RequestSource {
     done.stamp_ns = base_ns + std::int64_t{done.sequence} * kPeriod;
     done.exposure_us = now_.exposure_us;
     auto& pixels = memory_[static_cast<std::size_t>(done.slot)];
-    std::fill(pixels.begin(), pixels.end(), static_cast<std::uint8_t>(done.sequence));
+    if (content) {
+      content(pixels);
+    } else {
+      std::fill(pixels.begin(), pixels.end(), static_cast<std::uint8_t>(done.sequence));
+    }
     if (harm) harm(done);
-    sink_->completed(done);
+    if (held_now_) {
+      held_.push_back(done);
+    } else {
+      sink_->completed(done);
+    }
     return true;
+  }
+  /// As deliver(), but told only at release_held().
+  void hold_next(const std::function<void(Completion&)>& harm) {
+    held_now_ = true;
+    deliver(harm);
+    held_now_ = false;
+  }
+  int release_held() {
+    const auto held = std::exchange(held_, {});
+    for (const Completion& done : held) sink_->completed(done);
+    return static_cast<int>(held.size());
   }
   void complete_again(const Completion& done) { sink_->completed(done); }
   void skip_sequence() { ++sequence_; }
@@ -79,6 +98,7 @@ class FakeRequestSource final : public RequestSource {
   bool refuse_queue = false;
   std::int64_t base_ns = 1'000'000'000;
   std::vector<CameraControls> changes;
+  std::function<void(std::span<std::uint8_t>)> content;  ///< instead of the sequence number everywhere
   std::function<void(FakeRequestSource&)> on_start;
   std::function<void(FakeRequestSource&)> on_queue;
 
@@ -86,6 +106,8 @@ class FakeRequestSource final : public RequestSource {
   StreamFormat format_;
   std::vector<std::vector<std::uint8_t>> memory_;
   std::deque<int> queued_;
+  std::vector<Completion> held_;
+  bool held_now_ = false;
   CompletionSink* sink_ = nullptr;
   CameraControls now_;
   std::uint32_t sequence_ = 0;

@@ -1,0 +1,42 @@
+// What a probe's board is made of: camera, projector, lines, sensors. config/probe/*.toml.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/device/linux/camera/request_camera.hpp"
+#include "firmware/device/linux/dlpc347x/dlpc347x.hpp"
+#include "firmware/device/linux/dlpc347x/trigger_timing.hpp"
+#include "firmware/device/linux/lines/line_edges.hpp"
+#include "firmware/device/linux/lines/sysfs_sensors.hpp"
+#include "protocol/base/result.hpp"
+
+namespace enamel::fw {
+
+struct BoardProfile {
+  std::string model = "enamel probe";
+  std::string rig;  ///< rig.json; a relative path is taken from the profile's folder
+
+  std::string camera = "any", format = "R8";
+  int width = 640, height = 400, buffers = 8;
+  double gain = 1;
+  TriggerTiming timing;
+
+  std::string bus = "/dev/i2c-1", dmd = "DLP2010";
+  ProjectorLimits limits;
+  std::uint16_t led_code = 200;
+
+  std::string chip = "/dev/gpiochip0";
+  EdgeLines lines{17, 27, 22, 4};
+  std::uint32_t gate_line = 23, light_line = 24;
+
+  ThermalFiles thermal;
+  std::string led_current;  ///< file with mA
+
+  [[nodiscard]] RequestCameraConfig camera_config() const;
+};
+
+/// Errors: those of the file; kConfigValue with every inequality of the timing that fails, and for lines named twice.
+[[nodiscard]] Result<BoardProfile> read_profile(const std::string& path);
+
+}  // namespace enamel::fw
