@@ -195,6 +195,15 @@ TEST(Board, counting_frames_in_order_of_arrival_mixes_bursts) {
   EXPECT_GT(mixed, 100);
 }
 
+TEST(Board, goes_dark_when_it_is_closed) {
+  BoardModel board;
+  EXPECT_EQ(board.projector->leds, kBlueLed);
+  std::uint8_t leds = 0xFF;
+  board.projector->on_leds = [&](std::uint8_t lit) { leds = lit; };
+  board.device.reset();
+  EXPECT_EQ(leds, 0);
+}
+
 TEST(Board, light_is_off_whatever_fails_at_the_start) {
   for (int fails_at : {0, 5, 10, 15, 20}) {
     auto bus = std::make_unique<Dlpc347xModel>();
@@ -229,7 +238,7 @@ std::string profile_of(const std::string& text) {
 }
 
 TEST(BoardProfile, is_refused_for_what_cannot_work) {
-  const std::string rig = "[probe]\nrig = \"rig.json\"\n";
+  const std::string rig = "[probe]\nrig = \"rig.json\"\n[sensors]\nled_current = \"/sys/ma\"\n";
   const auto good = read_profile(profile_of(rig + "[camera]\nid = \"ov9281\"\n[lines]\nstrobe = 5\n"));
   ASSERT_TRUE(good.has_value()) << good.error().message();
   EXPECT_EQ(good->camera, "ov9281");
@@ -245,7 +254,8 @@ TEST(BoardProfile, is_refused_for_what_cannot_work) {
   EXPECT_THAT(why(rig + "[projector]\nled_code = 500\n"), HasSubstr("max_led_code"));
   EXPECT_THAT(why(rig + "[projector]\ndmd = \"DLP4500\"\n"), HasSubstr("DLP2010 or DLP3010"));
   EXPECT_THAT(why(rig + "[camera]\nfocus = 1\n"), HasSubstr("focus"));
-  EXPECT_THAT(why("[camera]\nid = \"x\"\n"), HasSubstr("probe.rig"));
+  EXPECT_THAT(why("[sensors]\nled_current = \"/sys/ma\"\n"), HasSubstr("probe.rig"));
+  EXPECT_THAT(why("[probe]\nrig = \"rig.json\"\n"), HasSubstr("whether the light is off"));
 }
 
 TEST(Sensors, that_are_open_or_shorted_have_no_value) {

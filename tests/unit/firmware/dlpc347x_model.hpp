@@ -48,6 +48,7 @@ class Dlpc347xModel final : public I2cBus {
         break;
       case dlpc::kWriteLedEnable:
         leds = payload[0];
+        if (on_leds) on_leds(leds);
         break;
       default:
         registers[message[0]].assign(payload.begin(), payload.end());
@@ -79,6 +80,7 @@ class Dlpc347xModel final : public I2cBus {
   int spoiled_byte = -1;  ///< of the flash, when read back
   std::uint32_t least_us = 1677;
   std::function<void()> on_start;
+  std::function<void(std::uint8_t)> on_leds;
   std::function<bool(int)> refuses;  ///< by number of the transaction: no answer
 
  private:

@@ -16,10 +16,10 @@ Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const
   device->edges_ = std::make_unique<LineEdges>(std::move(parts.events), profile.lines, std::move(parts.gate), clock);
   device->edges_->close_gate();
   ENAMEL_TRY_ASSIGN(Dlpc347x controller, Dlpc347x::open(*device->bus_, clock, profile.limits));
+  device->projector_ = std::make_unique<LineProjector>(controller, *device->edges_);
   ENAMEL_TRY(controller.arm(profile.timing.pattern));
   ENAMEL_TRY(controller.set_led(profile.led_code));
   ENAMEL_TRY(controller.start());
-  device->projector_ = std::make_unique<LineProjector>(controller, *device->edges_);
   if (parts.follow_edges) device->edges_->follow();
   ENAMEL_TRY_ASSIGN(device->camera_, RequestCamera::create(std::move(parts.camera), clock, profile.camera_config()));
   return device;
@@ -28,6 +28,7 @@ Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const
 BoardDevice::~BoardDevice() {
   light_->set_enabled(false);
   if (edges_) edges_->close_gate();
+  if (projector_) projector_->blank();
 }
 
 }  // namespace enamel::fw

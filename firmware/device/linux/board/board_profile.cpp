@@ -81,6 +81,10 @@ Result<BoardProfile> read_profile(const std::string& path) {
   bind_sensors(reader, profile);
   for (const std::string& fault : timing_faults(profile.timing)) reader.reject("camera.exposure_us", fault);
   ENAMEL_TRY(reader.finish());
+  if (profile.led_current.empty()) {
+    return fail(ErrorCode::kConfigValue,
+                path + ": sensors.led_current is needed: without it nobody knows whether the light is off");
+  }
   if (profile.rig.empty()) return fail(ErrorCode::kRigMissing, path + ": probe.rig names the calibration in force");
   profile.rig = (std::filesystem::path(path).parent_path() / profile.rig).string();
   return profile;

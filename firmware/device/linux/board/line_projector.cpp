@@ -11,6 +11,11 @@ Result<void> LineProjector::restart() {
   return controller_.start();
 }
 
+void LineProjector::blank() noexcept {
+  const std::lock_guard lock(mutex_);
+  controller_.blank();
+}
+
 ProjectorStatus LineProjector::status() const {
   const std::lock_guard lock(mutex_);
   const auto now = controller_.status();

@@ -19,6 +19,8 @@ class LineProjector final : public Projector {
     return {};
   }
   void disarm() noexcept override { edges_.disarm(); }
+  /// LEDs off at the controller, too.
+  void blank() noexcept;
   [[nodiscard]] Result<void> restart() override;
   [[nodiscard]] ProjectorStatus status() const override;
   [[nodiscard]] int pattern_set() const override { return 0; }

@@ -15,7 +15,7 @@
 namespace enamel::fw {
 namespace {
 
-constexpr std::size_t kAtOnce = 64;
+constexpr std::size_t kAtOnce = 64, kUnread = 4096;
 constexpr int kPollMs = 20, kBurst = 4;
 // An edge is stamped and queued in one interrupt: what happened this long ago has been queued.
 constexpr Nanoseconds kInterrupt{200'000};
@@ -66,6 +66,8 @@ void LineEdges::take_events() {
 /// Needs the lock, as what follows.
 void LineEdges::take(std::int64_t t_ns, std::uint32_t line, bool rising) {
   const DeviceTime t = device_time(t_ns);
+  // Nobody scans, yet a line is never quiet: what is old is of no use to the next scan.
+  if (edges_.size() >= kUnread) edges_.erase(edges_.begin(), edges_.begin() + kUnread / 2);
   if (line == lines_.strobe && rising) {
     edges_.push_back({EdgeKind::kStrobe, t, strobes_++});
     on_strobe();

@@ -28,8 +28,8 @@ class SysfsThermal final : public Thermal {
   ThermalFiles files_;
 };
 
-/// LED enable by a GPIO line, current by a file with mA. A current that cannot be read counts as flowing while the
-/// light is on and after it was switched off: whoever asks whether it is dark must not be told yes.
+/// LED enable by a GPIO line, current by a file with mA. A current that cannot be read counts as flowing: whoever asks
+/// whether it is dark must not be told yes.
 class LineLight final : public Light {
  public:
   LineLight(LineHandle enable, std::string current_file)
