@@ -127,7 +127,7 @@ Result<CameraFrame> Acquisition::frame_with_edges(std::vector<Edge>& edges, Devi
 }
 
 AcquisitionReport Acquisition::run_scan(const Request& request) {
-  BurstAssembler assembler(AssemblerConfig::for_mode(hw_.camera.mode(), stamp_delay_));
+  BurstAssembler assembler(AssemblerConfig::for_mode(hw_.camera.mode(), stamp_delay_, config_.max_delay_spread));
   sequencer_.start(request.limit);
   begun_seen_ = 0;
   if (auto restarted = hw_.projector.restart(); !restarted) return failed(ReplyStatus::kProjNotReady);
@@ -224,7 +224,7 @@ AcquisitionReport Acquisition::run_self_test() {
   if (aborted()) return done();
   if (hw_.light.sensed_ma() > 0) return {AcquisitionPhase::kFailed, ReplyStatus::kLedStuck, true};
   if (!lights_up) return failed(ReplyStatus::kProjLedFault);
-  const AssemblerConfig limits = AssemblerConfig::for_mode(hw_.camera.mode(), stamp_delay_);
+  const AssemblerConfig limits = AssemblerConfig::for_mode(hw_.camera.mode(), stamp_delay_, config_.max_delay_spread);
   for (int good = 0, tries = 0; good < 3; ++tries) {
     auto frame = hw_.camera.next_frame();
     if (aborted()) return done();

@@ -21,7 +21,7 @@ namespace enamel::fw {
 
 struct AcquisitionConfig {
   std::size_t calibration_frames = 200;
-  Nanoseconds max_delay_spread{100'000};
+  Nanoseconds max_delay_spread = kUsualStampSpread;
   int leaks_to_stuck = 3;   ///< dark frames in a row with light in them: the LED is stuck on
   int dark_led_frames = 3;  ///< frames in a row without current although switched on: the LED has failed
 };

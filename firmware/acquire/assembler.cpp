@@ -13,18 +13,20 @@ using proto::DropReason;
 
 constexpr std::size_t kMaxWaiting = 3;
 constexpr int kMemoryFrames = 32;
+constexpr int kScatter = 5;  // distance of two stamps, in median absolute deviations of one
 
 Nanoseconds exposure_of(const CameraFrame& frame) { return Nanoseconds{std::int64_t{frame.exposure_us} * 1000}; }
 
 }  // namespace
 
-AssemblerConfig AssemblerConfig::for_mode(const CameraMode& mode, Nanoseconds stamp_delay) {
+AssemblerConfig AssemblerConfig::for_mode(const CameraMode& mode, Nanoseconds stamp_delay, Nanoseconds max_spread) {
   AssemblerConfig c;
   c.width = mode.width;
   c.height = mode.height;
   c.bit_depth = mode.bit_depth;
   c.frame_period = mode.frame_period;
-  c.tol_period = mode.frame_period / 40;
+  const Nanoseconds scatter = std::max(Nanoseconds{0}, max_spread - kUsualStampSpread) * kScatter;
+  c.tol_period = std::min(mode.frame_period / 40 + scatter, mode.frame_period / 5);
   c.tol_association = mode.frame_period / 5;
   c.burst_timeout = mode.frame_period * 6;
   c.margin = std::min(Nanoseconds{25'000}, Nanoseconds{std::int64_t{mode.exposure_us} * 1000 / 50});

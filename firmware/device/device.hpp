@@ -28,6 +28,8 @@ class Device {
   [[nodiscard]] virtual DeviceIdentity identity() const = 0;
   /// rig.json of the calibration in force, byte for byte.
   [[nodiscard]] virtual const std::string& rig_text() const = 0;
+  /// How far its sensor's stamps may scatter (median absolute deviation) and still be trusted.
+  [[nodiscard]] virtual Nanoseconds max_stamp_spread() const { return kUsualStampSpread; }
   /// Hardware is never stretched.
   [[nodiscard]] virtual StretchCount stretched() const { return {}; }
 };

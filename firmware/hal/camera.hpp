@@ -34,6 +34,9 @@ struct CameraMode {
   std::uint32_t exposure_us = 0;
 };
 
+/// Median absolute deviation of a sensor's stamps that a board's drivers keep.
+inline constexpr Nanoseconds kUsualStampSpread{100'000};
+
 class Camera {
  public:
   virtual ~Camera() = default;

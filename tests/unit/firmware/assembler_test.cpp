@@ -176,6 +176,18 @@ TEST(Assembler, associates_the_same_whatever_the_order_of_arrival) {
   }
 }
 
+TEST(Assembler, tolerance_follows_the_scatter_that_a_devices_stamps_may_have) {
+  const CameraMode mode{16, 2, 8, Nanoseconds{200'000'000}, 50'000};
+  const auto tolerance = [&](std::int64_t spread_us) {
+    return AssemblerConfig::for_mode(mode, Nanoseconds{0}, Nanoseconds{spread_us * 1000}).tol_period;
+  };
+  EXPECT_EQ(AssemblerConfig::for_mode(mode, Nanoseconds{0}).tol_period, mode.frame_period / 40);
+  EXPECT_EQ(tolerance(100), mode.frame_period / 40);
+  EXPECT_EQ(tolerance(10), mode.frame_period / 40);
+  EXPECT_EQ(tolerance(2'100), mode.frame_period / 40 + Nanoseconds{10'000'000});
+  EXPECT_EQ(tolerance(50'000), mode.frame_period / 5) << "frames stay apart";
+}
+
 TEST(Assembler, abort_ends_every_opened_gate) {
   BurstAssembler assembler(AssemblerConfig::for_mode({16, 2, 8, Nanoseconds{kPeriodNs}, 3700}, Nanoseconds{20'000}));
   for (std::uint64_t i = 0; i < 3; ++i) {

@@ -133,7 +133,8 @@ class Dlpc347xModel final : public I2cBus {
     }
   }
   [[nodiscard]] Bytes validated(std::span<const std::uint8_t> message) const {
-    const std::uint32_t us = message[3] | (std::uint32_t{message[4]} << 8U);
+    std::uint32_t us = 0;
+    for (unsigned i = 0; i < 4; ++i) us |= std::uint32_t{message[3 + i]} << (8 * i);
     Bytes answer{static_cast<std::uint8_t>(us >= least_us && message[2] == 2 ? 1 : 0)};
     for (const std::uint32_t v : {least_us, 171U, 31U}) {
       for (unsigned i = 0; i < 4; ++i) answer.push_back(static_cast<std::uint8_t>((v >> (8 * i)) & 0xFFU));

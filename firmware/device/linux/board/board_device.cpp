@@ -9,6 +9,7 @@ Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const
   std::unique_ptr<BoardDevice> device(new BoardDevice);
   device->model_ = profile.model;
   device->rig_text_ = std::move(rig_text);
+  device->max_stamp_spread_ = Nanoseconds{static_cast<std::int64_t>(profile.max_stamp_spread_us * 1000)};
   device->light_ = std::move(parts.light);
   device->light_->set_enabled(false);
   device->thermal_ = std::move(parts.thermal);

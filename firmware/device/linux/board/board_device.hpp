@@ -32,6 +32,7 @@ class BoardDevice final : public Device {
   [[nodiscard]] Hardware hardware() noexcept override { return {*camera_, *projector_, *edges_, *light_, *thermal_}; }
   [[nodiscard]] DeviceIdentity identity() const override { return {model_, false}; }
   [[nodiscard]] const std::string& rig_text() const override { return rig_text_; }
+  [[nodiscard]] Nanoseconds max_stamp_spread() const override { return max_stamp_spread_; }
   [[nodiscard]] CameraCounts camera_counts() const { return camera_->counts(); }
   [[nodiscard]] std::uint64_t lost_edges() const { return edges_->lost(); }
 
@@ -39,6 +40,7 @@ class BoardDevice final : public Device {
   BoardDevice() = default;
 
   std::string model_, rig_text_;
+  Nanoseconds max_stamp_spread_{};
   std::unique_ptr<Light> light_;  ///< in order of dependence; the light goes off last of all, and first in ~BoardDevice
   std::unique_ptr<Thermal> thermal_;
   std::unique_ptr<I2cBus> bus_;

@@ -18,6 +18,8 @@ void bind_camera(ConfigReader& r, BoardProfile& p) {
   r.bind("camera.height", p.height, {16, 8192}, "pixels");
   r.bind("camera.buffers", p.buffers, {1, 64}, "requests in flight");
   r.bind("camera.gain", p.gain, {1.0, 16.0}, "analogue gain");
+  r.bind("camera.max_stamp_spread_us", p.max_stamp_spread_us, {1.0, 1e5},
+         "scatter of its stamps that is still trusted");
   r.bind("camera.exposure_us", p.timing.exposure_us, {10.0, 1e6}, "exposure, us");
   r.bind("camera.line_us", p.timing.line_us, {0.1, 1e4}, "time of a sensor line, us");
   r.bind("camera.frame_lines", p.timing.frame_lines, {16, 100000}, "lines of a frame, blanking included");

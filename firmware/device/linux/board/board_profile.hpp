@@ -19,7 +19,7 @@ struct BoardProfile {
 
   std::string camera = "any", format = "R8";
   int width = 640, height = 400, buffers = 8;
-  double gain = 1;
+  double gain = 1, max_stamp_spread_us = 100;
   TriggerTiming timing;
 
   std::string bus = "/dev/i2c-1", dmd = "DLP2010";
