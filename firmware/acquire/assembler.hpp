@@ -32,8 +32,8 @@ struct AssemblerConfig {
   Nanoseconds stamp_delay{20'000};  ///< sensor stamp minus end of exposure, as calibrated
   double dark_max_dn = 12.0;        ///< mean of a dark frame stays below
 
-  /// Tolerances in the proportions that hold at 249.8 Hz. A device whose stamps may scatter more than kUsualSpread gets
-  /// a wider tol_period, as far as frames stay apart.
+  /// Tolerances in the proportions that hold at 249.8 Hz. A device whose stamps may scatter more than kUsualStampSpread
+  /// gets a wider tol_period, as far as frames stay apart.
   [[nodiscard]] static AssemblerConfig for_mode(const CameraMode& mode, Nanoseconds stamp_delay,
                                                 Nanoseconds max_spread = kUsualStampSpread);
 };

@@ -38,10 +38,17 @@ void handle_signals() {
   sigaction(SIGALRM, &action, nullptr);
 }
 
-enamel::Result<int> run(const enamel::fw::ProbeOptions& options) {
-  if (options.self_test) return enamel::fw::ask_self_test(options, g_stop);
-  if (options.camera == "list") return enamel::fw::print_cameras(options.json);
-  return enamel::fw::run_probe(options, g_stop);
+enamel::Result<int> run(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "projector") {
+    handle_signals();
+    return enamel::fw::run_projector(argc - 1, argv + 1, g_stop);
+  }
+  ENAMEL_TRY_ASSIGN(const auto options, enamel::fw::parse_options(argc, argv));
+  if (!options) return 0;
+  handle_signals();
+  if (options->self_test) return enamel::fw::ask_self_test(*options, g_stop);
+  if (options->camera == "list") return enamel::fw::print_cameras(options->json);
+  return enamel::fw::run_probe(*options, g_stop);
 }
 
 int report(const enamel::Error& error) {
@@ -53,16 +60,7 @@ int report(const enamel::Error& error) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc > 1 && std::string_view(argv[1]) == "projector") {
-      handle_signals();
-      const auto code = enamel::fw::run_projector(argc - 1, argv + 1, g_stop);
-      return code ? enamel::with_stdout_written(*code) : report(code.error());
-    }
-    auto options = enamel::fw::parse_options(argc, argv);
-    if (!options) return report(options.error());
-    if (!*options) return enamel::with_stdout_written(0);
-    handle_signals();
-    const auto code = run(**options);
+    const auto code = run(argc, argv);
     return code ? enamel::with_stdout_written(*code) : report(code.error());
   } catch (const std::exception& e) {
     return report({enamel::ErrorCode::kInternal, e.what()});

@@ -20,18 +20,9 @@ namespace {
 /// Says what is missing: the camera, or everything else of a probe.
 Result<std::unique_ptr<Device>> only_a_camera(const std::string& name) {
 #ifdef ENAMEL_HAS_LIBCAMERA
-  ENAMEL_TRY_ASSIGN(const auto cameras, list_cameras());
-  std::string known;
-  for (const ListedCamera& c : cameras) {
-    if (c.id == name || c.model == name) {
-      return fail(ErrorCode::kUsage, "--camera " + name +
-                                         " is there, but a camera alone is no probe: write it into a " +
-                                         "profile as camera.id and give that with --profile");
-    }
-    known += (known.empty() ? "" : ", ") + c.id;
-  }
-  return fail(ErrorCode::kHal,
-              "no camera '" + name + "': " + (cameras.empty() ? why_no_camera() : "there is " + known));
+  ENAMEL_TRY(find_camera(name));
+  return fail(ErrorCode::kUsage, "--camera " + name + " is there, but a camera alone is no probe: write it into a " +
+                                     "profile as camera.id and give that with --profile");
 #else
   return fail(ErrorCode::kHal, "--camera " + name + ": this build has no libcamera (ENAMEL_WITH_LIBCAMERA is off)");
 #endif

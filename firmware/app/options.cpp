@@ -10,6 +10,7 @@ namespace enamel::fw {
 
 Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* argv) {
   ProbeOptions o;
+  dds::LinkChoice link;
   CLI::App app(
       "enamel-probe: the acquisition process of the probe. Waits for a host, scans when told to, publishes bursts.",
       "enamel-probe");
@@ -30,12 +31,12 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
   app.add_option("--seed", o.seed, "with --twin: another patient, path, tremor and noise");
   app.add_option("--serial", o.serial, "serial number; default: sim-<process id>");
   app.add_option(
-         "--link", o.link.link,
+         "--link", link.link,
          "network to the host: loopback, usb, wifi, or FILE.toml (default: loopback, or what CYCLONEDDS_URI says)")
       ->type_name("NAME|FILE");
-  app.add_option("--peer", o.link.peers, "with --link: address of the host, where it does not know the probe's")
+  app.add_option("--peer", link.peers, "with --link: address of the host, where it does not know the probe's")
       ->type_name("ADDRESS");
-  app.add_option("--dds-tag", o.link.tag, "only hosts with the same tag see this probe")->capture_default_str();
+  app.add_option("--dds-tag", link.tag, "only hosts with the same tag see this probe")->capture_default_str();
   app.add_option("--speed", o.speed, "time scale: 0.5 plays everything half as fast, exposures included")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
@@ -54,7 +55,7 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
   } catch (const CLI::ParseError& e) {
     return fail(ErrorCode::kUsage, e.what());
   }
-  ENAMEL_TRY(dds::participant_options(o.link, dds::LinkEnd::kProbe));
+  ENAMEL_TRY_ASSIGN(o.link, dds::participant_options(link, dds::LinkEnd::kProbe));
   if (o.serial.size() > 32) return fail(ErrorCode::kUsage, "--serial: at most 32 bytes");
   if (o.seed && o.twin_scene.empty()) return fail(ErrorCode::kUsage, "--seed goes with --twin");
   if (o.loops != 1 && o.capture.empty()) return fail(ErrorCode::kUsage, "--loops goes with --play");

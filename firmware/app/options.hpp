@@ -17,7 +17,7 @@ struct ProbeOptions {
   std::string profile;                ///< of the board that this runs on
   std::optional<std::uint64_t> seed;  ///< overrides the scene's
   std::string serial;
-  dds::LinkChoice link;
+  dds::ParticipantOptions link;
   double speed = 1.0;
   int loops = 1;
   std::optional<double> seconds;

@@ -27,7 +27,7 @@ proto::DeviceInfo device_info(const ProbeOptions& options, const Device& device)
   proto::DeviceInfo info;
   info.serial = options.serial;
   info.probe_id = crc_of(options.serial);
-  info.model = device.identity().model;
+  info.model = device.model();
   info.fw_version = kVersion;
   info.calibration_blob.assign(rig_text.begin(), rig_text.end());
   info.calib_crc32 = crc_of(rig_text);
@@ -177,8 +177,7 @@ Result<int> run_probe(const ProbeOptions& options, const std::atomic<bool>& stop
   ENAMEL_TRY_ASSIGN(auto gate, open_gate(options.scan_lock));
   ENAMEL_TRY_ASSIGN(const auto device, open_device(options, clock));
   const proto::DeviceInfo info = device_info(options, *device);
-  ENAMEL_TRY_ASSIGN(const auto dds_options, dds::participant_options(options.link, dds::LinkEnd::kProbe));
-  ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(dds_options));
+  ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(options.link));
   ENAMEL_TRY_ASSIGN(const auto probe, assemble(*device, clock, participant, info, std::move(gate)));
   const CameraMode mode = device->hardware().camera.mode();
   log::info("probe", "serial {}, id {:08x}, {}x{} at {:.1f} Hz, speed {}", info.serial, info.probe_id, mode.width,

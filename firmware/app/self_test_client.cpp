@@ -130,8 +130,7 @@ class Client {
 }  // namespace
 
 Result<int> ask_self_test(const ProbeOptions& options, const std::atomic<bool>& stop) {
-  ENAMEL_TRY_ASSIGN(const auto dds_options, dds::participant_options(options.link, dds::LinkEnd::kProbe));
-  ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(dds_options));
+  ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(options.link));
   ENAMEL_TRY_ASSIGN(auto infos, dds::Reader<proto::DeviceInfo>::create(participant));
   ENAMEL_TRY_ASSIGN(auto statuses, dds::Reader<proto::Status>::create(participant));
   ENAMEL_TRY_ASSIGN(auto replies, dds::Reader<proto::CommandReply>::create(participant));

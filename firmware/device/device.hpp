@@ -9,11 +9,6 @@
 
 namespace enamel::fw {
 
-struct DeviceIdentity {
-  std::string model;       ///< as a person would call it
-  bool simulated = false;  ///< the light never was; pictures and exports then say SIMULATED
-};
-
 /// Time that a slow source or machine cost a simulated device: everything later moved by it.
 struct StretchCount {
   std::uint64_t times = 0;
@@ -25,7 +20,8 @@ class Device {
  public:
   virtual ~Device() = default;
   [[nodiscard]] virtual Hardware hardware() noexcept = 0;
-  [[nodiscard]] virtual DeviceIdentity identity() const = 0;
+  /// As a person would call it; ends with SIMULATED where the light never was, and pictures and exports then say so.
+  [[nodiscard]] virtual std::string model() const = 0;
   /// rig.json of the calibration in force, byte for byte.
   [[nodiscard]] virtual const std::string& rig_text() const = 0;
   /// How far its sensor's stamps may scatter (median absolute deviation) and still be trusted.

@@ -4,7 +4,6 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -23,16 +22,12 @@ constexpr const char* kUsbNetwork = "169.254.77.0/24";
 
 // Datagrams below the MTU of Ethernet, and fragments that fit one each: of a datagram that the kernel cuts into ten,
 // one lost packet loses all, and the pieces of others wait thirty seconds for it.
-LinkProfile datagrams_below_mtu(LinkProfile profile) {
+LinkProfile usb() {
+  LinkProfile profile;
+  profile.name = "usb";
   profile.message_bytes = 1456;
   profile.fragment_bytes = 1344;
   profile.send_window_mb = 8;
-  return profile;
-}
-
-LinkProfile usb() {
-  LinkProfile profile = datagrams_below_mtu({});
-  profile.name = "usb";
   profile.interface = kUsbNetwork;
   profile.peers.clear();
   profile.multicast = true;
@@ -85,6 +80,12 @@ std::optional<std::uint32_t> ipv4(const std::string& text) {
   return ntohl(address.s_addr);
 }
 
+std::string text_of(const sockaddr_in& address) {
+  std::array<char, INET_ADDRSTRLEN> text{};
+  ::inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size());
+  return text.data();
+}
+
 struct Network {
   std::uint32_t address = 0;
   std::uint32_t mask = 0;
@@ -106,11 +107,9 @@ std::optional<Network> network(const std::string& text) {
 /// Address from which this machine would talk to `peer`; nothing is sent.
 std::optional<std::string> own_address_towards(const std::string& peer) {
   const auto to = ipv4(peer);
+  if (!to) return std::nullopt;
   const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (!to || fd < 0) {
-    if (fd >= 0) ::close(fd);
-    return std::nullopt;
-  }
+  if (fd < 0) return std::nullopt;
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(9);
@@ -123,25 +122,26 @@ std::optional<std::string> own_address_towards(const std::string& peer) {
   ::close(fd);
   if (!routed) return std::nullopt;
   std::memcpy(&address, &storage, sizeof address);
-  std::string text(INET_ADDRSTRLEN, '\0');
-  ::inet_ntop(AF_INET, &address.sin_addr, text.data(), INET_ADDRSTRLEN);
-  return text.substr(0, text.find('\0'));
+  return text_of(address);
 }
 
-int mtu_of(const char* name) {
-  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (fd < 0) return 0;
-  ifreq request{};
-  std::strncpy(request.ifr_name, name, IFNAMSIZ - 1);
-  const int mtu = ::ioctl(fd, SIOCGIFMTU, &request) == 0 ? request.ifr_mtu : 0;
-  ::close(fd);
-  return mtu;
-}
+struct Interface {
+  std::string name;
+  std::string address;
+};
 
-std::string listed(const std::vector<Interface>& all) {
-  std::string text;
-  for (const Interface& i : all) text += (text.empty() ? "" : ", ") + i.name + " " + i.address;
-  return text.empty() ? "none" : text;
+std::vector<Interface> interfaces() {
+  std::vector<Interface> found;
+  ifaddrs* list = nullptr;
+  if (::getifaddrs(&list) != 0) return found;
+  for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
+    if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET || (i->ifa_flags & IFF_UP) == 0) continue;
+    sockaddr_in address{};
+    std::memcpy(&address, i->ifa_addr, sizeof address);
+    found.push_back({i->ifa_name, text_of(address)});
+  }
+  ::freeifaddrs(list);
+  return found;
 }
 
 std::optional<std::string> find(const LinkProfile& profile, const std::vector<Interface>& all) {
@@ -175,25 +175,14 @@ Result<LinkProfile> read_link(const std::string& name_or_file) {
   return fail(ErrorCode::kUsage, "--link " + name_or_file + ": loopback, usb, wifi or a file that ends in .toml");
 }
 
-std::vector<Interface> interfaces() {
-  std::vector<Interface> found;
-  ifaddrs* list = nullptr;
-  if (::getifaddrs(&list) != 0) return found;
-  for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
-    if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET || (i->ifa_flags & IFF_UP) == 0) continue;
-    sockaddr_in address{};
-    std::memcpy(&address, i->ifa_addr, sizeof address);
-    std::array<char, INET_ADDRSTRLEN> text{};
-    ::inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size());
-    found.push_back({i->ifa_name, text.data(), mtu_of(i->ifa_name)});
-  }
-  ::freeifaddrs(list);
-  return found;
+std::string interfaces_text() {
+  std::string text;
+  for (const Interface& i : interfaces()) text += (text.empty() ? "" : ", ") + i.name + " " + i.address;
+  return text.empty() ? "none" : text;
 }
 
 Result<std::string> interface_of(const LinkProfile& profile) {
-  const auto all = interfaces();
-  if (auto name = find(profile, all)) return *name;
+  if (auto name = find(profile, interfaces())) return *name;
   std::string what = "no network interface " + profile.interface + " that is up and has an IPv4 address";
   if (profile.name == "usb") {
     what =
@@ -201,7 +190,7 @@ Result<std::string> interface_of(const LinkProfile& profile) {
   } else if (profile.interface == "lo") {
     what = "the loopback interface is not up (ip link set lo up)";
   }
-  return fail(ErrorCode::kDds, "link " + profile.name + ": " + what + "; there is: " + listed(all));
+  return fail(ErrorCode::kDds, "link " + profile.name + ": " + what + "; there is: " + interfaces_text());
 }
 
 std::string proposed_link() { return find(usb(), interfaces()) ? "usb" : "loopback"; }

@@ -11,13 +11,13 @@ namespace enamel::dds {
 /// Sizes and times are Cyclone's; what each does: docs/link.md.
 struct LinkProfile {
   std::string name = "loopback";
-  std::string interface =
-      "lo";  ///< a name; a network (169.254.77.0/24): the interface that has an address in it; "auto"
+  /// A name; a network (169.254.77.0/24): the interface that has an address in it; "auto".
+  std::string interface = "lo";
   std::vector<std::string> peers{"127.0.0.1"};  ///< asked directly; one end's suffices
   bool multicast = false;                       ///< for finding each other; data is always sent to the one who reads it
   int max_participants = 60;                    ///< on one address: ports asked at each peer
-  int message_bytes =
-      65500;  ///< a datagram. Beyond the interface's MTU the kernel cuts it up, and one lost piece loses all
+  /// A datagram. Beyond the interface's MTU the kernel cuts it up, and one lost piece loses all.
+  int message_bytes = 65500;
   int fragment_bytes = 65000;
   int nack_delay_ms = 5;    ///< from a gap seen to asking again
   int heartbeat_ms = 20;    ///< from a write to telling the reader how far it goes
@@ -31,13 +31,8 @@ struct LinkProfile {
 /// The interface's name on this machine, now. Errors: kDds with the interfaces there are.
 [[nodiscard]] Result<std::string> interface_of(const LinkProfile& profile);
 
-/// Interfaces that are up, with an IPv4 address each: "lo 127.0.0.1".
-struct Interface {
-  std::string name;
-  std::string address;
-  int mtu = 0;
-};
-[[nodiscard]] std::vector<Interface> interfaces();
+/// Interfaces that are up, with an IPv4 address each: "lo 127.0.0.1, usb0 169.254.77.2"; "none".
+[[nodiscard]] std::string interfaces_text();
 
 /// The profile that fits what is plugged in: usb where its network is there, else loopback.
 [[nodiscard]] std::string proposed_link();

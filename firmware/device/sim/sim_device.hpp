@@ -66,9 +66,7 @@ class SimDevice final : public Device,
 
   // Device
   [[nodiscard]] Hardware hardware() noexcept override { return {*this, *this, *this, *this, *this}; }
-  [[nodiscard]] DeviceIdentity identity() const override {
-    return {config_.model + (feed_->simulated() ? ", SIMULATED" : ""), feed_->simulated()};
-  }
+  [[nodiscard]] std::string model() const override { return config_.model + (feed_->simulated() ? ", SIMULATED" : ""); }
   [[nodiscard]] const std::string& rig_text() const noexcept override { return feed_->rig_text(); }
   [[nodiscard]] StretchCount stretched() const override;
   /// Thread-safe; takes effect with the next frame.

@@ -30,10 +30,9 @@ class BoardDevice final : public Device {
   ~BoardDevice() override;
 
   [[nodiscard]] Hardware hardware() noexcept override { return {*camera_, *projector_, *edges_, *light_, *thermal_}; }
-  [[nodiscard]] DeviceIdentity identity() const override { return {model_, false}; }
+  [[nodiscard]] std::string model() const override { return model_; }
   [[nodiscard]] const std::string& rig_text() const override { return rig_text_; }
   [[nodiscard]] Nanoseconds max_stamp_spread() const override { return max_stamp_spread_; }
-  [[nodiscard]] CameraCounts camera_counts() const { return camera_->counts(); }
   [[nodiscard]] std::uint64_t lost_edges() const { return edges_->lost(); }
 
  private:

@@ -32,17 +32,19 @@ Result<std::vector<ListedCamera>> list_cameras() {
     ListedCamera listed{camera->id(), model_of(*camera), {}, {}};
     // Formats can be asked for without acquiring: a camera in use is listed as well.
     if (const auto config = camera->generateConfiguration({libcamera::StreamRole::Raw}); config && !config->empty()) {
-      for (const auto& format : config->at(0).formats().pixelformats()) {
-        for (const auto& size : config->at(0).formats().sizes(format)) {
-          listed.modes.push_back(format.toString() + " " + size.toString());
-        }
-      }
+      listed.modes = modes_of(config->at(0));
     }
     for (const auto& [id, info] : camera->controls()) listed.controls.push_back(id->name());
     std::sort(listed.controls.begin(), listed.controls.end());
     list.push_back(std::move(listed));
   }
   return list;
+}
+
+Result<void> find_camera(const std::string& name) {
+  ENAMEL_TRY_ASSIGN(const auto runtime, CameraRuntime::get());
+  ENAMEL_TRY(runtime->find(name));
+  return {};
 }
 
 std::string why_no_camera(const std::string& dev, const std::string& sys) {

@@ -44,6 +44,13 @@ Error refused(const std::string& what, int error) {
   return {ErrorCode::kHal, "camera: " + what + ": " + std::strerror(error < 0 ? -error : error)};
 }
 
+std::string some_of(const std::vector<std::string>& modes) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(modes.size(), kModesTold); ++i) text += (i == 0 ? "" : ", ") + modes[i];
+  if (modes.size() > kModesTold) text += ", …";
+  return text.empty() ? "nothing" : text;
+}
+
 /// A buffer's memory, mapped from its file's begin: planes may share one file.
 class Mapping {
  public:
@@ -118,7 +125,7 @@ Result<void> LibcameraSource::Parts::configure(const StreamWish& wish) {
   if (!config || config->empty()) config = camera->generateConfiguration({lc::StreamRole::Viewfinder});
   if (!config || config->empty()) return fail(ErrorCode::kHal, "camera " + camera->id() + " offers no stream");
   lc::StreamConfiguration& stream = config->at(0);
-  const std::string offered = modes_text(stream, kModesTold);
+  const std::string offered = some_of(modes_of(stream));
   const lc::Size size(static_cast<unsigned>(wish.width), static_cast<unsigned>(wish.height));
   stream.pixelFormat = raw->format;
   stream.size = size;

@@ -43,16 +43,14 @@ Result<std::shared_ptr<libcamera::Camera>> CameraRuntime::find(const std::string
   return fail(ErrorCode::kHal, "'" + name + "' is " + std::to_string(fits.size()) + " cameras; name one of " + known);
 }
 
-std::string modes_text(const libcamera::StreamConfiguration& stream, std::size_t limit) {
-  std::string text;
-  std::size_t count = 0;
+std::vector<std::string> modes_of(const libcamera::StreamConfiguration& stream) {
+  std::vector<std::string> modes;
   for (const libcamera::PixelFormat& format : stream.formats().pixelformats()) {
     for (const libcamera::Size& size : stream.formats().sizes(format)) {
-      if (count++ == limit) return text + ", …";
-      text += (text.empty() ? "" : ", ") + format.toString() + " " + size.toString();
+      modes.push_back(format.toString() + " " + size.toString());
     }
   }
-  return text.empty() ? "nothing" : text;
+  return modes;
 }
 
 std::string model_of(const libcamera::Camera& camera) {

@@ -29,8 +29,8 @@ class CameraRuntime {
   bool started_ = false;
 };
 
-/// "R8 640x480, R10 1280x800 …": raw and grey modes first; at most `limit` of them.
-[[nodiscard]] std::string modes_text(const libcamera::StreamConfiguration& stream, std::size_t limit);
+/// "R8 640x480", "R10 1280x800" …
+[[nodiscard]] std::vector<std::string> modes_of(const libcamera::StreamConfiguration& stream);
 [[nodiscard]] std::string model_of(const libcamera::Camera& camera);
 
 }  // namespace enamel::fw
