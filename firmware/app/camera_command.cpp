@@ -42,7 +42,7 @@ Result<int> print_cameras(bool json) {
     }
   }
   if (!list.empty()) return 0;
-  return fail(ErrorCode::kHal, "no camera: " + why);
+  return fail(ErrorCode::kCamera, "no camera: " + why);
 }
 #else
 Result<int> print_cameras(bool) {

@@ -43,7 +43,7 @@ class Camera {
   [[nodiscard]] virtual CameraMode mode() const = 0;
   [[nodiscard]] virtual Result<void> start() = 0;
   virtual void stop() noexcept = 0;
-  /// Waits for the next frame. Errors: kHal on time-out or disconnection, kCancelled after stop() or at the end of a
+  /// Waits for the next frame. Errors: kCamera on time-out or disconnection, kCancelled after stop() or at the end of a
   /// finite source.
   [[nodiscard]] virtual Result<CameraFrame> next_frame() = 0;
 };

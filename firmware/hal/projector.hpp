@@ -16,12 +16,12 @@ class Projector {
  public:
   virtual ~Projector() = default;
   /// Opens the gate for one burst of four frames at the next opportunity; the edge stream tells when (EdgeKind::kGate).
-  /// At most one burst is armed at a time. Errors: kHal; kCancelled when a finite source has no further burst.
+  /// At most one burst is armed at a time. Errors: kProjector; kCancelled when a finite source has no further burst.
   [[nodiscard]] virtual Result<void> arm() = 0;
   /// Takes an armed burst back if its gate has not opened yet.
   virtual void disarm() noexcept = 0;
   /// Closes the gate at once, should it be open, and takes the sequence back to its start: the next burst begins with
-  /// pattern 0. Errors: kHal.
+  /// pattern 0. Errors: kProjector.
   [[nodiscard]] virtual Result<void> restart() = 0;
   [[nodiscard]] virtual ProjectorStatus status() const = 0;
   /// Index of the pattern set shown, in the rig's list.

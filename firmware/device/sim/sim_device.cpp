@@ -81,7 +81,7 @@ void SimDevice::set_faults(SimFaults faults) {
 
 Result<void> SimDevice::start() {
   const std::lock_guard lock(mutex_);
-  if (faults_.camera_unplugged) return fail(ErrorCode::kHal, "camera disconnected");
+  if (faults_.camera_unplugged) return fail(ErrorCode::kCamera, "camera disconnected");
   running_ = true;
   startup_left_ = config_.startup_frames;
   last_start_ = device_now(clock_) - mode_.frame_period;
@@ -106,7 +106,7 @@ Result<CameraFrame> SimDevice::next_frame() {
     {
       const std::lock_guard lock(mutex_);
       if (!running_) return fail(ErrorCode::kCancelled, "camera stopped");
-      if (faults_.camera_unplugged) return fail(ErrorCode::kHal, "camera disconnected");
+      if (faults_.camera_unplugged) return fail(ErrorCode::kCamera, "camera disconnected");
       if (!delivered_.empty()) {
         CameraFrame frame = std::move(delivered_.front());
         delivered_.pop_front();

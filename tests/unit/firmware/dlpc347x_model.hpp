@@ -86,7 +86,7 @@ class Dlpc347xModel final : public I2cBus {
  private:
   [[nodiscard]] Result<void> transaction() {
     const int n = transactions_++;
-    if (n < boots_after || (refuses && refuses(n))) return fail(ErrorCode::kHal, "no answer");
+    if (n < boots_after || (refuses && refuses(n))) return fail(ErrorCode::kProjector, "no answer");
     return {};
   }
   [[nodiscard]] Bytes reply(std::span<const std::uint8_t> message) {

@@ -83,7 +83,7 @@ TEST_F(Projector347x, says_what_a_pattern_needs) {
   EXPECT_TRUE(projector.validate({}).has_value());
   const auto shorter = projector.validate({.illum_us = 1000});
   ASSERT_FALSE(shorter.has_value());
-  EXPECT_EQ(shorter.error().code, ErrorCode::kPatternSet);
+  EXPECT_EQ(shorter.error().code, ErrorCode::kBoardTiming);
   EXPECT_THAT(shorter.error().detail, HasSubstr("it needs 1677, 171 and 31"));
   EXPECT_FALSE(projector.validate({.pre_us = 100}).has_value());
   EXPECT_FALSE(projector.validate({.bits = 7}).has_value());
@@ -218,7 +218,7 @@ TEST(TriggerTiming, of_the_probes_fits_and_says_what_does_not) {
 TEST(I2c, bus_that_is_not_there_is_told_with_the_remedy) {
   const auto bus = open_i2c("/dev/i2c-nosuch", kDlpcAddress);
   ASSERT_FALSE(bus.has_value());
-  EXPECT_EQ(bus.error().code, ErrorCode::kHal);
+  EXPECT_EQ(bus.error().code, ErrorCode::kProjector);
   EXPECT_THAT(bus.error().detail, HasSubstr("device tree"));
   EXPECT_FALSE(open_i2c("/dev/null", kDlpcAddress).has_value());
 }

@@ -28,7 +28,7 @@ class FakeRequestSource final : public RequestSource {
   }
   [[nodiscard]] Result<void> start(const CameraControls& controls, CompletionSink& sink) override {
     ++starts;
-    if (refuse_start) return fail(ErrorCode::kHal, "refused");
+    if (refuse_start) return fail(ErrorCode::kCamera, "refused");
     now_ = controls;
     sink_ = &sink;
     sequence_ = 0;
@@ -45,7 +45,7 @@ class FakeRequestSource final : public RequestSource {
     }
   }
   [[nodiscard]] Result<void> queue(int slot, const std::optional<CameraControls>& change) override {
-    if (refuse_queue) return fail(ErrorCode::kHal, "refused");
+    if (refuse_queue) return fail(ErrorCode::kCamera, "refused");
     queued_.push_back(slot);
     if (change) changes.push_back(*change);
     if (change) now_ = *change;

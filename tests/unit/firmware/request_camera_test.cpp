@@ -113,7 +113,7 @@ TEST_F(RequestCameraTest, camera_that_stays_silent_fails_after_bounded_restarts)
   make();
   const auto frame = camera->next_frame();
   ASSERT_FALSE(frame.has_value());
-  EXPECT_EQ(frame.error().code, ErrorCode::kHal);
+  EXPECT_EQ(frame.error().code, ErrorCode::kCamera);
   EXPECT_THAT(frame.error().detail, testing::HasSubstr("2 restarts"));
   EXPECT_EQ(source->starts, 3);
 }

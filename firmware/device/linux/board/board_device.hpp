@@ -23,8 +23,8 @@ struct BoardParts {
 
 class BoardDevice final : public Device {
  public:
-  /// Opens the projector, arms it and makes the camera; the light stays off. Errors: kHal, kPatternSet (the projector
-  /// cannot show this timing).
+  /// Opens the projector, arms it and makes the camera; the light stays off. Errors: kProjector, kBoardTiming (the
+  /// projector cannot show it), kCamera.
   [[nodiscard]] static Result<std::unique_ptr<BoardDevice>> create(BoardParts parts, const BoardProfile& profile,
                                                                    std::string rig_text, Clock& clock);
   ~BoardDevice() override;

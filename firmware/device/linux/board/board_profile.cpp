@@ -1,5 +1,7 @@
 #include "firmware/device/linux/board/board_profile.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -81,8 +83,10 @@ Result<BoardProfile> read_profile(const std::string& path) {
   bind_projector(reader, profile);
   bind_lines(reader, profile);
   bind_sensors(reader, profile);
-  for (const std::string& fault : timing_faults(profile.timing)) reader.reject("camera.exposure_us", fault);
   ENAMEL_TRY(reader.finish());
+  if (const auto faults = timing_faults(profile.timing); !faults.empty()) {
+    return fail(ErrorCode::kBoardTiming, fmt::format("{}: {}", path, fmt::join(faults, "; ")));
+  }
   if (profile.led_current.empty()) {
     return fail(ErrorCode::kConfigValue,
                 path + ": sensors.led_current is needed: without it nobody knows whether the light is off");

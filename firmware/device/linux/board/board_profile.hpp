@@ -36,7 +36,7 @@ struct BoardProfile {
   [[nodiscard]] RequestCameraConfig camera_config() const;
 };
 
-/// Errors: those of the file; kConfigValue with every inequality of the timing that fails, and for lines named twice.
+/// Errors: those of the file; kBoardTiming with every inequality that fails.
 [[nodiscard]] Result<BoardProfile> read_profile(const std::string& path);
 
 }  // namespace enamel::fw

@@ -5,7 +5,7 @@
 
 namespace enamel::fw {
 
-/// Errors: kHal and those of the rig; the light is off then.
+/// Errors: kBoardLine, kCamera, kProjector, kBoardTiming and those of the rig; the light is off then.
 [[nodiscard]] Result<std::unique_ptr<Device>> open_board(const BoardProfile& profile, Clock& clock);
 
 }  // namespace enamel::fw

@@ -30,7 +30,7 @@ Result<std::unique_ptr<RequestCamera>> RequestCamera::create(std::shared_ptr<Req
                                                              const RequestCameraConfig& config) {
   ENAMEL_TRY(check(config.controls));
   const int event = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-  if (event < 0) return fail(ErrorCode::kHal, std::string("eventfd: ") + std::strerror(errno));
+  if (event < 0) return fail(ErrorCode::kCamera, std::string("eventfd: ") + std::strerror(errno));
   return std::unique_ptr<RequestCamera>(new RequestCamera(std::move(source), clock, config, event));
 }
 
@@ -56,7 +56,7 @@ CameraMode RequestCamera::mode() const {
 }
 
 Result<void> RequestCamera::start() {
-  if (gone_.load(std::memory_order_acquire)) return fail(ErrorCode::kHal, "camera disconnected");
+  if (gone_.load(std::memory_order_acquire)) return fail(ErrorCode::kCamera, "camera disconnected");
   restarts_in_a_row_ = 0;
   running_.store(true, std::memory_order_release);
   return open();
@@ -120,7 +120,7 @@ Result<CameraFrame> RequestCamera::next_frame() {
       case Wait::kStopped:
         return fail(ErrorCode::kCancelled, "camera stopped");
       case Wait::kGone:
-        return fail(ErrorCode::kHal, "camera disconnected");
+        return fail(ErrorCode::kCamera, "camera disconnected");
       case Wait::kTimeout:
         ENAMEL_TRY(restart());
         break;
@@ -138,11 +138,11 @@ Result<void> RequestCamera::restart() {
   if (desk_->lent() == slots_) {
     const std::lock_guard lock(mutex_);
     ++counts_.starved;
-    return fail(ErrorCode::kHal, "camera starved: all of its buffers are lent and none comes back");
+    return fail(ErrorCode::kCamera, "camera starved: all of its buffers are lent and none comes back");
   }
   if (restarts_in_a_row_ >= config_.restarts) {
-    return fail(ErrorCode::kHal, "camera delivers no frame, not even after " + std::to_string(restarts_in_a_row_) +
-                                     " restarts: is its cable seated, is the trigger it waits for there?");
+    return fail(ErrorCode::kCamera, "camera delivers no frame, not even after " + std::to_string(restarts_in_a_row_) +
+                                        " restarts: is its cable seated, is the trigger it waits for there?");
   }
   const Nanoseconds pause = config_.first_pause * (1 << restarts_in_a_row_);
   ++restarts_in_a_row_;

@@ -21,7 +21,7 @@ struct RequestCameraConfig {
   int control_delay = 2;     ///< frames from a request that changes exposure or gain to those that show it
   int missing_periods = 25;  ///< no frame for so long: the camera has stopped …
   Nanoseconds least_wait{100'000'000};  ///< … or for so long, where that is more
-  int restarts = 3;                     ///< in a row, then kHal
+  int restarts = 3;                     ///< in a row, then kCamera
   Nanoseconds first_pause{50'000'000};  ///< before the first of them, twice as long before each further one
 };
 
@@ -37,7 +37,7 @@ struct CameraCounts {
 /// stop() from any thread, all else from one.
 class RequestCamera final : public Camera, private CompletionSink {
  public:
-  /// Errors: kHal when the system refuses an eventfd; kConfigValue for controls that contradict each other.
+  /// Errors: kCamera when the system refuses an eventfd; kConfigValue for controls that contradict each other.
   [[nodiscard]] static Result<std::unique_ptr<RequestCamera>> create(std::shared_ptr<RequestSource> source,
                                                                      Clock& clock, const RequestCameraConfig& config);
   ~RequestCamera() override;

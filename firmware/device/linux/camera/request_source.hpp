@@ -54,11 +54,11 @@ class RequestSource {
   [[nodiscard]] virtual int slots() const = 0;
   /// Of a slot's buffer; valid as long as the source lives.
   [[nodiscard]] virtual std::span<const std::uint8_t> memory(int slot) const = 0;
-  /// Errors: kHal.
+  /// Errors: kCamera.
   [[nodiscard]] virtual Result<void> start(const CameraControls& controls, CompletionSink& sink) = 0;
   /// Completes what is queued as kCancelled before it returns.
   virtual void stop() noexcept = 0;
-  /// `change`: controls that travel with this request. Errors: kHal.
+  /// `change`: controls that travel with this request. Errors: kCamera.
   [[nodiscard]] virtual Result<void> queue(int slot, const std::optional<CameraControls>& change) = 0;
 };
 

@@ -62,7 +62,7 @@ Bytes three_leds(std::uint16_t code, std::uint8_t leds) {
   return b;
 }
 
-tl::unexpected<Error> refused(const std::string& what) { return fail(ErrorCode::kHal, "projector: " + what); }
+tl::unexpected<Error> refused(const std::string& what) { return fail(ErrorCode::kProjector, "projector: " + what); }
 
 }  // namespace
 
@@ -139,14 +139,14 @@ Result<void> Dlpc347x::limit_light() {
 
 Result<void> Dlpc347x::validate(const PatternTiming& timing) {
   const auto type = sequence_type(timing.bits);
-  if (!type) return fail(ErrorCode::kPatternSet, fmt::format("projector: no sequence of {} bits", timing.bits));
+  if (!type) return fail(ErrorCode::kBoardTiming, fmt::format("projector: no sequence of {} bits", timing.bits));
   Bytes ask{kInternal, *type};
   put(ask, timing.illum_us, 4);
   ENAMEL_TRY_ASSIGN(const Bytes answer, read(kReadValidateExposure, ask, 13));
   const std::uint32_t least = u32(answer, 1), pre = u32(answer, 5), post = u32(answer, 9);
   if ((answer[0] & 1U) != 0 && timing.illum_us >= least && timing.pre_us >= pre && timing.post_us >= post) return {};
   return fail(
-      ErrorCode::kPatternSet,
+      ErrorCode::kBoardTiming,
       fmt::format("projector: {} bits in {} us, {} us before, {} us after are not possible; it needs {}, {} and {}",
                   timing.bits, timing.illum_us, timing.pre_us, timing.post_us, least, pre, post));
 }

@@ -38,14 +38,15 @@ struct InternalStatus {
   int patterns_shown = 0;  ///< of the current set
 };
 
-/// One thread. Every call has a deadline. Errors: kHal with what the controller refused; kPatternSet from validate().
+/// One thread. Every call has a deadline. Errors: kProjector with what the controller refused; kBoardTiming from
+/// validate().
 class Dlpc347x {
  public:
   /// Waits for the controller to boot (at most 3 s), checks what it is, then sets what a measurement needs: LEDs by
   /// hand, under the ceiling, and everything off that makes brightness depend on content. The light stays off.
   [[nodiscard]] static Result<Dlpc347x> open(I2cBus& bus, Clock& clock, const ProjectorLimits& limits);
 
-  /// Asks the controller whether it can show this. kPatternSet with what it needs instead.
+  /// Asks the controller whether it can show this. kBoardTiming with what it needs instead.
   [[nodiscard]] Result<void> validate(const PatternTiming& timing);
   /// Writes the block into flash and reads it back. Takes seconds.
   [[nodiscard]] Result<void> load(std::span<const std::uint8_t> block);

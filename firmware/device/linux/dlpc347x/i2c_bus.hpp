@@ -14,15 +14,15 @@ namespace enamel::fw {
 class I2cBus {
  public:
   virtual ~I2cBus() = default;
-  /// Errors: kHal.
+  /// Errors: kProjector.
   [[nodiscard]] virtual Result<void> write(std::span<const std::uint8_t> bytes) = 0;
-  /// Writes, then reads in a transaction of its own: DLPC controllers do not take a repeated start. Errors: kHal.
+  /// Writes, then reads in a transaction of its own: DLPC controllers do not take a repeated start. Errors: kProjector.
   [[nodiscard]] virtual Result<void> write_read(std::span<const std::uint8_t> bytes,
                                                 std::span<std::uint8_t> answer) = 0;
 };
 
-/// /dev/i2c-N by I2C_RDWR. `address`: seven bits. Errors: kHal with the remedy (no such bus, no permission, bus busy,
-/// no answer).
+/// /dev/i2c-N by I2C_RDWR. `address`: seven bits. Errors: kProjector with the remedy (no such bus, no permission, bus
+/// busy, no answer).
 [[nodiscard]] Result<std::unique_ptr<I2cBus>> open_i2c(const std::string& path, std::uint8_t address);
 
 }  // namespace enamel::fw

@@ -59,7 +59,7 @@ class I2cDev final : public I2cBus {
     i2c_msg message{address_, flags, static_cast<std::uint16_t>(bytes.size()), bytes.data()};
     i2c_rdwr_ioctl_data data{&message, 1};
     if (::ioctl(fd_, I2C_RDWR, &data) == 1) return {};
-    return fail(ErrorCode::kHal, "projector on " + path_ + ": " + remedy(errno));
+    return fail(ErrorCode::kProjector, "projector on " + path_ + ": " + remedy(errno));
   }
 
   int fd_;
@@ -71,12 +71,12 @@ class I2cDev final : public I2cBus {
 
 Result<std::unique_ptr<I2cBus>> open_i2c(const std::string& path, std::uint8_t address) {
   const int fd = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (fd < 0) return fail(ErrorCode::kHal, "projector on " + path + ": " + remedy(errno));
+  if (fd < 0) return fail(ErrorCode::kProjector, "projector on " + path + ": " + remedy(errno));
   unsigned long functions = 0;
   const bool plain = ::ioctl(fd, I2C_FUNCS, &functions) == 0 && (functions & I2C_FUNC_I2C) != 0;
   if (!plain || ::ioctl(fd, I2C_TIMEOUT, kTimeout) != 0 || ::ioctl(fd, I2C_RETRIES, kRetries) != 0) {
     ::close(fd);
-    return fail(ErrorCode::kHal, "projector on " + path + ": no I2C bus that takes plain messages");
+    return fail(ErrorCode::kProjector, "projector on " + path + ": no I2C bus that takes plain messages");
   }
   return std::unique_ptr<I2cBus>(std::make_unique<I2cDev>(fd, path, address));
 }

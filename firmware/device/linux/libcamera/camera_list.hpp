@@ -15,10 +15,10 @@ struct ListedCamera {
   std::vector<std::string> controls;
 };
 
-/// Cameras that libcamera drives here. Errors: kHal when it does not start. Empty: see why_no_camera().
+/// Cameras that libcamera drives here. Errors: kCamera when it does not start. Empty: see why_no_camera().
 [[nodiscard]] Result<std::vector<ListedCamera>> list_cameras();
 
-/// There is one camera of this id or model. Errors: kHal, with those there are or why there is none.
+/// There is one camera of this id or model. Errors: kCamera, with those there are or why there is none.
 [[nodiscard]] Result<void> find_camera(const std::string& name);
 
 /// What the system lacks for a camera to be there, in a sentence with a remedy. Looks below `dev` and `sys`.

@@ -41,7 +41,7 @@ Result<const RawFormat*> raw_format(const std::string& name) {
 }
 
 Error refused(const std::string& what, int error) {
-  return {ErrorCode::kHal, "camera: " + what + ": " + std::strerror(error < 0 ? -error : error)};
+  return {ErrorCode::kCamera, "camera: " + what + ": " + std::strerror(error < 0 ? -error : error)};
 }
 
 std::string some_of(const std::vector<std::string>& modes) {
@@ -123,7 +123,7 @@ Result<void> LibcameraSource::Parts::configure(const StreamWish& wish) {
   ENAMEL_TRY_ASSIGN(const RawFormat* const raw, raw_format(wish.format));
   config = camera->generateConfiguration({lc::StreamRole::Raw});
   if (!config || config->empty()) config = camera->generateConfiguration({lc::StreamRole::Viewfinder});
-  if (!config || config->empty()) return fail(ErrorCode::kHal, "camera " + camera->id() + " offers no stream");
+  if (!config || config->empty()) return fail(ErrorCode::kCamera, "camera " + camera->id() + " offers no stream");
   lc::StreamConfiguration& stream = config->at(0);
   const std::string offered = some_of(modes_of(stream));
   const lc::Size size(static_cast<unsigned>(wish.width), static_cast<unsigned>(wish.height));
@@ -133,8 +133,8 @@ Result<void> LibcameraSource::Parts::configure(const StreamWish& wish) {
   // Adjusted: other rows, other depth, a scaler in between. Fewer or more buffers are no other picture.
   if (config->validate() == lc::CameraConfiguration::Invalid || stream.pixelFormat != raw->format ||
       stream.size != size) {
-    return fail(ErrorCode::kHal, "camera " + camera->id() + " has no " + wish.format + " of " + size.toString() +
-                                     "; it offers " + offered);
+    return fail(ErrorCode::kCamera, "camera " + camera->id() + " has no " + wish.format + " of " + size.toString() +
+                                        "; it offers " + offered);
   }
   if (const int error = camera->configure(config.get()); error != 0) {
     return tl::unexpected(refused(camera->id() + " cannot be configured", error));
@@ -152,7 +152,7 @@ Result<void> LibcameraSource::Parts::allocate() {
   for (const auto& buffer : allocator->buffers(stream)) {
     auto request = camera->createRequest(memory.size());
     if (!request || buffer->planes().size() != 1 || request->addBuffer(stream, buffer.get()) != 0) {
-      return fail(ErrorCode::kHal, "camera: a request for its buffers cannot be made");
+      return fail(ErrorCode::kCamera, "camera: a request for its buffers cannot be made");
     }
     ENAMEL_TRY_ASSIGN(auto mapped, Mapping::of(buffer->planes()[0]));
     memory.push_back(std::move(mapped));

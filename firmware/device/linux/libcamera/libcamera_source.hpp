@@ -20,8 +20,8 @@ struct StreamWish {
 
 class LibcameraSource final : public RequestSource {
  public:
-  /// Acquires the camera. Exactly what is wished, or an error that says what is offered. Errors: kHal; kConfigValue for
-  /// a wish that names no raw format.
+  /// Acquires the camera. Exactly what is wished, or an error that says what is offered. Errors: kCamera; kConfigValue
+  /// for a wish that names no raw format.
   [[nodiscard]] static Result<std::shared_ptr<LibcameraSource>> open(const StreamWish& wish);
   ~LibcameraSource() override;
   LibcameraSource(const LibcameraSource&) = delete;

@@ -17,7 +17,7 @@ Result<std::shared_ptr<CameraRuntime>> CameraRuntime::get() {
   static_cast<void>(::setenv("LIBCAMERA_LOG_LEVELS", "*:ERROR", 0));
   std::shared_ptr<CameraRuntime> runtime(new CameraRuntime);
   if (const int error = runtime->manager_.start(); error != 0) {
-    return fail(ErrorCode::kHal, std::string("libcamera does not start: ") + std::strerror(-error));
+    return fail(ErrorCode::kCamera, std::string("libcamera does not start: ") + std::strerror(-error));
   }
   runtime->started_ = true;
   known = runtime;
@@ -38,9 +38,10 @@ Result<std::shared_ptr<libcamera::Camera>> CameraRuntime::find(const std::string
     if (name == "any" || model_of(*camera) == name) fits.push_back(camera);
   }
   if (fits.size() == 1) return fits.front();
-  if (all.empty()) return fail(ErrorCode::kHal, "no camera: " + why_no_camera());
-  if (fits.empty()) return fail(ErrorCode::kHal, "no camera '" + name + "'; there is " + known);
-  return fail(ErrorCode::kHal, "'" + name + "' is " + std::to_string(fits.size()) + " cameras; name one of " + known);
+  if (all.empty()) return fail(ErrorCode::kCamera, "no camera: " + why_no_camera());
+  if (fits.empty()) return fail(ErrorCode::kCamera, "no camera '" + name + "'; there is " + known);
+  return fail(ErrorCode::kCamera,
+              "'" + name + "' is " + std::to_string(fits.size()) + " cameras; name one of " + known);
 }
 
 std::vector<std::string> modes_of(const libcamera::StreamConfiguration& stream) {

@@ -13,14 +13,14 @@ namespace enamel::fw {
 
 class CameraRuntime {
  public:
-  /// The process's one; started by the first who asks. Thread-safe. Errors: kHal.
+  /// The process's one; started by the first who asks. Thread-safe. Errors: kCamera.
   [[nodiscard]] static Result<std::shared_ptr<CameraRuntime>> get();
   ~CameraRuntime();
   CameraRuntime(const CameraRuntime&) = delete;
   CameraRuntime& operator=(const CameraRuntime&) = delete;
 
   [[nodiscard]] std::vector<std::shared_ptr<libcamera::Camera>> cameras() const { return manager_.cameras(); }
-  /// By id, by model, or the only one for "any". Errors: kHal, with what there is.
+  /// By id, by model, or the only one for "any". Errors: kCamera, with what there is.
   [[nodiscard]] Result<std::shared_ptr<libcamera::Camera>> find(const std::string& name) const;
 
  private:

@@ -46,7 +46,7 @@ Result<LineHandle> request_lines(const std::string& chip, std::span<const std::u
   const LineHandle opened(::open(chip.c_str(), O_RDWR | O_CLOEXEC));
   if (opened.fd() < 0) {
     const std::string why = errno == ENOENT ? "no such GPIO chip; `gpiodetect` lists them" : remedy(-1, {}, errno);
-    return fail(ErrorCode::kHal, "lines of " + chip + ": " + why);
+    return fail(ErrorCode::kBoardLine, "lines of " + chip + ": " + why);
   }
   gpio_v2_line_request request{};
   if (offsets.empty() || offsets.size() > GPIO_V2_LINES_MAX) return fail(ErrorCode::kInternal, "number of GPIO lines");
@@ -58,10 +58,11 @@ Result<LineHandle> request_lines(const std::string& chip, std::span<const std::u
                              ? GPIO_V2_LINE_FLAG_INPUT | GPIO_V2_LINE_FLAG_EDGE_RISING | GPIO_V2_LINE_FLAG_EDGE_FALLING
                              : GPIO_V2_LINE_FLAG_OUTPUT;
   if (::ioctl(opened.fd(), GPIO_V2_GET_LINE_IOCTL, &request) != 0) {
-    return fail(ErrorCode::kHal, "lines of " + chip + ": " + remedy(opened.fd(), offsets, errno));
+    return fail(ErrorCode::kBoardLine, "lines of " + chip + ": " + remedy(opened.fd(), offsets, errno));
   }
   LineHandle lines(request.fd);
-  if (::fcntl(lines.fd(), F_SETFL, O_NONBLOCK) != 0) return fail(ErrorCode::kHal, "lines of " + chip + ": no reading");
+  if (::fcntl(lines.fd(), F_SETFL, O_NONBLOCK) != 0)
+    return fail(ErrorCode::kBoardLine, "lines of " + chip + ": no reading");
   return lines;
 }
 

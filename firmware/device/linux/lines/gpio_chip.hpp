@@ -32,7 +32,7 @@ enum class LineUse : std::uint8_t {
   kOutput,  ///< driven low until told otherwise
 };
 
-/// Errors: kHal with the remedy: no such chip, no such line, line taken (and by whom), no permission.
+/// Errors: kBoardLine with the remedy: no such chip, no such line, line taken (and by whom), no permission.
 [[nodiscard]] Result<LineHandle> request_lines(const std::string& chip, std::span<const std::uint32_t> offsets,
                                                LineUse use);
 
