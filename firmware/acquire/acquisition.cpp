@@ -70,7 +70,14 @@ void Acquisition::abort() {
 
 AcquisitionReport Acquisition::report() const {
   const std::lock_guard lock(mutex_);
-  return report_;
+  AcquisitionReport report = report_;
+  report.beats = beats_.load(std::memory_order_acquire);
+  return report;
+}
+
+std::optional<StampDelay> Acquisition::stamp_delay() const {
+  const std::lock_guard lock(mutex_);
+  return measured_delay_;
 }
 
 bool Acquisition::aborted() const {
@@ -119,8 +126,14 @@ AcquisitionReport Acquisition::do_job(const Request& request) {
   return done();
 }
 
-Result<CameraFrame> Acquisition::frame_with_edges(std::vector<Edge>& edges, DeviceTime& known_until) {
+Result<CameraFrame> Acquisition::next_frame() {
   auto frame = hw_.camera.next_frame();
+  beats_.fetch_add(1, std::memory_order_acq_rel);
+  return frame;
+}
+
+Result<CameraFrame> Acquisition::frame_with_edges(std::vector<Edge>& edges, DeviceTime& known_until) {
+  auto frame = next_frame();
   edges.clear();
   known_until = hw_.edges.read(edges);
   return frame;
@@ -226,7 +239,7 @@ AcquisitionReport Acquisition::run_self_test() {
   if (!lights_up) return failed(ReplyStatus::kProjLedFault);
   const AssemblerConfig limits = AssemblerConfig::for_mode(hw_.camera.mode(), stamp_delay_, config_.max_delay_spread);
   for (int good = 0, tries = 0; good < 3; ++tries) {
-    auto frame = hw_.camera.next_frame();
+    auto frame = next_frame();
     if (aborted()) return done();
     if (!frame || tries > 20) return failed(ReplyStatus::kCamTimeout);
     if (frame->status != FrameStatus::kSuccess) continue;
@@ -253,6 +266,10 @@ AcquisitionReport Acquisition::run_calibration() {
     if (frame->status == FrameStatus::kSuccess) calibration.on_frame(frame->t_sensor, frame->exposure_us);
   }
   const auto delay = calibration.result();
+  {
+    const std::lock_guard lock(mutex_);
+    measured_delay_ = delay;
+  }
   if (!delay || delay->mad > config_.max_delay_spread) return failed(ReplyStatus::kTsUnstable);
   stamp_delay_ = delay->median;
   return done();

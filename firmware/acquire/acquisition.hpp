@@ -2,6 +2,7 @@
 // side of the hardware while it runs; the light goes through the LightSwitch.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
@@ -53,6 +54,8 @@ class Acquisition final : public AcquisitionPort {
   void drain() override;
   void abort() override;
   [[nodiscard]] AcquisitionReport report() const override;
+  /// As calibrate() measured it last.
+  [[nodiscard]] std::optional<StampDelay> stamp_delay() const;
 
  private:
   enum class Job { kNone, kScan, kSelfTest, kCalibrate };
@@ -73,6 +76,7 @@ class Acquisition final : public AcquisitionPort {
   void settle(BurstAssembler& assembler, ScanTag session);
   [[nodiscard]] std::optional<AcquisitionReport> arm_next(bool under_way);
   [[nodiscard]] bool led_failed();
+  [[nodiscard]] Result<CameraFrame> next_frame();
   [[nodiscard]] Result<CameraFrame> frame_with_edges(std::vector<Edge>& edges, DeviceTime& known_until);
   [[nodiscard]] bool aborted() const;
   [[nodiscard]] bool drain_asked() const;
@@ -88,11 +92,13 @@ class Acquisition final : public AcquisitionPort {
   int pattern_set_ = 0;
   int dark_led_frames_ = 0;
   Nanoseconds stamp_delay_{20'000};
+  std::atomic<std::uint64_t> beats_{0};
 
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::optional<Request> request_;
   AcquisitionReport report_;
+  std::optional<StampDelay> measured_delay_;
   std::uint64_t requests_ = 0;     ///< asked for so far; a request's number
   std::uint64_t current_ = 0;      ///< being worked on
   std::uint64_t abort_until_ = 0;  ///< requests up to this number are aborted …

@@ -20,7 +20,8 @@ enum class AcquisitionPhase : std::uint8_t {
 struct AcquisitionReport {
   AcquisitionPhase phase = AcquisitionPhase::kIdle;
   proto::ReplyStatus fault = proto::ReplyStatus::kOk;
-  bool led_stuck = false;  ///< light where none should be: a safety matter, whatever the phase
+  bool led_stuck = false;   ///< light where none should be: a safety matter, whatever the phase
+  std::uint64_t beats = 0;  ///< signs of life, since the start: one a frame, or a failure to get one
 };
 
 /// One job at a time. Each returns at once; report() tells how it goes.

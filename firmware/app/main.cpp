@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "firmware/app/camera_command.hpp"
+#include "firmware/app/check_command.hpp"
 #include "firmware/app/options.hpp"
 #include "firmware/app/probe.hpp"
 #include "firmware/app/projector_command.hpp"
@@ -48,6 +49,8 @@ enamel::Result<int> run(int argc, char** argv) {
   handle_signals();
   if (options->self_test) return enamel::fw::ask_self_test(*options, g_stop);
   if (options->camera == "list") return enamel::fw::print_cameras(options->json);
+  if (options->check) return enamel::fw::run_check(*options, g_stop);
+  if (options->dark) return enamel::fw::run_dark(*options);
   return enamel::fw::run_probe(*options, g_stop);
 }
 

@@ -44,12 +44,13 @@ Result<std::unique_ptr<BurstSource>> open_source(const ProbeOptions& options) {
 
 }  // namespace
 
-Result<std::unique_ptr<Device>> open_device(const ProbeOptions& options, Clock& clock) {
+Result<std::unique_ptr<Device>> open_device(const ProbeOptions& options, Clock& clock, const PartHandler& opened) {
   if (!options.camera.empty()) return only_a_camera(options.camera);
   if (!options.profile.empty()) {
 #ifdef ENAMEL_HAS_LIBCAMERA
     ENAMEL_TRY_ASSIGN(const BoardProfile profile, read_profile(options.profile));
-    return open_board(profile, clock);
+    if (opened) opened("profile", options.profile + ", its timing holds");
+    return open_board(profile, clock, opened);
 #else
     return fail(ErrorCode::kHal, "--profile: this build has no libcamera (ENAMEL_WITH_LIBCAMERA is off)");
 #endif
@@ -63,6 +64,7 @@ Result<std::unique_ptr<Device>> open_device(const ProbeOptions& options, Clock& 
   return std::unique_ptr<Device>(std::move(device));
 #else
   static_cast<void>(clock);
+  static_cast<void>(opened);
   return fail(ErrorCode::kHal, "--twin and --play: this build is for a probe and simulates nothing");
 #endif
 }

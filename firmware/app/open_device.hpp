@@ -10,6 +10,7 @@
 namespace enamel::fw {
 
 /// Errors: those of the twin, of the recording, of the camera; kHal for what this build has not.
-[[nodiscard]] Result<std::unique_ptr<Device>> open_device(const ProbeOptions& options, Clock& clock);
+[[nodiscard]] Result<std::unique_ptr<Device>> open_device(const ProbeOptions& options, Clock& clock,
+                                                          const PartHandler& opened = {});
 
 }  // namespace enamel::fw

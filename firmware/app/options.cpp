@@ -7,14 +7,9 @@
 #include <iostream>
 
 namespace enamel::fw {
+namespace {
 
-Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* argv) {
-  ProbeOptions o;
-  dds::LinkChoice link;
-  CLI::App app(
-      "enamel-probe: the acquisition process of the probe. Waits for a host, scans when told to, publishes bursts.",
-      "enamel-probe");
-  app.footer("enamel-probe projector --help: the projector's controller by itself");
+void add_sources(CLI::App& app, ProbeOptions& o) {
   auto* source = app.add_option_group("source", "Where light comes from (one of)");
   source->add_option("--twin", o.twin_scene, "virtual mouth: SCENE.toml")->type_name("SCENE");
   source->add_option("--play", o.capture, "recording, played once at recorded speed; then the session ends")
@@ -28,6 +23,38 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
   source->add_flag("--self-test", o.self_test,
                    "no light: asks the enamel-probe that runs here to test itself; exit code 0 when it passed");
   source->require_option(1);
+}
+
+/// What goes with what.
+Result<void> check_together(const ProbeOptions& o) {
+  if (o.serial.size() > 32) return fail(ErrorCode::kUsage, "--serial: at most 32 bytes");
+  if (o.seed && o.twin_scene.empty()) return fail(ErrorCode::kUsage, "--seed goes with --twin");
+  if (o.loops != 1 && o.capture.empty()) return fail(ErrorCode::kUsage, "--loops goes with --play");
+  if (!o.picture.empty() && !o.check) return fail(ErrorCode::kUsage, "--picture goes with --check");
+  if (o.dark && o.profile.empty()) return fail(ErrorCode::kUsage, "--dark goes with --profile");
+  if (o.check && (o.self_test || o.dark || !o.camera.empty())) {
+    return fail(ErrorCode::kUsage, "--check goes with --profile, --twin or --play");
+  }
+  if (o.serial.empty() && !o.profile.empty() && !o.check && !o.dark) {
+    return fail(ErrorCode::kUsage, "--profile: give the probe's serial number with --serial");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* argv) {
+  ProbeOptions o;
+  dds::LinkChoice link;
+  CLI::App app(
+      "enamel-probe: the acquisition process of the probe. Waits for a host, scans when told to, publishes bursts.",
+      "enamel-probe");
+  app.footer("enamel-probe projector --help: the projector's controller by itself");
+  add_sources(app, o);
+  app.add_flag("--check", o.check, "prove it part by part with twenty bursts, then end; exit code 0 when all is good");
+  app.add_option("--picture", o.picture, "with --check: write a burst's four frames, side by side")
+      ->type_name("FILE.pgm");
+  app.add_flag("--dark", o.dark, "with --profile: switch light and heater off, whoever left them on, then end");
   app.add_option("--seed", o.seed, "with --twin: another patient, path, tremor and noise");
   app.add_option("--serial", o.serial, "serial number; default: sim-<process id>");
   app.add_option(
@@ -56,12 +83,7 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
     return fail(ErrorCode::kUsage, e.what());
   }
   ENAMEL_TRY_ASSIGN(o.link, dds::participant_options(link, dds::LinkEnd::kProbe));
-  if (o.serial.size() > 32) return fail(ErrorCode::kUsage, "--serial: at most 32 bytes");
-  if (o.seed && o.twin_scene.empty()) return fail(ErrorCode::kUsage, "--seed goes with --twin");
-  if (o.loops != 1 && o.capture.empty()) return fail(ErrorCode::kUsage, "--loops goes with --play");
-  if (o.serial.empty() && !o.profile.empty()) {
-    return fail(ErrorCode::kUsage, "--profile: give the probe's serial number with --serial");
-  }
+  ENAMEL_TRY(check_together(o));
   if (o.serial.empty() && !o.self_test) o.serial = fmt::format("sim-{}", getpid());
   if (!o.capture.empty()) o.exit_after_session = true;
   return std::optional(o);

@@ -22,6 +22,9 @@ struct ProbeOptions {
   int loops = 1;
   std::optional<double> seconds;
   std::string scan_lock;   ///< shared with enamel-updated; empty: this probe is never updated
+  bool check = false;      ///< no service: prove the device
+  bool dark = false;       ///< no service: switch the board's light off
+  std::string picture;     ///< with check: where its burst goes
   bool self_test = false;  ///< no probe: ask the one that runs
   bool exit_after_session = false;
   bool json = false;

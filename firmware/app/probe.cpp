@@ -8,6 +8,7 @@
 #include "firmware/app/lock_gate.hpp"
 #include "firmware/app/open_device.hpp"
 #include "firmware/control/dds_transport.hpp"
+#include "firmware/control/vigil.hpp"
 #include "firmware/publish/dds_burst_sink.hpp"
 #include "protocol/base/crc32.hpp"
 #include "protocol/base/json_text.hpp"
@@ -34,8 +35,11 @@ proto::DeviceInfo device_info(const ProbeOptions& options, const Device& device)
   return info;
 }
 
-ControllerConfig controller_config(const CameraMode& mode) {
+ControllerConfig controller_config(Device& device) {
+  const CameraMode mode = device.hardware().camera.mode();
   ControllerConfig config;
+  config.max_silence = device.max_silence();
+  config.has_heater = device.heater() != nullptr;
   config.drain_timeout = std::clamp(mode.frame_period * 8, Nanoseconds{150'000'000}, Nanoseconds{200'000'000});
   return config;
 }
@@ -67,9 +71,9 @@ struct Probe {
         acquisition(
             dev.hardware(), light, ledger, [this](CapturedBurst b) { publisher.push(std::move(b)); },
             acquisition_config(dev)),
-        controller(acquisition, light, ledger, controller_config(dev.hardware().camera.mode()), ends.gate.get()),
+        controller(acquisition, light, ledger, controller_config(dev), ends.gate.get()),
         server({controller, *ends.transport, ledger, dev.hardware().thermal, dev.hardware().light,
-                [this] { return link_rates(); }},
+                [this] { return link_rates(); }, dev.heater()},
                clock, ServerConfig{info.probe_id, info.fw_version}) {}
 
   static AcquisitionConfig acquisition_config(const Device& device) {
@@ -185,9 +189,11 @@ Result<int> run_probe(const ProbeOptions& options, const std::atomic<bool>& stop
 
   EndOfWork end(options, clock.now());
   StretchReport stretch;
+  Vigil vigil(device->watchdog(), device->max_silence());
   probe->controller.boot(clock.now());
   while (!stop.load(std::memory_order_acquire) && !end.reached(*probe, clock.now())) {
     probe->server.step();
+    vigil.step(probe->controller.silence(), clock.now());
     stretch.check(*probe, clock.now());
   }
   probe->controller.shut_down();

@@ -4,13 +4,11 @@
 
 #include <array>
 #include <cstdlib>
-#include <limits>
 #include <utility>
 
 namespace enamel::fw {
 namespace {
 
-using proto::Opcode;
 using proto::ProbeState;
 using proto::ReplyStatus;
 using proto::Severity;
@@ -45,117 +43,6 @@ void ProbeController::notice(std::uint16_t code, Severity severity, std::string 
   notices_.push_back({code, severity, std::move(text)});
 }
 
-// ---- commands ----
-
-proto::CommandReply ProbeController::handle(const proto::Command& command, HostTime now) {
-  if (lease_ && lease_->client_id == command.client_id) lease_->expires = now + config_.lease;
-  if (const auto* earlier = replies_.find(command.client_id, command.cmd_id)) return *earlier;
-  Verdict verdict;
-  if (command.deadline_ns != 0 && to_ns(now) > 0 && static_cast<std::uint64_t>(to_ns(now)) > command.deadline_ns) {
-    verdict = {Status::kExpired, "deadline passed before the command was taken"};
-  } else {
-    verdict = execute(command, now);
-  }
-  proto::CommandReply reply;
-  reply.cmd_id = command.cmd_id;
-  reply.client_id = command.client_id;
-  reply.status = verdict.status;
-  reply.detail = proto::clip_text(verdict.detail, 256);
-  replies_.add(reply);
-  return reply;
-}
-
-ProbeController::Verdict ProbeController::execute(const proto::Command& command, HostTime now) {
-  switch (command.opcode) {
-    case Opcode::kPing:
-      return {};
-    case Opcode::kSafeOff:
-      return state_ == ProbeState::kSafe ? Verdict{} : apply(Input::kSafeOff, now);
-    case Opcode::kSessionOpen:
-      return open_session(command, now);
-    default:
-      break;
-  }
-  if (!lease_ || lease_->client_id != command.client_id) {
-    return {Status::kNotOwner, lease_ ? "another host holds the probe" : "open a session first"};
-  }
-  switch (command.opcode) {
-    case Opcode::kSessionClose:
-      return close_session(now);
-    case Opcode::kWarmup:
-      return state_ == ProbeState::kWarmup ? Verdict{} : apply(Input::kCmdWarmup, now);
-    case Opcode::kScanStart:
-    case Opcode::kSingleBurst:
-      return start_scan(command, now);
-    case Opcode::kScanPause:
-      return end_scan(Input::kPause, now);
-    case Opcode::kScanStop:
-      return end_scan(Input::kStop, now);
-    case Opcode::kSelftest:
-      return state_ == ProbeState::kSelftest ? Verdict{} : apply(Input::kCmdSelfTest, now);
-    default:
-      return {Status::kUnknownOp, fmt::format("{} is not in this firmware", proto::name_of(command.opcode))};
-  }
-}
-
-ProbeController::Verdict ProbeController::open_session(const proto::Command& command, HostTime now) {
-  if (lease_ && lease_->client_id != command.client_id) return {Status::kBusy, "another host holds the probe"};
-  lease_ = Lease{command.client_id, now + config_.lease};
-  session_closed_ = false;
-  return {};
-}
-
-ProbeController::Verdict ProbeController::close_session(HostTime now) {
-  if (state_ == ProbeState::kScanning) (void)end_scan(Input::kStop, now);
-  if (state_ == ProbeState::kPaused) (void)apply(Input::kStop, now);
-  lease_.reset();
-  session_closed_ = true;
-  return {};
-}
-
-ProbeController::Verdict ProbeController::start_scan(const proto::Command& command, HostTime now) {
-  const bool counted = command.opcode == Opcode::kSingleBurst;
-  const std::int64_t arg = command.arg_i[0];
-  const std::int64_t max = counted ? 1000 : std::int64_t{std::numeric_limits<std::uint32_t>::max()};
-  if (arg < 1 || arg > max) {
-    return {Status::kBadArg, fmt::format("{} {}: must be from 1 to {}", counted ? "burst count" : "session", arg, max)};
-  }
-  if (state_ == ProbeState::kScanning) {
-    if (drain_) return {Status::kBusy, "the scan is just ending"};
-    return counted || session_.id.value != static_cast<std::uint32_t>(arg) ? bad_state(Input::kCmdStart) : Verdict{};
-  }
-  if (!next_state(state_, Input::kCmdStart)) return bad_state(Input::kCmdStart);
-  if (gate_ != nullptr && !gate_->begin_scan()) return {Status::kBusy, "firmware is being written"};
-  if (!counted) {
-    const SessionId id{static_cast<std::uint32_t>(arg)};
-    if (session_.epoch == 0 || session_.id != id || session_client_ != command.client_id) {
-      session_ = {id, session_.epoch + 1};
-      session_client_ = command.client_id;
-    }
-  }
-  limit_ = counted ? std::optional(static_cast<std::uint64_t>(arg)) : std::nullopt;
-  source_ended_ = false;
-  ledger_.open(session_);
-  return apply(Input::kCmdStart, now);
-}
-
-/// The burst under way is finished first: a pause loses nothing.
-ProbeController::Verdict ProbeController::end_scan(Input input, HostTime now) {
-  if (state_ != ProbeState::kScanning) {
-    const bool there = input == Input::kPause ? state_ == ProbeState::kPaused : state_ == ProbeState::kReady;
-    return there ? Verdict{} : apply(input, now);
-  }
-  if (drain_) {
-    if (input == Input::kStop) drain_->input = input;
-    return {};
-  }
-  acquisition_.drain();
-  drain_ = Drain{input, now + config_.drain_timeout};
-  return {};
-}
-
-// ---- states ----
-
 ProbeController::Verdict ProbeController::bad_state(Input input) const {
   return {Status::kBadState, fmt::format("{} is not possible in {}", name_of(input), proto::name_of(state_))};
 }
@@ -178,7 +65,7 @@ void ProbeController::enter(ProbeState next, Input why, HostTime now) {
   entered_ = now;
   notice(static_cast<std::uint16_t>(next), next == ProbeState::kSafe ? Severity::kSafety : Severity::kInfo,
          fmt::format("{} -> {}: {}", proto::name_of(left), proto::name_of(next), name_of(why)));
-  light_.permit(light_permitted(next));
+  light_.permit(light_permitted(next) && !is_hung());
   switch (next) {
     case ProbeState::kSelftest:
       return acquisition_.self_test();
@@ -205,9 +92,8 @@ void ProbeController::raise(Input input, ReplyStatus fault, HostTime now) {
   (void)apply(input, now);
 }
 
-// ---- time ----
-
 void ProbeController::tick(HostTime now, const Temperatures& temperatures) {
+  watch_.update(acquisition_.report(), now);
   check_lease(now);
   follow_update(now);
   check_temperatures(temperatures, now);
@@ -222,6 +108,12 @@ void ProbeController::check_lease(HostTime now) {
                      config_.lease.count() / 1'000'000));
   lease_.reset();
   if (state_ == ProbeState::kScanning) (void)end_scan(Input::kLeaseLost, now);
+}
+
+std::optional<std::int16_t> ProbeController::heating() const noexcept {
+  const bool used = state_ == ProbeState::kWarmup || state_ == ProbeState::kReady || state_ == ProbeState::kScanning ||
+                    state_ == ProbeState::kPaused;
+  return config_.has_heater && used && lease_ ? heater_set_point_cc_ : std::nullopt;
 }
 
 /// UPDATING is entered from rest only; scanning is refused in it.
@@ -241,6 +133,7 @@ void ProbeController::follow_acquisition(const Temperatures& t, HostTime now) {
   if (!light_permitted(state_)) return;
   const AcquisitionReport report = acquisition_.report();
   if (report.led_stuck) return raise(Input::kInterlock, ReplyStatus::kLedStuck, now);
+  if (is_hung()) return raise(Input::kFault, ReplyStatus::kWatchdog, now);
   if (report.phase == AcquisitionPhase::kFailed) return raise(Input::kFault, report.fault, now);
   if (state_ == ProbeState::kScanning) return follow_scan(report, now);
   const bool measured = report.phase == AcquisitionPhase::kDone;
@@ -288,7 +181,9 @@ void ProbeController::finish_source(HostTime now) {
                      counts.emitted, counts.dropped_total(), drops));
 }
 
+/// One that hangs still wants the light: it gets none, and is not tried again.
 void ProbeController::retry_fault(HostTime now) {
+  if (is_hung()) return;
   const auto n = static_cast<std::size_t>(retries_);
   if (n >= kRetryDelay.size() || now - entered_ < kRetryDelay[n]) return;
   ++retries_;

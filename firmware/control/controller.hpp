@@ -12,6 +12,7 @@
 
 #include "firmware/acquire/acquisition_port.hpp"
 #include "firmware/acquire/light_switch.hpp"
+#include "firmware/acquire/silence_watch.hpp"
 #include "firmware/control/probe_fsm.hpp"
 #include "firmware/control/reply_cache.hpp"
 #include "firmware/control/update_gate.hpp"
@@ -19,6 +20,8 @@
 #include "protocol/base/time.hpp"
 
 namespace enamel::fw {
+
+inline constexpr std::int16_t kUsualSetPointCc = 3700;  ///< of the tip: mouth warmth
 
 struct ControllerConfig {
   /// Below the 3 s that the protocol promises: what is under way is still finished before the light goes off.
@@ -30,6 +33,8 @@ struct ControllerConfig {
   std::int16_t warm_tip_cc = 3500;
   std::int16_t max_tip_cc = 4100;
   std::int16_t max_soc_cc = 9000;
+  Nanoseconds max_silence{2'000'000'000};  ///< of an acquisition at work: longer, and it hangs
+  bool has_heater = false;
 };
 
 struct Notice {
@@ -50,12 +55,17 @@ class ProbeController {
   [[nodiscard]] proto::CommandReply handle(const proto::Command& command, HostTime now);
   /// Call at least every 20 ms.
   void tick(HostTime now, const Temperatures& temperatures);
+  /// Set point of the tip's heater, 0.01 degC; nullopt: not to heat. Only while a host holds the probe.
+  [[nodiscard]] std::optional<std::int16_t> heating() const noexcept;
+  void heater_failed(proto::ReplyStatus fault, HostTime now) { raise(Input::kFault, fault, now); }
   /// Light off, acquisition stopped; for the end of the program.
   void shut_down();
 
   [[nodiscard]] proto::ProbeState state() const noexcept { return state_; }
   [[nodiscard]] std::uint32_t fault_mask() const noexcept { return fault_mask_; }
   [[nodiscard]] std::vector<Notice> take_notices();
+  /// How long the acquisition, at work, has shown no sign of life.
+  [[nodiscard]] Nanoseconds silence() const noexcept { return watch_.silence(); }
   /// A finite source was played to its end.
   [[nodiscard]] bool source_ended() const noexcept { return source_ended_; }
   /// A host has closed its session, and none is open.
@@ -80,6 +90,7 @@ class ProbeController {
   [[nodiscard]] Verdict open_session(const proto::Command& command, HostTime now);
   [[nodiscard]] Verdict close_session(HostTime now);
   [[nodiscard]] Verdict start_scan(const proto::Command& command, HostTime now);
+  [[nodiscard]] Verdict set_heater(const proto::Command& command);
   [[nodiscard]] Verdict end_scan(Input input, HostTime now);
   [[nodiscard]] Verdict apply(Input input, HostTime now);
   [[nodiscard]] Verdict bad_state(Input input) const;
@@ -87,6 +98,7 @@ class ProbeController {
   void raise(Input input, Status fault, HostTime now);
   void notice(std::uint16_t code, proto::Severity severity, std::string text);
 
+  [[nodiscard]] bool is_hung() const noexcept { return watch_.silence() > config_.max_silence; }
   void check_lease(HostTime now);
   void follow_update(HostTime now);
   void check_temperatures(const Temperatures& t, HostTime now);
@@ -111,6 +123,8 @@ class ProbeController {
   bool session_closed_ = false;
   bool source_ended_ = false;
   int retries_ = 0;
+  SilenceWatch watch_;
+  std::optional<std::int16_t> heater_set_point_cc_ = kUsualSetPointCc;
   std::uint32_t fault_mask_ = 0;
   ReplyCache replies_;
   std::vector<Notice> notices_;

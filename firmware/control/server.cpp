@@ -28,9 +28,18 @@ void ControlServer::step() {
     reply.t_ns = stamp(clock_.now());
     probe_.transport.send(reply);
   }
-  probe_.controller.tick(clock_.now(), probe_.thermal.read());
+  const Temperatures temperatures = probe_.thermal.read();
+  probe_.controller.tick(clock_.now(), temperatures);
+  heat(temperatures);
   publish_notices();
   if (clock_.now() >= next_status_) publish_status();
+}
+
+void ControlServer::heat(const Temperatures& t) {
+  if (probe_.heater == nullptr) return;
+  heater_permille_ = heater_loop_.step(probe_.controller.heating(), t.tip_cc, clock_.now());
+  probe_.heater->set_power(heater_permille_);
+  if (const auto fault = heater_loop_.fault()) probe_.controller.heater_failed(*fault, clock_.now());
 }
 
 /// Status goes first: who reads of a change finds the counters that belong to it.
@@ -72,6 +81,7 @@ void ControlServer::publish_status() {
   s.temp_led_cc = t.led_cc.value_or(std::numeric_limits<std::int16_t>::min());
   s.temp_soc_cc = t.soc_cc.value_or(std::numeric_limits<std::int16_t>::min());
   s.led_ma = static_cast<std::uint16_t>(std::clamp(probe_.light.sensed_ma(), 0, 65535));
+  s.heater_permille = heater_permille_;
   s.fw_version = proto::clip_text(config_.fw_version, 32);
   s.session_id = counts.session.id.value;
   s.bursts_begun = counter(counts.begun);

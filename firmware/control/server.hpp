@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "firmware/control/controller.hpp"
+#include "firmware/control/heater_loop.hpp"
+#include "firmware/hal/heater.hpp"
 #include "firmware/hal/light.hpp"
 #include "protocol/base/clock.hpp"
 #include "protocol/base/result.hpp"
@@ -45,6 +47,7 @@ struct ServedProbe {
   const Thermal& thermal;
   const Light& light;
   std::function<LinkRates()> rates;
+  Heater* heater = nullptr;  ///< null: none
 };
 
 /// One thread.
@@ -61,6 +64,7 @@ class ControlServer {
 
  private:
   void publish_notices();
+  void heat(const Temperatures& t);
 
   ServedProbe probe_;
   Clock& clock_;
@@ -68,6 +72,8 @@ class ControlServer {
   std::uint32_t status_seq_ = 0;
   std::uint32_t event_seq_ = 0;
   HostTime next_status_{};
+  HeaterLoop heater_loop_;
+  std::uint16_t heater_permille_ = 0;
 };
 
 }  // namespace enamel::fw

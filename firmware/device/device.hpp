@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "firmware/hal/hardware.hpp"
+#include "firmware/hal/heater.hpp"
+#include "firmware/hal/watchdog.hpp"
 
 namespace enamel::fw {
 
@@ -14,6 +17,9 @@ struct StretchCount {
   std::uint64_t times = 0;
   Nanoseconds total{};
 };
+
+/// Called with each part that is open, in order, and what it is.
+using PartHandler = std::function<void(const std::string& part, const std::string& what)>;
 
 /// Everything a probe is made of. Thread-safety: that of the single parts (hal).
 class Device {
@@ -26,6 +32,11 @@ class Device {
   [[nodiscard]] virtual const std::string& rig_text() const = 0;
   /// How far its sensor's stamps may scatter (median absolute deviation) and still be trusted.
   [[nodiscard]] virtual Nanoseconds max_stamp_spread() const { return kUsualStampSpread; }
+  /// Null: this device has none.
+  [[nodiscard]] virtual Heater* heater() noexcept { return nullptr; }
+  [[nodiscard]] virtual Watchdog* watchdog() noexcept { return nullptr; }
+  /// An acquisition that waits longer for a frame hangs.
+  [[nodiscard]] virtual Nanoseconds max_silence() const { return Nanoseconds{2'000'000'000}; }
   /// Hardware is never stretched.
   [[nodiscard]] virtual StretchCount stretched() const { return {}; }
 };

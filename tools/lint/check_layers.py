@@ -11,7 +11,7 @@ PROTOCOL = BASE + ["protocol/types", "protocol/idl", "protocol/dds", "protocol/m
 DEVICE = ["firmware/device", "firmware/device/sim", "firmware/device/linux/camera", "firmware/device/linux/libcamera",
           "firmware/device/linux/dlpc347x", "firmware/device/linux/lines",
           "firmware/device/linux/board"]
-FIRMWARE = ["firmware/hal", "firmware/acquire", "firmware/publish", "firmware/control"] + DEVICE
+FIRMWARE = ["firmware/hal", "firmware/acquire", "firmware/check", "firmware/publish", "firmware/control"] + DEVICE
 HOST = ["host/ingest", "host/record", "host/report", "host/update", "host/session"]
 DECODE = ["pipeline/decode/" + room for room in ("phase", "unwrap", "triangulate", "motion", "steps", "mode_t", "mode_m")]
 REGISTER = ["pipeline/register/" + room for room in ("icp", "feature", "track", "map")]

@@ -69,6 +69,8 @@ class SimDevice final : public Device,
   [[nodiscard]] std::string model() const override { return config_.model + (feed_->simulated() ? ", SIMULATED" : ""); }
   [[nodiscard]] const std::string& rig_text() const noexcept override { return feed_->rig_text(); }
   [[nodiscard]] StretchCount stretched() const override;
+  /// A picture may take its time.
+  [[nodiscard]] Nanoseconds max_silence() const override { return Nanoseconds{60'000'000'000}; }
   /// Thread-safe; takes effect with the next frame.
   void set_faults(SimFaults faults);
 

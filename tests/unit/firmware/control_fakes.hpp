@@ -34,9 +34,13 @@ class FakeAcquisition final : public AcquisitionPort {
     if (drains_at_once) end(AcquisitionPhase::kDone);
   }
   void abort() override {
-    if (now.phase == AcquisitionPhase::kRunning) end(AcquisitionPhase::kDone);
+    if (now.phase == AcquisitionPhase::kRunning && !hangs) end(AcquisitionPhase::kDone);
   }
-  [[nodiscard]] AcquisitionReport report() const override { return now; }
+  [[nodiscard]] AcquisitionReport report() const override {
+    AcquisitionReport report = now;
+    report.beats = hangs ? beats_ : ++beats_;
+    return report;
+  }
 
   void end(AcquisitionPhase phase, proto::ReplyStatus fault = proto::ReplyStatus::kOk, bool stuck = false) {
     now = {phase, fault, stuck};
@@ -48,6 +52,7 @@ class FakeAcquisition final : public AcquisitionPort {
   int scans = 0;
   int drains = 0;
   bool drains_at_once = true;
+  bool hangs = false;  ///< in a driver, with the light wanted
 
  private:
   void run() {
@@ -55,6 +60,7 @@ class FakeAcquisition final : public AcquisitionPort {
     light_.want(true);
   }
   LightSwitch& light_;
+  mutable std::uint64_t beats_ = 0;
 };
 
 class FakeGate final : public UpdateGate {
@@ -67,12 +73,14 @@ class FakeGate final : public UpdateGate {
 };
 
 struct ControlRig {
+  explicit ControlRig(const ControllerConfig& its_config = {}) : config(its_config) {}
+  ControllerConfig config;
   FakeLamp lamp;
   LightSwitch light{lamp};
   FakeAcquisition acquisition{light};
   BurstLedger ledger;
   FakeGate gate;
-  ProbeController controller{acquisition, light, ledger, {}, &gate};
+  ProbeController controller{acquisition, light, ledger, config, &gate};
   HostTime now = host_time(1'000'000'000);
   Temperatures temperatures{.tip_cc = 3650, .led_cc = 3800, .soc_cc = 4500, .optics_cc = 3200};
   std::uint64_t next_id = 1;

@@ -223,11 +223,6 @@ TEST_F(ProbeE2e, answers_clock_exchanges) {
   EXPECT_LE(r.t3_probe_ns, to_ns(host.clock.now()));
 }
 
-int run_to_end(const std::vector<std::string>& args) {
-  ProbeProcess probe(args);
-  return probe.wait();
-}
-
 TEST_F(ProbeE2e, scans_and_updates_keep_each_other_out) {
   const std::string lock_path = path + ".lock";
   ProbeProcess probe(args({"--scan-lock", lock_path, "--loops", "1000"}));
@@ -270,14 +265,15 @@ TEST_F(ProbeE2e, the_self_test_asks_the_probe_that_runs) {
   EXPECT_EQ(run_to_end(ask), 3) << "a person scans with it";
 }
 
-TEST(ProbeProgram, exit_codes_tell_usage_input_and_device_errors_apart) {
-  EXPECT_EQ(run_to_end({"--help"}), 0);
-  EXPECT_EQ(run_to_end({}), 1);
-  EXPECT_EQ(run_to_end({"--play", "a", "--camera", "b"}), 1);
-  EXPECT_EQ(run_to_end({"--play", "x", "--speed", "0"}), 1);
-  EXPECT_EQ(run_to_end({"--play", "/nonexistent.mcap"}), 2);
-  EXPECT_EQ(run_to_end({"--play", "/dev/null"}), 2);
-  EXPECT_EQ(run_to_end({"--camera", "0"}), 3);
+TEST_F(ProbeE2e, the_check_measures_a_player_and_writes_its_picture) {
+  const std::string picture = path + ".pgm";
+  ProbeProcess probe({"--play", path, "--loops", "20", "--check", "--json", "--picture", picture});
+  EXPECT_EQ(probe.wait(), 0);
+  const auto report = nlohmann::json::parse(probe.output());
+  EXPECT_TRUE(report["good"]);
+  EXPECT_EQ(report["findings"].size(), 6U);
+  EXPECT_GT(std::filesystem::file_size(picture), recorded[0].payload.size());
+  std::filesystem::remove(picture);
 }
 
 TEST_F(ProbeE2e, refuses_a_recording_whose_bursts_name_another_calibration) {

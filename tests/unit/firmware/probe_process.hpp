@@ -76,6 +76,11 @@ class ProbeProcess {
   int out_ = -1;
 };
 
+inline int run_to_end(const std::vector<std::string>& args) {
+  ProbeProcess probe(args);
+  return probe.wait();
+}
+
 class TestHost {
  public:
   explicit TestHost(const std::string& tag)

@@ -13,6 +13,8 @@ Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const
   device->light_ = std::move(parts.light);
   device->light_->set_enabled(false);
   device->thermal_ = std::move(parts.thermal);
+  device->heater_ = std::move(parts.heater);
+  device->watchdog_ = std::move(parts.watchdog);
   device->bus_ = std::move(parts.bus);
   device->edges_ = std::make_unique<LineEdges>(std::move(parts.events), profile.lines, std::move(parts.gate), clock);
   device->edges_->close_gate();
@@ -28,6 +30,7 @@ Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const
 
 BoardDevice::~BoardDevice() {
   light_->set_enabled(false);
+  if (heater_) heater_->set_power(0);
   if (edges_) edges_->close_gate();
   if (projector_) projector_->blank();
 }

@@ -19,6 +19,8 @@ struct BoardParts {
   bool follow_edges = true;  ///< by a thread of their own; false: when they are read
   std::unique_ptr<Light> light;
   std::unique_ptr<Thermal> thermal;
+  std::unique_ptr<Heater> heater;      ///< null: none
+  std::unique_ptr<Watchdog> watchdog;  ///< null: none
 };
 
 class BoardDevice final : public Device {
@@ -33,6 +35,8 @@ class BoardDevice final : public Device {
   [[nodiscard]] std::string model() const override { return model_; }
   [[nodiscard]] const std::string& rig_text() const override { return rig_text_; }
   [[nodiscard]] Nanoseconds max_stamp_spread() const override { return max_stamp_spread_; }
+  [[nodiscard]] Heater* heater() noexcept override { return heater_.get(); }
+  [[nodiscard]] Watchdog* watchdog() noexcept override { return watchdog_.get(); }
   [[nodiscard]] std::uint64_t lost_edges() const { return edges_->lost(); }
 
  private:
@@ -42,6 +46,8 @@ class BoardDevice final : public Device {
   Nanoseconds max_stamp_spread_{};
   std::unique_ptr<Light> light_;  ///< in order of dependence; the light goes off last of all, and first in ~BoardDevice
   std::unique_ptr<Thermal> thermal_;
+  std::unique_ptr<Heater> heater_;
+  std::unique_ptr<Watchdog> watchdog_;
   std::unique_ptr<I2cBus> bus_;
   std::unique_ptr<LineEdges> edges_;
   std::unique_ptr<LineProjector> projector_;

@@ -62,6 +62,11 @@ void bind_sensors(ConfigReader& r, BoardProfile& p) {
   r.bind("sensors.soc", p.thermal.soc, "file with milli-degrees: processor");
   r.bind("sensors.optics", p.thermal.optics, "file with milli-degrees: measuring head");
   r.bind("sensors.led_current", p.led_current, "file with the LED's current, mA");
+  r.bind("heater.pwm", p.heater_pwm, "PWM output of the tip's heater, /sys/class/pwm/pwmchipN/pwmM; empty: none");
+  r.bind("heater.period_us", p.heater_period_us, {10, 1000000}, "its period, us");
+  if (!p.heater_pwm.empty() && p.thermal.tip.empty()) r.reject("heater.pwm", "nothing is heated without sensors.tip");
+  r.bind("watchdog.device", p.watchdog, "the board's watchdog; empty: none, or the service manager's");
+  r.bind("watchdog.seconds", p.watchdog_s, {2, 120}, "it resets the board after");
 }
 
 }  // namespace

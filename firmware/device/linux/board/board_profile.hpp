@@ -33,6 +33,11 @@ struct BoardProfile {
   ThermalFiles thermal;
   std::string led_current;  ///< file with mA
 
+  std::string heater_pwm;  ///< /sys/class/pwm/pwmchipN/pwmM; empty: no heater
+  int heater_period_us = 1000;
+  std::string watchdog;  ///< empty: none, or systemd feeds it
+  int watchdog_s = 10;
+
   [[nodiscard]] RequestCameraConfig camera_config() const;
 };
 
