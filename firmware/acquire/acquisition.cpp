@@ -143,6 +143,7 @@ AcquisitionReport Acquisition::run_scan(const Request& request) {
   BurstAssembler assembler(AssemblerConfig::for_mode(hw_.camera.mode(), stamp_delay_, config_.max_delay_spread));
   sequencer_.start(request.limit);
   begun_seen_ = 0;
+  restarts_seen_ = hw_.camera.restarts();
   if (auto restarted = hw_.projector.restart(); !restarted) return failed(ReplyStatus::kProjNotReady);
   light_.want(true);
   const AcquisitionReport report = scan_loop(request, assembler);
@@ -161,6 +162,10 @@ AcquisitionReport Acquisition::scan_loop(const Request& request, BurstAssembler&
     if (std::any_of(edges.begin(), edges.end(), [](const Edge& e) { return e.kind == EdgeKind::kGate; })) {
       optics_cc_ = hw_.thermal.read().optics_cc.value_or(0);
       pattern_set_ = hw_.projector.pattern_set();
+    }
+    if (frame && hw_.camera.restarts() != restarts_seen_) {
+      if (auto over = measure_again(assembler, request.session)) return *over;
+      continue;
     }
     if (frame) {
       sequencer_.on_frame(frame->status == FrameStatus::kSuccess);
@@ -185,6 +190,23 @@ AcquisitionReport Acquisition::scan_loop(const Request& request, BurstAssembler&
     if ((sequencer_.draining() || sequencer_.limit_reached()) && assembler.under_way() == 0) return done();
     if (const auto over = arm_next(assembler.under_way() > 0)) return *over;
   }
+}
+
+/// After a restart of the camera its stamps may mean another instant. Has a value when the acquisition is over.
+std::optional<AcquisitionReport> Acquisition::measure_again(BurstAssembler& assembler, ScanTag session) {
+  restarts_seen_ = hw_.camera.restarts();
+  hw_.projector.disarm();
+  light_.want(false);
+  assembler.abort(DropReason::kSettling);
+  settle(assembler, session);
+  const AcquisitionReport measured = run_calibration();
+  if (measured.phase != AcquisitionPhase::kDone || aborted()) return measured;
+  log::warn("acquire", "camera restarted: its stamps lie {} us behind the exposure now", stamp_delay_.count() / 1000);
+  if (auto restarted = hw_.projector.restart(); !restarted) return failed(ReplyStatus::kProjNotReady);
+  assembler.camera_restarted(stamp_delay_);
+  sequencer_.settle();
+  light_.want(true);
+  return std::nullopt;
 }
 
 /// Has a value when the acquisition is over.

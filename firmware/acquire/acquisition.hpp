@@ -73,6 +73,7 @@ class Acquisition final : public AcquisitionPort {
   [[nodiscard]] AcquisitionReport run_self_test();
   [[nodiscard]] AcquisitionReport run_calibration();
   [[nodiscard]] AcquisitionReport scan_loop(const Request& request, BurstAssembler& assembler);
+  [[nodiscard]] std::optional<AcquisitionReport> measure_again(BurstAssembler& assembler, ScanTag session);
   void settle(BurstAssembler& assembler, ScanTag session);
   [[nodiscard]] std::optional<AcquisitionReport> arm_next(bool under_way);
   [[nodiscard]] bool led_failed();
@@ -88,6 +89,7 @@ class Acquisition final : public AcquisitionPort {
   AcquisitionConfig config_;
   Sequencer sequencer_;
   std::uint64_t begun_seen_ = 0;
+  std::uint64_t restarts_seen_ = 0;
   std::int16_t optics_cc_ = 0;
   int pattern_set_ = 0;
   int dark_led_frames_ = 0;

@@ -58,6 +58,13 @@ void BurstAssembler::abort(DropReason reason) {
   fault(reason);
 }
 
+void BurstAssembler::camera_restarted(Nanoseconds stamp_delay) {
+  config_.stamp_delay = stamp_delay;
+  waiting_.clear();
+  previous_.reset();
+  armed_ = false;
+}
+
 std::vector<BurstOutcome> BurstAssembler::take_outcomes() { return std::exchange(outcomes_, {}); }
 
 void BurstAssembler::push_edge(const Edge& edge) {

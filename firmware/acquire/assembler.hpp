@@ -82,6 +82,8 @@ class BurstAssembler {
   void edges_known_until(DeviceTime t);
   /// Gives up every burst under way (light switched off by an interlock, camera restarted …).
   void abort(proto::DropReason reason);
+  /// The camera was started anew, and its stamps measured: nothing that was seen before is compared with what comes.
+  void camera_restarted(Nanoseconds stamp_delay);
 
   [[nodiscard]] std::vector<BurstOutcome> take_outcomes();
   /// Gates pushed so far.

@@ -21,6 +21,11 @@ class Sequencer {
     draining_ = false;
     left_ = limit;
   }
+  /// Camera restarted in the middle: what is left to do stays.
+  void settle() {
+    settle_left_ = config_.settle_frames;
+    armed_ = false;
+  }
   void on_frame(bool good) {
     if (good && settle_left_ > 0) --settle_left_;
   }

@@ -46,6 +46,8 @@ class Camera {
   /// Waits for the next frame. Errors: kCamera on time-out or disconnection, kCancelled after stop() or at the end of a
   /// finite source.
   [[nodiscard]] virtual Result<CameraFrame> next_frame() = 0;
+  /// How often it was stopped and started again inside next_frame(): what was measured of its stamps holds no more.
+  [[nodiscard]] virtual std::uint64_t restarts() const { return 0; }
 };
 
 }  // namespace enamel::fw

@@ -129,6 +129,11 @@ void print_summary(const host::Report& report, bool json) {
                                        number(report.latency_ms.p95, "%.0f", " / ") +
                                        number(report.latency_ms.p99, "%.0f", " ms"));
   }
+  if (!report.link_ms.empty()) {
+    const host::Percentiles link = host::percentiles_of(report.link_ms);
+    row("link p50 / p95 / p99",
+        number(link.p50, "%.1f", " / ") + number(link.p95, "%.1f", " / ") + number(link.p99, "%.1f", " ms"));
+  }
   for (const auto& [stage, p] : report.stage_ms) {
     row(("stage " + stage + " p50 / p99").c_str(), number(p.p50, "%.1f", " / ") + number(p.p99, "%.1f", " ms"));
   }

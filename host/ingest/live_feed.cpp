@@ -50,8 +50,8 @@ Result<void> LiveFeed::wait_for_probe(const std::stop_token& stop, bool came_bac
     const Nanoseconds settle = came_back ? Nanoseconds{0} : config_.settle;
     if (present && clock_.now() - *first_seen >= settle) return sink_.on_probe(*found, came_back);
     if (clock_.now() > deadline) {
-      return fail(came_back ? ErrorCode::kProbeLost : ErrorCode::kProbeNotFound,
-                  came_back ? "it did not come back" : "none answered in time");
+      if (came_back) return fail(ErrorCode::kProbeLost, "it did not come back");
+      return tl::unexpected(link_.not_found());
     }
     clock_.sleep_for(config_.poll_period);
   }

@@ -28,12 +28,13 @@ Result<std::unique_ptr<ProbeLink>> ProbeLink::create(const dds::Participant& par
   ENAMEL_TRY_ASSIGN(auto sync_requests, dds::Writer<proto::TimeSyncReq>::create(participant));
   Ends ends{std::move(infos),   std::move(statuses), std::move(events),       std::move(bursts),
             std::move(replies), std::move(commands), std::move(sync_replies), std::move(sync_requests)};
-  return std::unique_ptr<ProbeLink>(new ProbeLink(std::move(ends), config, clock));
+  return std::unique_ptr<ProbeLink>(new ProbeLink(participant, std::move(ends), config, clock));
 }
 
-ProbeLink::ProbeLink(Ends ends, const ProbeLinkConfig& config, Clock& clock)
+ProbeLink::ProbeLink(const dds::Participant& participant, Ends ends, const ProbeLinkConfig& config, Clock& clock)
     : config_(config),
       clock_(clock),
+      participant_(participant),
       infos_(std::move(ends.infos)),
       statuses_(std::move(ends.statuses)),
       events_(std::move(ends.events)),
@@ -58,16 +59,34 @@ Result<std::optional<proto::DeviceInfo>> ProbeLink::find() {
     const auto match =
         std::find_if(seen_.begin(), seen_.end(), [&](const auto& s) { return s.serial == config_.serial; });
     if (match == seen_.end()) return std::optional<proto::DeviceInfo>{};
-    probe_ = *match;
-    return probe_;
+    return take(*match);
   }
   if (seen_.size() > 1) {
     std::string serials;
     for (const auto& s : seen_) serials += (serials.empty() ? "" : ", ") + s.serial;
     return fail(ErrorCode::kProbeAmbiguous, serials);
   }
-  if (!seen_.empty()) probe_ = seen_.front();
+  if (seen_.empty()) return std::optional<proto::DeviceInfo>{};
+  return take(seen_.front());
+}
+
+Result<std::optional<proto::DeviceInfo>> ProbeLink::take(const proto::DeviceInfo& info) {
+  if (info.protocol_version != proto::kProtocolVersion) {
+    return fail(ErrorCode::kProbeVersion, info.serial + " speaks protocol " + std::to_string(info.protocol_version) +
+                                              ", this program " + std::to_string(proto::kProtocolVersion));
+  }
+  probe_ = info;
   return probe_;
+}
+
+Error ProbeLink::not_found() const {
+  std::string foreign;
+  for (const int major : dds::foreign_versions(participant_)) {
+    foreign += (foreign.empty() ? "" : ", ") + std::to_string(major);
+  }
+  if (foreign.empty()) return {ErrorCode::kProbeNotFound, "none answered in time"};
+  return {ErrorCode::kProbeVersion, "none answered in time, but there are programs of protocol " + foreign +
+                                        "; this one speaks " + std::to_string(proto::kProtocolVersion)};
 }
 
 Result<void> ProbeLink::send(const proto::Command& command) { return commands_.write(command); }

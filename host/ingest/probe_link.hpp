@@ -41,8 +41,12 @@ class ProbeLink {
   [[nodiscard]] static Result<std::unique_ptr<ProbeLink>> create(const dds::Participant& participant,
                                                                  const ProbeLinkConfig& config, Clock& clock);
 
-  /// Looks once for the probe. nullopt: none yet. Errors: kProbeAmbiguous with the serials seen.
+  /// Looks once for the probe. nullopt: none yet. Errors: kProbeAmbiguous with the serials seen; kProbeVersion.
   [[nodiscard]] Result<std::optional<proto::DeviceInfo>> find();
+
+  /// Why find() finds none, as far as the network tells: kProbeVersion where programs of another version are on it,
+  /// else kProbeNotFound.
+  [[nodiscard]] Error not_found() const;
 
   /// Sends a command and waits for its reply, re-sending the same cmd_id until then; bursts that arrive meanwhile are
   /// kept for poll(). Errors: kProbeLost (no reply), kProbeRefused (with the probe's reason), kDds.
@@ -63,13 +67,15 @@ class ProbeLink {
 
  private:
   struct Ends;
-  ProbeLink(Ends ends, const ProbeLinkConfig& config, Clock& clock);
+  ProbeLink(const dds::Participant& participant, Ends ends, const ProbeLinkConfig& config, Clock& clock);
+  [[nodiscard]] Result<std::optional<proto::DeviceInfo>> take(const proto::DeviceInfo& info);
   [[nodiscard]] Result<void> send(const proto::Command& command);
   void keep_alive();
   void take_time_sync();
 
   ProbeLinkConfig config_;
   Clock& clock_;
+  dds::Participant participant_;
   dds::Reader<proto::DeviceInfo> infos_;
   dds::Reader<proto::Status> statuses_;
   dds::Reader<proto::Event> events_;

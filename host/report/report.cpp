@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "protocol/base/file.hpp"
@@ -12,6 +13,13 @@ namespace enamel::host {
 namespace {
 
 nlohmann::json percentiles(const Percentiles& p) { return {{"p50", p.p50}, {"p95", p.p95}, {"p99", p.p99}}; }
+
+nlohmann::json link(const std::vector<double>& ms) {
+  nlohmann::json out = percentiles(percentiles_of(ms));
+  out["bursts"] = nlohmann::json::array();
+  for (const double v : ms) out["bursts"].push_back(std::round(10 * v) / 10);
+  return out;
+}
 
 nlohmann::json bursts(const BurstCounts& c, std::uint64_t undetermined) {
   return {{"captured", c.captured}, {"lost_on_wire", c.lost_on_wire}, {"incomplete", c.incomplete},
@@ -100,6 +108,15 @@ std::string segments_line(const std::vector<SegmentFacts>& segments) {
   return out + std::to_string(apart) + " apart (" + std::to_string(bursts) + " bursts): " + folders;
 }
 
+Percentiles percentiles_of(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double q) {
+    return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
+  };
+  return {at(0.5), at(0.95), at(0.99)};
+}
+
 std::string to_json(const Report& r) {
   nlohmann::json stages = nlohmann::json::object();
   for (const auto& [name, p] : r.stage_ms) stages[name] = {{"p50", p.p50}, {"p99", p.p99}};
@@ -110,6 +127,7 @@ std::string to_json(const Report& r) {
                         {"sight", sight(r.sight)},
                         {"rate_hz", r.rate_hz},
                         {"latency_ms", percentiles(r.latency_ms)},
+                        {"link_ms", link(r.link_ms)},
                         {"stage_ms", stages},
                         {"hash", r.hash},
                         {"mesh", {{"vertices", r.mesh_vertices}, {"triangles", r.mesh_triangles}}},

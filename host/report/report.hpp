@@ -17,6 +17,8 @@ struct Percentiles {
   double p50 = 0, p95 = 0, p99 = 0;
 };
 
+[[nodiscard]] Percentiles percentiles_of(std::vector<double> values);
+
 /// The code's fringe orders beside what the model shows, summed over the placed bursts.
 struct OrderTotals {
   std::uint64_t checked_px = 0, contradicting_px = 0;
@@ -42,8 +44,9 @@ struct Report {
   std::string known_line;                   ///< for people: how surely distances are known, or empty
   OrderTotals orders;
   SightTotals sight;
-  double rate_hz = 0;      ///< accepted bursts by the time the run took; wall time, so not part of the hash
-  Percentiles latency_ms;  ///< last exposure to fused, live runs only
+  double rate_hz = 0;           ///< accepted bursts by the time the run took; wall time, so not part of the hash
+  Percentiles latency_ms;       ///< last exposure to fused, live runs only
+  std::vector<double> link_ms;  ///< last exposure to host, of each accepted burst in order; live runs only
   std::map<std::string, Percentiles> stage_ms;
   std::string pipeline_json;  ///< object: what each stage took and waited for; wall time, so not part of the hash
   std::string bottleneck;     ///< one line of it: what set the rate

@@ -103,7 +103,7 @@ void LiveSession::run_record() {
     }
     auto burst = std::make_shared<const proto::Burst>(std::move(arrived->burst.value));
     const BurstId id = numbering.number(*burst);
-    pipeline_->push({id, std::move(burst), arrived->exposed});
+    pipeline_->push({id, std::move(burst), arrived->exposed, arrived->arrival});
   }
   pipeline_->finish();
   pipeline_->wait_drained();

@@ -47,7 +47,8 @@ struct ScanPipeline::Impl {
   Clock& clock;
   std::once_flag started;
   IngressGate<Accepted> gate;
-  ExposureTimes exposures;  ///< live only
+  ExposureTimes exposures;      ///< live only
+  std::vector<double> link_ms;  ///< of push()'s thread
   flow::Graph graph;
   PreviewSlot preview;
   std::atomic<SinkStage*> sink{nullptr};  ///< of the graph, once built
@@ -180,6 +181,8 @@ bool ScanPipeline::push(Accepted item) {
   auto& range = impl_->temp_c;
   range = range ? std::array{std::min((*range)[0], temp_c), std::max((*range)[1], temp_c)} : std::array{temp_c, temp_c};
   if (item.exposed) impl_->exposures.note(item.id, *item.exposed);
+  if (item.exposed && item.arrived)
+    impl_->link_ms.push_back(1e-6 * static_cast<double>((*item.arrived - *item.exposed).count()));
   if (impl_->gate.push(std::move(item))) return false;
   impl_->pushed.fetch_add(1, std::memory_order_relaxed);
   impl_->graph.waker().notify();
@@ -247,6 +250,7 @@ ScanResult ScanPipeline::take_result() {
     if (stage.name != "source" && stage.name != "sink") result.stage_ms[stage.name] = ms(stage.service_ns);
   }
   result.latency_ms = ms(sink.latency_ns.summary());
+  result.link_ms = std::move(impl_->link_ms);
   if (impl_->first_push) result.seconds = std::chrono::duration<double>(impl_->drained_at - *impl_->first_push).count();
   result.temp_c = impl_->temp_c;
   result.figures = figures_of(snapshot);

@@ -36,6 +36,7 @@ struct Accepted {
   BurstId id;
   std::shared_ptr<const proto::Burst> burst;
   std::optional<HostTime> exposed;  ///< end of the last exposure on the host's clock; live only
+  std::optional<HostTime> arrived;  ///< when the link handed it over; live only
 };
 
 struct PlacedPose {
@@ -76,6 +77,7 @@ struct ScanResult {
   SightTotals sight;
   std::map<std::string, Percentiles> stage_ms;
   Percentiles latency_ms;
+  std::vector<double> link_ms;                  ///< last exposure to host, of each accepted burst; live only
   double seconds = 0;                           ///< from the first burst in to the last burst out
   std::optional<std::array<double, 2>> temp_c;  ///< coldest and warmest burst, degrees C; empty without bursts
   PipelineFigures figures;                      ///< of the whole run, wall time …

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocol/base/result.hpp"
 #include "protocol/dds/link.hpp"
@@ -43,6 +44,10 @@ class Participant {
   explicit Participant(std::shared_ptr<Impl> impl) noexcept : impl_(std::move(impl)) {}
   std::shared_ptr<Impl> impl_;
 };
+
+/// Major versions other than ours that programs on this network speak, by their topics' names; ascending. Same domain
+/// and tag only. Empty too where nobody can be asked.
+[[nodiscard]] std::vector<int> foreign_versions(const Participant& participant);
 
 /// The Cyclone configuration that create() uses on this interface.
 [[nodiscard]] std::string cyclone_config(const ParticipantOptions& options, const std::string& interface);

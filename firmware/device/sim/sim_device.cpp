@@ -195,6 +195,7 @@ void SimDevice::perform(const Plan& plan) {
   last_start_ = plan.t;
   known_until_ = plan.t + exposure_ + config_.stamp_delay;
   if (faults_.on_step) faults_.on_step(step);
+  restarts_ += step.camera_restarted ? 1 : 0;
   for (CameraFrame& frame : step.frames) delivered_.push_back(std::move(frame));
   edges_.insert(edges_.end(), step.edges.begin(), step.edges.end());
 }
@@ -289,10 +290,8 @@ int SimDevice::sensed_ma() const noexcept {
 
 Temperatures SimDevice::read() const {
   const std::lock_guard lock(mutex_);
-  Temperatures t;
-  if (!faults_.thermistor_open) t.tip_cc = config_.tip_cc;
-  t.led_cc = 3800;
-  t.soc_cc = 4500;
+  Temperatures t{.tip_cc = config_.tip_cc, .led_cc = 3800, .soc_cc = 4500, .optics_cc = std::nullopt};
+  if (faults_.thermistor_open) t.tip_cc.reset();
   t.optics_cc = static_cast<std::int16_t>(std::llround(std::clamp(optics_c_, -40.0, 120.0) * 100.0));
   return t;
 }

@@ -40,6 +40,7 @@ struct SimStep {
   std::uint64_t burst_index = 0;
   std::vector<CameraFrame> frames;
   std::vector<Edge> edges;
+  bool camera_restarted = false;
 };
 
 struct SimFaults {
@@ -79,6 +80,10 @@ class SimDevice final : public Device,
   [[nodiscard]] Result<void> start() override;
   void stop() noexcept override;
   [[nodiscard]] Result<CameraFrame> next_frame() override;
+  [[nodiscard]] std::uint64_t restarts() const override {
+    const std::lock_guard lock(mutex_);
+    return restarts_;
+  }
   // Projector
   [[nodiscard]] Result<void> arm() override;
   void disarm() noexcept override;
@@ -134,7 +139,7 @@ class SimDevice final : public Device,
   DeviceTime last_start_{};
   DeviceTime known_until_{};
   std::uint32_t sensor_seq_ = 0;
-  std::uint64_t strobes_ = 0;
+  std::uint64_t strobes_ = 0, restarts_ = 0;
   std::deque<CameraFrame> delivered_;
   std::vector<Edge> edges_;
 };

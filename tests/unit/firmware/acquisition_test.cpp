@@ -75,6 +75,41 @@ TEST_F(AcquisitionTest, limit_ends_the_scan_after_that_many_bursts) {
   EXPECT_EQ(ledger.counts().begun, 3U);
 }
 
+/// From burst 10 on the stamps mean another instant; `tells`: the camera says that it was restarted.
+SimFaults restarted_at_ten(bool tells) {
+  SimFaults faults;
+  faults.on_step = [tells, shifted = false](SimStep& step) mutable {
+    if (step.burst_index == 10 && step.position == 1) {
+      shifted = true;
+      step.camera_restarted = tells;
+    }
+    if (!shifted) return;
+    for (CameraFrame& f : step.frames) f.t_sensor += Nanoseconds{1'500'000};
+  };
+  return faults;
+}
+
+TEST_F(AcquisitionTest, after_a_restart_of_the_camera_its_stamps_are_measured_again) {
+  make(50);
+  device->set_faults(restarted_at_ten(true));
+  acquisition->scan(kSession, std::nullopt);
+  EXPECT_EQ(wait().phase, AcquisitionPhase::kEnded);
+  EXPECT_EQ(count(), 49U) << "all but the one under way";
+  EXPECT_EQ(ledger.counts().dropped[static_cast<std::size_t>(proto::DropReason::kSettling)], 1U);
+  EXPECT_EQ(acquisition->stamp_delay()->median, Nanoseconds{1'520'000});
+  expect_conservation();
+}
+
+/// Negative control: stamps that move without a word are not believed, and no burst comes whole.
+TEST_F(AcquisitionTest, stamps_that_move_without_a_restart_cost_every_burst) {
+  make(50);
+  device->set_faults(restarted_at_ten(false));
+  acquisition->scan(kSession, std::nullopt);
+  EXPECT_EQ(wait().phase, AcquisitionPhase::kEnded);
+  EXPECT_EQ(count(), 10U);
+  expect_conservation();
+}
+
 TEST_F(AcquisitionTest, drain_loses_nothing) {
   make(100'000);
   acquisition->scan(kSession, std::nullopt);

@@ -48,6 +48,7 @@ class RequestCamera final : public Camera, private CompletionSink {
   [[nodiscard]] Result<void> start() override;
   void stop() noexcept override;
   [[nodiscard]] Result<CameraFrame> next_frame() override;
+  [[nodiscard]] std::uint64_t restarts() const override { return counts().restarts; }
 
   /// New exposure or gain, for frames after the delay; those before it come as kStartup.
   void change(const CameraControls& controls);
