@@ -38,7 +38,7 @@ Result<int> info(const ProjectorOptions& o) {
   ENAMEL_TRY_ASSIGN(const ControllerStatus s, projector.controller.status());
   const nlohmann::ordered_json out{{"type", s.type},
                                    {"version", s.version},
-                                   {"celsius", s.celsius},
+                                   {"celsius", s.celsius ? nlohmann::ordered_json(*s.celsius) : nullptr},
                                    {"system_error", s.system_error},
                                    {"sequence_error", s.sequence_error},
                                    {"sequence_abort", s.sequence_abort},
@@ -77,8 +77,8 @@ Result<void> show(Dlpc347x& controller, const ProjectorOptions& o, Clock& clock,
   int shown = 0;
   while (clock.now() < end && !stop.load(std::memory_order_acquire)) {
     clock.sleep_for(Nanoseconds{50'000'000});
-    ENAMEL_TRY_ASSIGN(const InternalStatus now, controller.internal_status());
-    shown = std::max(shown, now.patterns_shown);
+    ENAMEL_TRY_ASSIGN(const PatternStatus now, controller.pattern_status());
+    shown = std::max(shown, now.shown.value_or(0));
   }
   std::cout << (shown > 0 ? "patterns are shown when triggered" : "no pattern was shown: no trigger came in")
             << std::endl;

@@ -16,8 +16,10 @@ Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const
   device->bus_ = std::move(parts.bus);
   device->edges_ = std::make_unique<LineEdges>(std::move(parts.events), profile.lines, std::move(parts.gate), clock);
   device->edges_->close_gate();
-  ENAMEL_TRY_ASSIGN(Dlpc347x controller, Dlpc347x::open(*device->bus_, clock, profile.limits));
-  device->projector_ = std::make_unique<LineProjector>(controller, *device->edges_);
+  ENAMEL_TRY_ASSIGN(Dlpc347x opened, Dlpc347x::open(*device->bus_, clock, profile.limits));
+  auto owned = std::make_unique<Dlpc347x>(std::move(opened));
+  ProjectorController& controller = *owned;
+  device->projector_ = std::make_unique<LineProjector>(std::move(owned), *device->edges_);
   ENAMEL_TRY(controller.arm(profile.timing.pattern));
   ENAMEL_TRY(controller.set_led(profile.led_code));
   ENAMEL_TRY(controller.start());
