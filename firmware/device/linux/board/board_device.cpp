@@ -3,6 +3,22 @@
 #include <utility>
 
 namespace enamel::fw {
+namespace {
+
+template <class Controller>
+Result<std::unique_ptr<ProjectorController>> owned(Result<Controller> opened) {
+  if (!opened) return tl::unexpected<Error>(std::move(opened).error());
+  return std::unique_ptr<ProjectorController>(std::make_unique<Controller>(std::move(*opened)));
+}
+
+Result<std::unique_ptr<ProjectorController>> open_controller(I2cBus* bus, HidPort* hid, Clock& clock,
+                                                             const BoardProfile& profile) {
+  if (profile.projector == ProjectorType::kDlpc350)
+    return owned(Dlpc350::open(*hid, clock, profile.limits, profile.image));
+  return owned(Dlpc347x::open(*bus, clock, profile.limits));
+}
+
+}  // namespace
 
 Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const BoardProfile& profile,
                                                          std::string rig_text, Clock& clock) {
@@ -14,12 +30,12 @@ Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const
   device->light_->set_enabled(false);
   device->thermal_ = std::move(parts.thermal);
   device->bus_ = std::move(parts.bus);
+  device->hid_ = std::move(parts.hid);
   device->edges_ = std::make_unique<LineEdges>(std::move(parts.events), profile.lines, std::move(parts.gate), clock);
   device->edges_->close_gate();
-  ENAMEL_TRY_ASSIGN(Dlpc347x opened, Dlpc347x::open(*device->bus_, clock, profile.limits));
-  auto owned = std::make_unique<Dlpc347x>(std::move(opened));
-  ProjectorController& controller = *owned;
-  device->projector_ = std::make_unique<LineProjector>(std::move(owned), *device->edges_);
+  ENAMEL_TRY_ASSIGN(auto opened, open_controller(device->bus_.get(), device->hid_.get(), clock, profile));
+  ProjectorController& controller = *opened;
+  device->projector_ = std::make_unique<LineProjector>(std::move(opened), *device->edges_);
   ENAMEL_TRY(controller.arm(profile.timing.pattern));
   ENAMEL_TRY(controller.set_led(profile.led_code));
   ENAMEL_TRY(controller.start());

@@ -13,7 +13,8 @@ namespace enamel::fw {
 /// What a board is put together from; tests bring models of them.
 struct BoardParts {
   std::shared_ptr<RequestSource> camera;
-  std::unique_ptr<I2cBus> bus;
+  std::unique_ptr<I2cBus> bus;   ///< of a DLPC347x
+  std::unique_ptr<HidPort> hid;  ///< of a DLPC350
   LineHandle events;
   GateDriver gate;
   bool follow_edges = true;  ///< by a thread of their own; false: when they are read
@@ -43,6 +44,7 @@ class BoardDevice final : public Device {
   std::unique_ptr<Light> light_;  ///< in order of dependence; the light goes off last of all, and first in ~BoardDevice
   std::unique_ptr<Thermal> thermal_;
   std::unique_ptr<I2cBus> bus_;
+  std::unique_ptr<HidPort> hid_;
   std::unique_ptr<LineEdges> edges_;
   std::unique_ptr<LineProjector> projector_;
   std::unique_ptr<RequestCamera> camera_;

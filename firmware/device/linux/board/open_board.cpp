@@ -41,7 +41,11 @@ Result<std::unique_ptr<Device>> open_board(const BoardProfile& profile, Clock& c
   const std::array<std::uint32_t, 3> edges{profile.lines.strobe, profile.lines.t1, profile.lines.t2};
   ENAMEL_TRY_ASSIGN(parts.events, request_lines(profile.chip, edges, LineUse::kEvents));
   parts.thermal = std::make_unique<SysfsThermal>(profile.thermal);
-  ENAMEL_TRY_ASSIGN(parts.bus, open_i2c(profile.bus, kDlpcAddress));
+  if (profile.projector == ProjectorType::kDlpc350) {
+    ENAMEL_TRY_ASSIGN(parts.hid, open_hidraw(profile.hid));
+  } else {
+    ENAMEL_TRY_ASSIGN(parts.bus, open_i2c(profile.bus, kDlpcAddress));
+  }
   StreamWish wish;
   wish.camera = profile.camera;
   wish.format = profile.format;
