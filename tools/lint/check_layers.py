@@ -9,8 +9,8 @@ BASE = ["protocol/base"]
 IMAGE = BASE + ["protocol/image"]
 PROTOCOL = BASE + ["protocol/types", "protocol/idl", "protocol/dds", "protocol/mcap", "protocol/capture"]
 DEVICE = ["firmware/device", "firmware/device/sim", "firmware/device/linux/camera", "firmware/device/linux/libcamera",
-          "firmware/device/linux/dlpc347x", "firmware/device/linux/lines",
-          "firmware/device/linux/board"]
+          "firmware/device/linux/projector", "firmware/device/linux/dlpc347x", "firmware/device/linux/dlpc350",
+          "firmware/device/linux/lines", "firmware/device/linux/board"]
 FIRMWARE = ["firmware/hal", "firmware/acquire", "firmware/check", "firmware/publish", "firmware/control"] + DEVICE
 HOST = ["host/ingest", "host/record", "host/report", "host/update", "host/session"]
 DECODE = ["pipeline/decode/" + room for room in ("phase", "unwrap", "triangulate", "motion", "steps", "mode_t", "mode_m")]

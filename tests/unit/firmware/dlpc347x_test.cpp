@@ -134,7 +134,7 @@ TEST_F(Projector347x, tells_how_it_does) {
   ASSERT_TRUE(s.has_value());
   EXPECT_EQ(s->type, "DLPC3470");
   EXPECT_EQ(s->version, "8.7.261");
-  EXPECT_NEAR(s->celsius, 34.7, 1e-9);
+  EXPECT_NEAR(s->celsius.value_or(0), 34.7, 1e-9);
   EXPECT_TRUE(s->sequence_abort);
   EXPECT_TRUE(s->watchdog);
   EXPECT_FALSE(s->sequence_error);

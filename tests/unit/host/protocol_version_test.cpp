@@ -1,10 +1,10 @@
 // Probes of other protocol versions are told, not waited for in vain: real DDS, one process.
 #include <dds/dds.h>
 #include <gmock/gmock.h>
+#include <scanner.h>
 #include <unistd.h>
 
 #include "host/ingest/probe_link.hpp"
-#include "scanner.h"
 
 namespace enamel::host {
 namespace {

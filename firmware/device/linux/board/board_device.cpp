@@ -3,6 +3,23 @@
 #include <utility>
 
 namespace enamel::fw {
+namespace {
+
+template <class Controller>
+Result<std::unique_ptr<ProjectorController>> owned(Result<Controller> opened) {
+  if (!opened) return tl::unexpected<Error>(std::move(opened).error());
+  return std::unique_ptr<ProjectorController>(std::make_unique<Controller>(std::move(*opened)));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ProjectorController>> open_controller(const BoardParts& parts, const BoardProfile& profile,
+                                                             Clock& clock) {
+  if (profile.projector == ProjectorType::kDlpc350) {
+    return owned(Dlpc350::open(*parts.hid, clock, profile.limits, profile.image));
+  }
+  return owned(Dlpc347x::open(*parts.bus, clock, profile.limits));
+}
 
 Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const BoardProfile& profile,
                                                          std::string rig_text, Clock& clock) {
@@ -15,11 +32,13 @@ Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const
   device->thermal_ = std::move(parts.thermal);
   device->heater_ = std::move(parts.heater);
   device->watchdog_ = std::move(parts.watchdog);
-  device->bus_ = std::move(parts.bus);
   device->edges_ = std::make_unique<LineEdges>(std::move(parts.events), profile.lines, std::move(parts.gate), clock);
   device->edges_->close_gate();
-  ENAMEL_TRY_ASSIGN(Dlpc347x controller, Dlpc347x::open(*device->bus_, clock, profile.limits));
-  device->projector_ = std::make_unique<LineProjector>(controller, *device->edges_);
+  ENAMEL_TRY_ASSIGN(auto opened, open_controller(parts, profile, clock));
+  device->bus_ = std::move(parts.bus);
+  device->hid_ = std::move(parts.hid);
+  ProjectorController& controller = *opened;
+  device->projector_ = std::make_unique<LineProjector>(std::move(opened), *device->edges_);
   ENAMEL_TRY(controller.arm(profile.timing.pattern));
   ENAMEL_TRY(controller.set_led(profile.led_code));
   ENAMEL_TRY(controller.start());

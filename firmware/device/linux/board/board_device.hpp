@@ -13,7 +13,8 @@ namespace enamel::fw {
 /// What a board is put together from; tests bring models of them.
 struct BoardParts {
   std::shared_ptr<RequestSource> camera;
-  std::unique_ptr<I2cBus> bus;
+  std::unique_ptr<I2cBus> bus;   ///< of a DLPC347x
+  std::unique_ptr<HidPort> hid;  ///< of a DLPC350
   LineHandle events;
   GateDriver gate;
   bool follow_edges = true;  ///< by a thread of their own; false: when they are read
@@ -22,6 +23,10 @@ struct BoardParts {
   std::unique_ptr<Heater> heater;      ///< null: none
   std::unique_ptr<Watchdog> watchdog;  ///< null: none
 };
+
+/// The controller of whichever port the profile names, dark; the port must outlive it.
+[[nodiscard]] Result<std::unique_ptr<ProjectorController>> open_controller(const BoardParts& parts,
+                                                                           const BoardProfile& profile, Clock& clock);
 
 class BoardDevice final : public Device {
  public:
@@ -49,6 +54,7 @@ class BoardDevice final : public Device {
   std::unique_ptr<Heater> heater_;
   std::unique_ptr<Watchdog> watchdog_;
   std::unique_ptr<I2cBus> bus_;
+  std::unique_ptr<HidPort> hid_;
   std::unique_ptr<LineEdges> edges_;
   std::unique_ptr<LineProjector> projector_;
   std::unique_ptr<RequestCamera> camera_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -12,6 +13,7 @@ namespace enamel::fw {
 namespace {
 
 constexpr std::uint32_t kMostLines = 1023;
+constexpr std::uint16_t kDlpc347xMostLedCode = 1023;
 
 void bind_camera(ConfigReader& r, BoardProfile& p) {
   r.bind("camera.id", p.camera, "id or model as --camera list prints it, or any");
@@ -27,12 +29,29 @@ void bind_camera(ConfigReader& r, BoardProfile& p) {
   r.bind("camera.frame_lines", p.timing.frame_lines, {16, 100000}, "lines of a frame, blanking included");
 }
 
-void bind_projector(ConfigReader& r, BoardProfile& p) {
+void bind_dlpc347x(ConfigReader& r, BoardProfile& p) {
   r.bind("projector.bus", p.bus, "I2C bus");
   r.bind("projector.dmd", p.dmd, "mirror array: DLP2010 or DLP3010");
   if (p.dmd != kDlp2010.name && p.dmd != kDlp3010.name) r.reject("projector.dmd", "DLP2010 or DLP3010");
-  r.bind("projector.max_led_code", p.limits.max_led_code, {1, 1023}, "ceiling of the LED current, controller's code");
-  r.bind("projector.led_code", p.led_code, {1, 1023}, "LED current, controller's code");
+}
+
+void bind_dlpc350(ConfigReader& r, BoardProfile& p) {
+  r.bind("projector.hid", p.hid, "/dev/hidrawN, or any");
+  r.bind("projector.image", p.image, {0, kDlpc350LastImage}, "first of the two flash images with the patterns");
+  p.limits = kDlpc350Limits;
+  p.led_code = kDlpc350Limits.max_led_code / 2;
+  p.timing.pattern = kDlpc350Timing;
+}
+
+void bind_projector(ConfigReader& r, BoardProfile& p) {
+  constexpr std::array<std::pair<std::string_view, ProjectorType>, 2> kTypes{
+      {{"dlpc347x", ProjectorType::kDlpc347x}, {"dlpc350", ProjectorType::kDlpc350}}};
+  r.bind("projector.type", p.projector, kTypes, "controller: dlpc347x on I2C, dlpc350 on USB");
+  const bool usb = p.projector == ProjectorType::kDlpc350;
+  usb ? bind_dlpc350(r, p) : bind_dlpc347x(r, p);
+  const std::uint16_t most = usb ? kDlpc350MostLedCode : kDlpc347xMostLedCode;
+  r.bind("projector.max_led_code", p.limits.max_led_code, {1, most}, "ceiling of the LED current, controller's code");
+  r.bind("projector.led_code", p.led_code, {1, most}, "LED current, controller's code");
   if (p.led_code > p.limits.max_led_code) r.reject("projector.led_code", "above projector.max_led_code");
   r.bind("projector.illum_us", p.timing.pattern.illum_us, {100, 1000000}, "a pattern is lit, us");
   r.bind("projector.pre_us", p.timing.pattern.pre_us, {0, 1000000}, "dark before it, us");
@@ -89,7 +108,11 @@ Result<BoardProfile> read_profile(const std::string& path) {
   bind_lines(reader, profile);
   bind_sensors(reader, profile);
   ENAMEL_TRY(reader.finish());
-  if (const auto faults = timing_faults(profile.timing); !faults.empty()) {
+  auto faults = timing_faults(profile.timing);
+  if (profile.projector == ProjectorType::kDlpc350) {
+    for (std::string& fault : dlpc350_timing_faults(profile.timing.pattern)) faults.push_back(std::move(fault));
+  }
+  if (!faults.empty()) {
     return fail(ErrorCode::kBoardTiming, fmt::format("{}: {}", path, fmt::join(faults, "; ")));
   }
   if (profile.led_current.empty()) {

@@ -7,11 +7,14 @@
 #include "firmware/device/linux/camera/request_camera.hpp"
 #include "firmware/device/linux/dlpc347x/dlpc347x.hpp"
 #include "firmware/device/linux/dlpc347x/trigger_timing.hpp"
+#include "firmware/device/linux/dlpc350/dlpc350.hpp"
 #include "firmware/device/linux/lines/line_edges.hpp"
 #include "firmware/device/linux/lines/sysfs_sensors.hpp"
 #include "protocol/base/result.hpp"
 
 namespace enamel::fw {
+
+enum class ProjectorType : std::uint8_t { kDlpc347x, kDlpc350 };
 
 struct BoardProfile {
   std::string model = "enamel probe";
@@ -22,7 +25,10 @@ struct BoardProfile {
   double gain = 1, max_stamp_spread_us = 100;
   TriggerTiming timing;
 
-  std::string bus = "/dev/i2c-1", dmd = "DLP2010";
+  ProjectorType projector = ProjectorType::kDlpc347x;
+  std::string bus = "/dev/i2c-1", dmd = "DLP2010";  ///< of a DLPC347x
+  std::string hid = "any";                          ///< of a DLPC350, with its images
+  std::uint8_t image = 0;
   ProjectorLimits limits;
   std::uint16_t led_code = 200;
 

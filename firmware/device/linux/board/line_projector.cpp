@@ -7,19 +7,19 @@ namespace enamel::fw {
 Result<void> LineProjector::restart() {
   edges_.close_gate();
   const std::lock_guard lock(mutex_);
-  ENAMEL_TRY(controller_.stop());
-  return controller_.start();
+  ENAMEL_TRY(controller_->stop());
+  return controller_->start();
 }
 
 void LineProjector::blank() noexcept {
   const std::lock_guard lock(mutex_);
-  controller_.blank();
+  controller_->blank();
 }
 
 ProjectorStatus LineProjector::status() const {
   const std::lock_guard lock(mutex_);
-  const auto now = controller_.status();
-  const auto patterns = controller_.internal_status();
+  const auto now = controller_->status();
+  const auto patterns = controller_->pattern_status();
   if (!now || !patterns) {
     log::warn("projector", "{}", (now ? patterns.error() : now.error()).message());
     return {.ready = false, .sequence_abort = false, .watchdog = false};

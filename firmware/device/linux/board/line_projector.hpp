@@ -1,18 +1,20 @@
-// The projector as the acquisition sees it: its controller over I2C together with the gate on its trigger line.
+// The projector as the acquisition sees it: its controller together with the gate on its trigger line.
 #pragma once
 
+#include <memory>
 #include <mutex>
 
-#include "firmware/device/linux/dlpc347x/dlpc347x.hpp"
 #include "firmware/device/linux/lines/line_edges.hpp"
+#include "firmware/device/linux/projector/controller.hpp"
 #include "firmware/hal/projector.hpp"
 
 namespace enamel::fw {
 
 class LineProjector final : public Projector {
  public:
-  /// `controller` is armed already. Both must outlive this.
-  LineProjector(Dlpc347x controller, LineEdges& edges) : controller_(controller), edges_(edges) {}
+  /// `controller` is armed before the first arm(). `edges` must outlive this.
+  LineProjector(std::unique_ptr<ProjectorController> controller, LineEdges& edges)
+      : controller_(std::move(controller)), edges_(edges) {}
 
   [[nodiscard]] Result<void> arm() override {
     edges_.arm();
@@ -26,8 +28,8 @@ class LineProjector final : public Projector {
   [[nodiscard]] int pattern_set() const override { return 0; }
 
  private:
-  mutable std::mutex mutex_;  ///< of the bus
-  mutable Dlpc347x controller_;
+  mutable std::mutex mutex_;  ///< of the controller
+  std::unique_ptr<ProjectorController> controller_;
   LineEdges& edges_;
 };
 

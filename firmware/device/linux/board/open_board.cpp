@@ -62,6 +62,16 @@ std::string temperatures(const Thermal& thermal) {
                      text(t.optics_cc));
 }
 
+/// Returns its port's name.
+Result<std::string> open_projector(BoardParts& parts, const BoardProfile& profile) {
+  if (profile.projector == ProjectorType::kDlpc350) {
+    ENAMEL_TRY_ASSIGN(parts.hid, open_hidraw(profile.hid));
+    return profile.hid;
+  }
+  ENAMEL_TRY_ASSIGN(parts.bus, open_i2c(profile.bus, kDlpcAddress));
+  return profile.bus;
+}
+
 Result<std::string> open_camera(BoardParts& parts, const BoardProfile& profile) {
   StreamWish wish;
   wish.camera = profile.camera;
@@ -92,8 +102,8 @@ Result<std::unique_ptr<Device>> open_board(const BoardProfile& profile, Clock& c
   ENAMEL_TRY(open_tip(parts, profile));
   is_open("sensors", temperatures(*parts.thermal));
   if (parts.heater) is_open("heater", profile.heater_pwm);
-  ENAMEL_TRY_ASSIGN(parts.bus, open_i2c(profile.bus, kDlpcAddress));
-  is_open("bus", profile.bus);
+  ENAMEL_TRY_ASSIGN(const std::string port, open_projector(parts, profile));
+  is_open("port", port);
   ENAMEL_TRY_ASSIGN(const std::string camera, open_camera(parts, profile));
   is_open("camera", camera);
   if (!profile.watchdog.empty()) {
@@ -121,10 +131,11 @@ Result<void> darken_board(const BoardProfile& profile, Clock& clock) {
   if (!profile.heater_pwm.empty()) {
     if (const auto off = PwmHeater::open(profile.heater_pwm, profile.heater_period_us); !off) note(off.error());
   }
-  const auto bus = open_i2c(profile.bus, kDlpcAddress);
-  if (!bus) {
-    note(bus.error());
-  } else if (const auto dark = Dlpc347x::open(**bus, clock, profile.limits); !dark) {
+  // A controller that is opened goes dark first.
+  BoardParts parts;
+  if (const auto port = open_projector(parts, profile); !port) {
+    note(port.error());
+  } else if (const auto dark = open_controller(parts, profile, clock); !dark) {
     note(dark.error());
   }
   if (first) return tl::unexpected(*first);

@@ -206,7 +206,7 @@ Result<void> Dlpc347x::arm(const PatternTiming& timing) {
   ENAMEL_TRY(write(kWriteOrderEntry, entry));
   ENAMEL_TRY(write(kWriteMode, Bytes{kModeInternalPatterns}));
   ENAMEL_TRY(wait_until(kReady, "not ready for a trigger", [&]() -> Result<bool> {
-    ENAMEL_TRY_ASSIGN(const InternalStatus now, internal_status());
+    ENAMEL_TRY_ASSIGN(const PatternStatus now, pattern_status());
     return now.ready;
   }));
   ENAMEL_TRY_ASSIGN(const ControllerStatus now, status());
@@ -248,9 +248,9 @@ Result<ControllerStatus> Dlpc347x::status() {
   return s;
 }
 
-Result<InternalStatus> Dlpc347x::internal_status() {
+Result<PatternStatus> Dlpc347x::pattern_status() {
   ENAMEL_TRY_ASSIGN(const Bytes s, read(kReadPatternStatus, {}, 7));
-  return InternalStatus{s[0] != 0, s[5]};
+  return PatternStatus{s[0] != 0, s[5]};
 }
 
 }  // namespace enamel::fw

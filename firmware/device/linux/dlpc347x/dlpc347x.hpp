@@ -4,43 +4,17 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "firmware/device/linux/dlpc347x/i2c_bus.hpp"
-#include "firmware/device/linux/dlpc347x/pattern_block.hpp"
+#include "firmware/device/linux/projector/controller.hpp"
 #include "protocol/base/clock.hpp"
 
 namespace enamel::fw {
 
 inline constexpr std::uint8_t kDlpcAddress = 0x1B;  // seven bits
 
-struct ProjectorLimits {
-  std::uint16_t max_led_code = 400;  ///< the eye's ceiling: written into the controller once, and read back
-  std::uint8_t leds = kBlueLed;
-};
-
-/// What the controller is and how it does.
-struct ControllerStatus {
-  std::string type;     ///< "DLPC3470" …
-  std::string version;  ///< of its software
-  double celsius = 0;
-  bool initialised = false;
-  bool system_error = false;
-  bool sequence_error = false;  ///< sensing sequence not usable
-  bool sequence_abort = false;  ///< stopped inside a pattern set
-  bool watchdog = false;        ///< it restarted by itself
-  std::uint8_t led_errors = 0;  ///< bits as kRedLed …
-};
-
-struct InternalStatus {
-  bool ready = false;
-  int patterns_shown = 0;  ///< of the current set
-};
-
-/// One thread. Every call has a deadline. Errors: kProjector with what the controller refused; kBoardTiming from
-/// validate().
-class Dlpc347x {
+class Dlpc347x final : public ProjectorController {
  public:
   /// Waits for the controller to boot (at most 3 s), checks what it is, then sets what a measurement needs: LEDs by
   /// hand, under the ceiling, and everything off that makes brightness depend on content. The light stays off.
@@ -50,15 +24,14 @@ class Dlpc347x {
   [[nodiscard]] Result<void> validate(const PatternTiming& timing);
   /// Writes the block into flash and reads it back. Takes seconds.
   [[nodiscard]] Result<void> load(std::span<const std::uint8_t> block);
-  /// Triggered from outside: trigger settings, then the mode, in which alone they take effect, then waits until ready.
-  [[nodiscard]] Result<void> arm(const PatternTiming& timing);
-  [[nodiscard]] Result<void> start();
-  [[nodiscard]] Result<void> stop();
-  [[nodiscard]] Result<void> set_led(std::uint16_t code);
-  /// All LEDs off; whatever fails, it was tried.
-  void blank() noexcept;
-  [[nodiscard]] Result<ControllerStatus> status();
-  [[nodiscard]] Result<InternalStatus> internal_status();
+  /// Trigger settings, then the mode, in which alone they take effect, then waits until ready.
+  [[nodiscard]] Result<void> arm(const PatternTiming& timing) override;
+  [[nodiscard]] Result<void> start() override;
+  [[nodiscard]] Result<void> stop() override;
+  [[nodiscard]] Result<void> set_led(std::uint16_t code) override;
+  void blank() noexcept override;
+  [[nodiscard]] Result<ControllerStatus> status() override;
+  [[nodiscard]] Result<PatternStatus> pattern_status() override;
 
  private:
   Dlpc347x(I2cBus& bus, Clock& clock, const ProjectorLimits& limits) : bus_(&bus), clock_(&clock), limits_(limits) {}

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calib/model/pattern.hpp"
+#include "firmware/device/linux/projector/controller.hpp"
 #include "protocol/base/result.hpp"
 
 namespace enamel::fw {
@@ -21,17 +22,6 @@ struct Dmd {
 };
 inline constexpr Dmd kDlp2010{"DLP2010", 854, 480, 32, 10};
 inline constexpr Dmd kDlp3010{"DLP3010", 1280, 720, 48, 0};
-
-/// One exposure, us. Defaults: the true 8-bit sequence.
-struct PatternTiming {
-  std::uint32_t illum_us = 3464;
-  std::uint32_t pre_us = 171;
-  std::uint32_t post_us = 31;
-  int bits = 8;
-};
-
-/// LEDs of an exposure.
-inline constexpr std::uint8_t kRedLed = 1, kGreenLed = 2, kBlueLed = 4;
 
 /// One set of four patterns and the order table that shows it. Errors: kPatternSet when the rig's projector is not of
 /// the mirror array's size, kConfigValue for bits outside 1…8.
