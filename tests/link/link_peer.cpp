@@ -1,5 +1,5 @@
-// One end of a link under test: sends or receives VGA bursts through the product's own topics and link profiles.
-// usage: link_peer send|receive LINK|- SECONDS RATE
+// One end of a link under test: sends or receives bursts through the product's own topics and link profiles.
+// usage: link_peer send|receive LINK|- SECONDS RATE [WIDTH HEIGHT]                                     default: 640 480
 // LINK: as --link; -: what CYCLONEDDS_URI says. The receiver ends a second after the last burst it gets and prints one
 // JSON object: bursts, distinct, out_of_order, damaged, latency_ms {p50, p99, max} from before write() to the callback.
 #include <algorithm>
@@ -20,7 +20,6 @@ namespace {
 using namespace enamel;
 using namespace std::chrono_literals;
 
-constexpr std::size_t kVga = 4 * 640 * 480;
 constexpr Nanoseconds kPatience = 20s;
 constexpr int kQueue = 3;  // bursts that the probe's queue holds before it sheds
 
@@ -29,18 +28,23 @@ int report(const Error& error) {
   return 1;
 }
 
-proto::Burst burst() {
+struct Load {
+  double seconds = 0, rate = 0;
+  std::uint16_t width = 640, height = 480;
+};
+
+proto::Burst burst(const Load& load) {
   proto::Burst b;
-  b.width = 640;
-  b.height = 480;
+  b.width = load.width;
+  b.height = load.height;
   std::mt19937 random(1);
-  b.payload.resize(kVga);
+  b.payload.resize(std::size_t{4} * load.width * load.height);
   for (auto& v : b.payload) v = static_cast<std::uint8_t>(random());
   b.payload_crc32 = crc32(std::as_bytes(std::span<const std::uint8_t>(b.payload)));
   return b;
 }
 
-Result<int> send(const dds::Participant& participant, double seconds, double rate) {
+Result<int> send(const dds::Participant& participant, const Load& load) {
   ENAMEL_TRY_ASSIGN(auto writer, dds::Writer<proto::Burst>::create(participant));
   SteadyClock clock;
   const HostTime patience = clock.now() + kPatience;
@@ -48,11 +52,11 @@ Result<int> send(const dds::Participant& participant, double seconds, double rat
     if (clock.now() > patience) return fail(ErrorCode::kDds, "no receiver");
     clock.sleep_for(5ms);
   }
-  proto::Burst b = burst();
-  const Nanoseconds period{static_cast<std::int64_t>(1e9 / rate)};
+  proto::Burst b = burst(load);
+  const Nanoseconds period{static_cast<std::int64_t>(1e9 / load.rate)};
   const HostTime begin = clock.now();
   int shed = 0;
-  for (int k = 0; k < static_cast<int>(seconds * rate); ++k) {
+  for (int k = 0; k < static_cast<int>(load.seconds * load.rate); ++k) {
     const HostTime due = begin + period * k;
     if (clock.now() > due + period * kQueue) {
       ++shed;
@@ -73,11 +77,11 @@ double percentile(const std::vector<double>& sorted, double share) {
   return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
 }
 
-Result<int> receive(const dds::Participant& participant, double seconds) {
+Result<int> receive(const dds::Participant& participant, const Load& load) {
   ENAMEL_TRY_ASSIGN(auto reader, dds::Reader<proto::Burst>::create(participant));
   SteadyClock clock;
   HostTime end = clock.now() + kPatience;
-  const HostTime latest = clock.now() + kPatience + Nanoseconds{static_cast<std::int64_t>((seconds + 10) * 1e9)};
+  const HostTime latest = clock.now() + kPatience + Nanoseconds{static_cast<std::int64_t>((load.seconds + 10) * 1e9)};
   std::set<std::uint64_t> seen;
   std::vector<double> latency_ms;
   int bursts = 0, out_of_order = 0, damaged = 0;
@@ -104,19 +108,26 @@ Result<int> receive(const dds::Participant& participant, double seconds) {
   return 0;
 }
 
-Result<int> run(const std::string& what, const std::string& link, double seconds, double rate) {
+Result<int> run(const std::string& what, const std::string& link, const Load& load) {
   dds::LinkChoice choice;
   choice.tag = "enamel-link-test";
   if (link != "-") choice.link = link;
   ENAMEL_TRY_ASSIGN(const auto options, dds::participant_options(choice, dds::LinkEnd::kProbe));
   ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(options));
-  return what == "send" ? send(participant, seconds, rate) : receive(participant, seconds);
+  return what == "send" ? send(participant, load) : receive(participant, load);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 5) return std::fprintf(stderr, "usage: link_peer send|receive LINK|- SECONDS RATE\n"), 2;
-  const auto code = run(argv[1], argv[2], std::atof(argv[3]), std::atof(argv[4]));
+  if (argc != 5 && argc != 7) {
+    return std::fprintf(stderr, "usage: link_peer send|receive LINK|- SECONDS RATE [WIDTH HEIGHT]\n"), 2;
+  }
+  Load load{std::atof(argv[3]), std::atof(argv[4])};
+  if (argc == 7) {
+    load.width = static_cast<std::uint16_t>(std::atoi(argv[5]));
+    load.height = static_cast<std::uint16_t>(std::atoi(argv[6]));
+  }
+  const auto code = run(argv[1], argv[2], load);
   return code ? *code : report(code.error());
 }

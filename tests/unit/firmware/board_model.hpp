@@ -105,7 +105,7 @@ class BoardModel {
     for (auto& v : pixels) v = static_cast<std::uint8_t>(1 + noise_() % 3);
     event(t, p_.lines.strobe, true, s.edges_lost);
     if (s.extra_strobe) event(t + 900'000, p_.lines.strobe, true, false);
-    if (s.gate && !s.trigger_missed) {
+    if (s.gate && !s.trigger_missed && projector->triggered) {
       const int shown = pattern_;
       pattern_ = (pattern_ + 1) % 4;
       if (shown == 0) event(t + 20'000, p_.lines.t1, true, s.edges_lost);

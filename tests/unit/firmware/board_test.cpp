@@ -170,6 +170,23 @@ TEST(Board, no_frame_lands_in_a_foreign_place_whatever_goes_wrong) {
   RecordProperty("given_up", static_cast<int>(run.given_up));
 }
 
+TEST(Board, a_projector_that_restarted_by_itself_is_set_up_anew_under_its_ceiling) {
+  BoardRun run;
+  run.board.device->hardware().light.set_enabled(true);
+  for (int i = 0; i < 100; ++i) run.step();
+  const std::size_t before = run.bursts.size();
+  const auto ceiling = run.board.projector->registers[dlpc::kWriteLedMaxCurrent];
+  ASSERT_FALSE(ceiling.empty());
+  run.board.projector->restarts_by_itself();
+  for (int i = 0; i < 200; ++i) run.step();
+  EXPECT_EQ(run.board.projector->registers[dlpc::kWriteLedMaxCurrent], ceiling);
+  EXPECT_EQ(run.board.projector->leds, kBlueLed);
+  EXPECT_GE(run.bursts.size(), before + 20);
+  EXPECT_GE(run.given_up, 1U);
+  EXPECT_LE(run.given_up, 3U);
+  for (const auto& b : run.bursts) EXPECT_TRUE(b.as_lit);
+}
+
 /// Negative control: who takes lit frames by fours as they come mixes bursts under the same faults.
 TEST(Board, counting_frames_in_order_of_arrival_mixes_bursts) {
   BoardModel board;

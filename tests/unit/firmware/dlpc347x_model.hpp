@@ -65,6 +65,14 @@ class Dlpc347xModel final : public I2cBus {
     return {};
   }
 
+  /// Its watchdog has struck: everything that was written is forgotten, but for the flash.
+  void restarts_by_itself() {
+    registers.clear();
+    leds = 0;
+    triggered = trigger_wanted_ = false;
+    busy_after_boot = 3;
+  }
+
   std::vector<Bytes> written;
   std::map<std::uint8_t, Bytes> registers;
   Bytes flash;
@@ -113,7 +121,7 @@ class Dlpc347xModel final : public I2cBus {
       case dlpc::kReadValidateExposure:
         return validated(message);
       case dlpc::kReadPatternStatus:
-        return {static_cast<std::uint8_t>(ready_polls_-- <= 0 ? 1 : 0), 1, 0, 0, 4, 2, 0};
+        return {static_cast<std::uint8_t>(triggered && ready_polls_-- <= 0 ? 1 : 0), 1, 0, 0, 4, 2, 0};
       case dlpc::kReadFlashPrecheck:
         return {0};
       case dlpc::kReadFlashStart:

@@ -34,14 +34,12 @@ Result<std::unique_ptr<BoardDevice>> BoardDevice::create(BoardParts parts, const
   device->watchdog_ = std::move(parts.watchdog);
   device->edges_ = std::make_unique<LineEdges>(std::move(parts.events), profile.lines, std::move(parts.gate), clock);
   device->edges_->close_gate();
-  ENAMEL_TRY_ASSIGN(auto opened, open_controller(parts, profile, clock));
+  ENAMEL_TRY_ASSIGN(auto controller, open_controller(parts, profile, clock));
   device->bus_ = std::move(parts.bus);
   device->hid_ = std::move(parts.hid);
-  ProjectorController& controller = *opened;
-  device->projector_ = std::make_unique<LineProjector>(std::move(opened), *device->edges_);
-  ENAMEL_TRY(controller.arm(profile.timing.pattern));
-  ENAMEL_TRY(controller.set_led(profile.led_code));
-  ENAMEL_TRY(controller.start());
+  device->projector_ =
+      std::make_unique<LineProjector>(std::move(controller), *device->edges_, profile.timing.pattern, profile.led_code);
+  ENAMEL_TRY(device->projector_->set_up());
   if (parts.follow_edges) device->edges_->follow();
   ENAMEL_TRY_ASSIGN(device->camera_, RequestCamera::create(std::move(parts.camera), clock, profile.camera_config()));
   return device;

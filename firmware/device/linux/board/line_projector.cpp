@@ -4,11 +4,33 @@
 
 namespace enamel::fw {
 
+Result<void> LineProjector::set_up() {
+  const std::lock_guard lock(mutex_);
+  return show();
+}
+
+Result<void> LineProjector::show() {
+  ENAMEL_TRY(controller_->arm(timing_));
+  ENAMEL_TRY(controller_->set_led(led_code_));
+  return controller_->start();
+}
+
 Result<void> LineProjector::restart() {
   edges_.close_gate();
   const std::lock_guard lock(mutex_);
+  const auto again = run_again();
+  if (again) return {};
+  log::warn("projector", "set up anew: {}", again.error().detail);
+  ENAMEL_TRY(controller_->prepare());
+  return show();
+}
+
+Result<void> LineProjector::run_again() {
   ENAMEL_TRY(controller_->stop());
-  return controller_->start();
+  ENAMEL_TRY(controller_->start());
+  ENAMEL_TRY_ASSIGN(const PatternStatus now, controller_->pattern_status());
+  if (now.ready) return {};
+  return fail(ErrorCode::kProjector, "not ready for a trigger, as after a restart of its own");
 }
 
 void LineProjector::blank() noexcept {

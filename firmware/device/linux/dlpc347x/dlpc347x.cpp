@@ -94,22 +94,27 @@ Result<void> Dlpc347x::wait_until(Nanoseconds limit, const char* what, const Don
 
 Result<Dlpc347x> Dlpc347x::open(I2cBus& bus, Clock& clock, const ProjectorLimits& limits) {
   Dlpc347x projector(bus, clock, limits);
-  ENAMEL_TRY(projector.wait_booted());
-  ENAMEL_TRY_ASSIGN(const Bytes id, projector.read(kReadController, {}, 1));
+  ENAMEL_TRY(projector.prepare());
+  return projector;
+}
+
+Result<void> Dlpc347x::prepare() {
+  ENAMEL_TRY(wait_booted());
+  ENAMEL_TRY_ASSIGN(const Bytes id, read(kReadController, {}, 1));
   if (type_of(id[0]) == nullptr) {
     return refused(
         fmt::format("controller 0x{:02X} is no DLPC3470, 3478 or 3479; the profile names another type", id[0]));
   }
-  ENAMEL_TRY(projector.write(kWriteLedEnable, Bytes{0}));
-  ENAMEL_TRY(projector.limit_light());
-  ENAMEL_TRY(projector.write(kWriteBrightnessBoost, Bytes{0, 0}));
-  ENAMEL_TRY(projector.write(kWriteAdaptiveLight, Bytes{0, 31, 0}));
-  ENAMEL_TRY(projector.write(kWriteColourAdjustment, Bytes{0}));
-  ENAMEL_TRY(projector.write(kWriteLedControl, Bytes{0}));
-  ENAMEL_TRY_ASSIGN(const Bytes control, projector.read(kReadLedControl, {}, 1));
+  ENAMEL_TRY(write(kWriteLedEnable, Bytes{0}));
+  ENAMEL_TRY(limit_light());
+  ENAMEL_TRY(write(kWriteBrightnessBoost, Bytes{0, 0}));
+  ENAMEL_TRY(write(kWriteAdaptiveLight, Bytes{0, 31, 0}));
+  ENAMEL_TRY(write(kWriteColourAdjustment, Bytes{0}));
+  ENAMEL_TRY(write(kWriteLedControl, Bytes{0}));
+  ENAMEL_TRY_ASSIGN(const Bytes control, read(kReadLedControl, {}, 1));
   if (control[0] != 0)
     return refused("it keeps the LEDs under its own control: fringes would change with their content");
-  return projector;
+  return {};
 }
 
 Result<void> Dlpc347x::wait_booted() {

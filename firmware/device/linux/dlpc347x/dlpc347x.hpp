@@ -25,6 +25,7 @@ class Dlpc347x final : public ProjectorController {
   /// Writes the block into flash and reads it back. Takes seconds.
   [[nodiscard]] Result<void> load(std::span<const std::uint8_t> block);
   /// Trigger settings, then the mode, in which alone they take effect, then waits until ready.
+  [[nodiscard]] Result<void> prepare() override;
   [[nodiscard]] Result<void> arm(const PatternTiming& timing) override;
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] Result<void> stop() override;

@@ -86,12 +86,13 @@ Result<Dlpc350> Dlpc350::open(HidPort& port, Clock& clock, const ProjectorLimits
                                                      limits.max_led_code, kDlpc350MostLedCode));
   }
   Dlpc350 projector(port, clock, limits, image);
-  ENAMEL_TRY(projector.or_dark(projector.go_dark()));
+  ENAMEL_TRY(projector.prepare());
   return projector;
 }
 
 /// It comes up with its LEDs under the table's control, perhaps with a sequence of its own: off before anything else.
 Result<void> Dlpc350::go_dark() {
+  is_valid_ = false;
   ENAMEL_TRY(channel_.write(kLedEnable, Bytes{0}));
   ENAMEL_TRY(channel_.write(kSequence, Bytes{kStop}));
   ENAMEL_TRY(wait_until(kBoot, "not initialised", [&]() -> Result<bool> {
@@ -211,6 +212,7 @@ Result<void> Dlpc350::or_dark(Result<void> done) {
   return done;
 }
 
+Result<void> Dlpc350::prepare() { return or_dark(go_dark()); }
 Result<void> Dlpc350::arm(const PatternTiming& timing) { return or_dark(set_up(timing)); }
 Result<void> Dlpc350::start() { return or_dark(run()); }
 Result<void> Dlpc350::stop() { return or_dark(channel_.write(kSequence, Bytes{kStop})); }

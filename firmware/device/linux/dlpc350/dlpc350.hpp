@@ -30,6 +30,7 @@ class Dlpc350 final : public ProjectorController {
   [[nodiscard]] static Result<Dlpc350> open(HidPort& port, Clock& clock, const ProjectorLimits& limits,
                                             std::uint8_t image);
 
+  [[nodiscard]] Result<void> prepare() override;
   /// Display mode, then the table, which the controller then checks. kBoardTiming, kProjector with every fault.
   [[nodiscard]] Result<void> arm(const PatternTiming& timing) override;
   /// Not before arm().

@@ -48,6 +48,9 @@ class ProjectorController {
  public:
   virtual ~ProjectorController() = default;
 
+  /// Waits until it has booted, then dark, under its ceiling and without a will of its own: as when it was opened. For
+  /// a controller that has restarted by itself; arm() must follow.
+  [[nodiscard]] virtual Result<void> prepare() = 0;
   /// Triggered from outside from now on. kBoardTiming: the controller cannot show this, and what it needs instead.
   [[nodiscard]] virtual Result<void> arm(const PatternTiming& timing) = 0;
   /// From pattern 0 on.
