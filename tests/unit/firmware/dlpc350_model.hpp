@@ -74,10 +74,11 @@ class Dlpc350Model final : public HidPort {
     const Bytes payload(message.begin() + 6, message.end());
     Bytes data;
     if (now != Fault::kNack) {
-      if ((message[0] & 0x80U) != 0)
+      if ((message[0] & 0x80U) != 0) {
         data = answer_of(command);
-      else
+      } else {
         take(command, payload);
+      }
     }
     if (now == Fault::kSilence) return;
     const auto sequence = static_cast<std::uint8_t>(message[1] + (now == Fault::kWrongSequence ? 1 : 0));
@@ -89,9 +90,7 @@ class Dlpc350Model final : public HidPort {
       return;
     }
     answer.resize((answer.size() + 63) / 64 * 64);
-    for (std::size_t at = 0; at < answer.size(); at += 64)
-      answers_.emplace_back(answer.begin() + static_cast<std::ptrdiff_t>(at),
-                            answer.begin() + static_cast<std::ptrdiff_t>(at) + 64);
+    for (auto at = answer.begin(); at != answer.end(); at += 64) answers_.emplace_back(at, at + 64);
   }
 
   [[nodiscard]] Bytes answer_of(unsigned command) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 #include "protocol/base/log.hpp"
@@ -17,7 +18,7 @@ constexpr Nanoseconds kBoot{3'000'000'000}, kModeChange{1'000'000'000}, kValidat
 constexpr Nanoseconds kImageLoads{2'000'000'000};          // two images out of flash, up to 200 ms each
 constexpr std::uint32_t kLeastIllum = 8333, kBlack = 230;  // us
 constexpr double kTick = 0.1072;                           // us, of the trigger input's delay
-constexpr std::uint32_t kMostTicks = 0x7FFFF;
+constexpr std::int64_t kMostTicks = 0x7FFFF;
 constexpr std::uint8_t kPatterns = 4, kImageCount = 2;
 
 /// An entry of the pattern table. Byte 0: trigger, pattern number; byte 1: bits, LEDs; byte 2: black behind it, and
@@ -31,7 +32,7 @@ void put(Bytes& to, std::uint32_t v) {
 
 tl::unexpected<Error> refused(const std::string& what) { return fail(ErrorCode::kProjector, "projector: " + what); }
 
-std::uint32_t ticks(std::uint32_t us) { return static_cast<std::uint32_t>(us / kTick + 0.5); }
+std::int64_t ticks(std::uint32_t us) { return std::lround(us / kTick); }
 
 /// By bit of the validation's answer.
 constexpr std::array<const char*, 7> kInvalid{
@@ -57,8 +58,8 @@ std::vector<std::string> dlpc350_timing_faults(const PatternTiming& t) {
     faults.push_back(fmt::format("black behind a pattern takes {} us, but post_us is {}", kBlack, t.post_us));
   }
   if (ticks(t.pre_us) > kMostTicks) {
-    faults.push_back(
-        fmt::format("a trigger is delayed by {:.0f} us at most, but pre_us is {}", kMostTicks * kTick, t.pre_us));
+    faults.push_back(fmt::format("a trigger is delayed by {:.0f} us at most, but pre_us is {}",
+                                 static_cast<double>(kMostTicks) * kTick, t.pre_us));
   }
   return faults;
 }
@@ -134,7 +135,7 @@ Result<void> Dlpc350::write_triggers(const PatternTiming& timing) {
   ENAMEL_TRY(channel_.write(kTriggerOut1, Bytes{0, kUndelayed, kUndelayed}));
   ENAMEL_TRY(channel_.write(kTriggerOut2, Bytes{0, kUndelayed}));
   Bytes delay;
-  put(delay, ticks(timing.pre_us));
+  put(delay, static_cast<std::uint32_t>(ticks(timing.pre_us)));
   return channel_.write(kTriggerInDelay, delay);
 }
 
