@@ -278,10 +278,10 @@ AcquisitionReport Acquisition::run_calibration() {
   DelayCalibration calibration(std::clamp<std::size_t>(in_a_second, 10, config_.calibration_frames));
   std::vector<Edge> edges;
   DeviceTime known_until{};
-  while (!calibration.complete()) {
+  for (std::size_t frames = 0; !calibration.complete(); ++frames) {
     const auto frame = frame_with_edges(edges, known_until);
     if (aborted()) return done();
-    if (!frame) return failed(ReplyStatus::kCamTimeout);
+    if (!frame || frames > 3 * config_.calibration_frames) return failed(ReplyStatus::kCamTimeout);
     for (const Edge& e : edges) {
       if (e.kind == EdgeKind::kStrobe) calibration.on_strobe(e.t);
     }

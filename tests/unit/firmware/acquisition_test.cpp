@@ -75,6 +75,16 @@ TEST_F(AcquisitionTest, limit_ends_the_scan_after_that_many_bursts) {
   EXPECT_EQ(ledger.counts().begun, 3U);
 }
 
+TEST_F(AcquisitionTest, without_strobes_nothing_is_measured_for_ever) {
+  make(50);
+  SimFaults faults;
+  faults.on_step = [](SimStep& step) { step.edges.clear(); };
+  device->set_faults(faults);
+  acquisition->calibrate();
+  EXPECT_EQ(wait().fault, ReplyStatus::kCamTimeout);
+  EXPECT_FALSE(acquisition->stamp_delay().has_value());
+}
+
 /// From burst 10 on the stamps mean another instant; `tells`: the camera says that it was restarted.
 SimFaults restarted_at_ten(bool tells) {
   SimFaults faults;
