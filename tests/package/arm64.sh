@@ -41,6 +41,12 @@ unpack
 probe() { qemu-aarch64 -L "$sysroot" "$work/tree/usr/bin/enamel-probe" "$@" >"$work/said" 2>&1; }
 probe --help || { cat "$work/said" && exit 1; }
 grep -q 'acquisition process' "$work/said"
+# What its unit asks of it, it knows.
+unit=$work/tree/lib/systemd/system/enamel-probe.service
+# shellcheck disable=SC2013 # words are what is wanted
+for option in $(sed -n 's/^Exec[A-Za-z]*=//p' "$unit" | grep -oE -e '--[a-z-]+' | sort -u); do
+  grep -qe "$option\b" "$work/said" || { echo "the unit says $option, which the program does not know" && exit 1; }
+done
 expect() { # CODE TEXT ARGUMENT...
   local code=0
   probe "${@:3}" || code=$?
