@@ -7,13 +7,15 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
 find_package(Threads REQUIRED)
-find_package(Eigen3 REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(tl-expected REQUIRED)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d flann)
 find_package(PkgConfig REQUIRED)
-find_package(hwy REQUIRED)
+if(NOT ENAMEL_PROBE_ONLY)
+  find_package(Eigen3 REQUIRED)
+  find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d flann)
+  find_package(hwy REQUIRED)
+endif()
 
 set(ENAMEL_SANITIZE "" CACHE STRING "value of -fsanitize=, empty for none")
 
