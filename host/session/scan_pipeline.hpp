@@ -35,8 +35,8 @@ namespace enamel::host {
 struct Accepted {
   BurstId id;
   std::shared_ptr<const proto::Burst> burst;
-  std::optional<HostTime> exposed;  ///< end of the last exposure on the host's clock; live only
-  std::optional<HostTime> arrived;  ///< when the link handed it over; live only
+  std::optional<HostTime> exposed = {};  ///< end of the last exposure on the host's clock; live only
+  std::optional<HostTime> arrived = {};  ///< when the link handed it over; live only
 };
 
 struct PlacedPose {
