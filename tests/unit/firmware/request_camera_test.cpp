@@ -181,6 +181,26 @@ TEST_F(RequestCameraTest, damaged_and_reordered_frames_are_told_and_counted) {
   EXPECT_EQ(camera->counts().out_of_order, 1U);
 }
 
+TEST_F(RequestCameraTest, buffers_of_damaged_frames_wait_for_a_sound_one) {
+  make();
+  settle();
+  const auto damage = [](Completion& c) { c.status = FrameStatus::kError; };
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(next(damage).status, FrameStatus::kError);
+  EXPECT_EQ(source->queued(), 5U) << "a camera that is being unplugged gets nothing more to fail";
+  EXPECT_EQ(next().status, FrameStatus::kSuccess);
+  EXPECT_EQ(source->queued(), 8U);
+}
+
+TEST_F(RequestCameraTest, nothing_but_damaged_frames_ends_in_a_restart) {
+  make();
+  settle();
+  for (int i = 0; i < 8; ++i) next([](Completion& c) { c.status = FrameStatus::kError; });
+  EXPECT_EQ(source->queued(), 0U);
+  source->on_start = [](FakeRequestSource& s) { s.on_queue = [](FakeRequestSource& now) { now.deliver(); }; };
+  EXPECT_TRUE(camera->next_frame().has_value());
+  EXPECT_EQ(camera->counts().restarts, 1U);
+}
+
 TEST_F(RequestCameraTest, a_buffer_completed_twice_is_lent_once) {
   make();
   settle();

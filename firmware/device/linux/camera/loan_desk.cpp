@@ -14,6 +14,7 @@ LoanDesk::LoanDesk(std::shared_ptr<RequestSource> source)
 Result<void> LoanDesk::open(const CameraControls& controls, CompletionSink& sink) {
   const std::lock_guard lock(mutex_);
   change_.reset();
+  hold(false);
   ENAMEL_TRY(source_->start(controls, sink));
   open_ = true;
   for (std::size_t i = 0; i < where_.size(); ++i) {
@@ -38,6 +39,7 @@ std::optional<PixelLoan> LoanDesk::lend(int slot) {
     Where& where = where_[static_cast<std::size_t>(slot)];
     if (where != Where::kQueued) return std::nullopt;
     where = Where::kLent;
+    if (!held_.load(std::memory_order_acquire)) queue_kept();
   }
   std::shared_ptr<const void> owner(nullptr, [desk = shared_from_this(), slot](const void*) { desk->give_back(slot); });
   return PixelLoan(source_->memory(slot), source_->format().stride, std::move(owner));
@@ -46,8 +48,16 @@ std::optional<PixelLoan> LoanDesk::lend(int slot) {
 void LoanDesk::give_back(int slot) noexcept {
   const std::lock_guard lock(mutex_);
   where_[static_cast<std::size_t>(slot)] = Where::kIdle;
-  if (!open_) return;
+  if (!open_ || held_.load(std::memory_order_acquire)) return;
   if (auto queued = queue(slot); !queued) log::warn("camera", "{}", queued.error().message());
+}
+
+/// Needs the lock. What is refused is kept for the next time.
+void LoanDesk::queue_kept() noexcept {
+  if (!open_) return;
+  for (std::size_t i = 0; i < where_.size(); ++i) {
+    if (where_[i] == Where::kIdle && !queue(static_cast<int>(i))) return;
+  }
 }
 
 /// Needs the lock.

@@ -1,6 +1,7 @@
 // The buffers between the camera and whoever reads them.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -20,6 +21,9 @@ class LoanDesk : public std::enable_shared_from_this<LoanDesk> {
   void close() noexcept;
   /// Nullopt for a buffer that the camera should not have: completed twice.
   [[nodiscard]] std::optional<PixelLoan> lend(int slot);
+  /// From a damaged frame to the next sound one: what comes back is kept. A camera that is being unplugged fails every
+  /// request at once, and libcamera 0.0.3 aborts the program when one ends behind the unplugging. Takes no lock.
+  void hold(bool yes) noexcept { held_.store(yes, std::memory_order_release); }
   /// Travels with the next buffer that is queued.
   void change(const CameraControls& controls);
   /// The request of this slot carried a change; asked once.
@@ -32,10 +36,12 @@ class LoanDesk : public std::enable_shared_from_this<LoanDesk> {
 
   void give_back(int slot) noexcept;
   [[nodiscard]] Result<void> queue(int slot);
+  void queue_kept() noexcept;
 
   std::shared_ptr<RequestSource> source_;
   mutable std::mutex mutex_;
   bool open_ = false;
+  std::atomic<bool> held_{false};
   std::vector<Where> where_;
   std::vector<bool> carries_change_;
   std::optional<CameraControls> change_;

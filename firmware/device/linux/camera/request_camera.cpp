@@ -83,6 +83,7 @@ void RequestCamera::stop() noexcept {
 }
 
 void RequestCamera::completed(const Completion& completion) noexcept {
+  desk_->hold(completion.status == FrameStatus::kError || completion.status == FrameStatus::kCancelled);
   if (completion.status == FrameStatus::kCancelled) return;
   if (!ring_.push(completion)) overflows_.fetch_add(1, std::memory_order_relaxed);
   wake();
