@@ -5,15 +5,12 @@
 #include <cstdlib>
 
 namespace enamel::fw {
-namespace {
 
 std::int64_t median_of(std::vector<std::int64_t> v) {
   const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
   std::nth_element(v.begin(), middle, v.end());
   return *middle;
 }
-
-}  // namespace
 
 void DelayCalibration::on_strobe(DeviceTime t) {
   strobes_.push_back(t);

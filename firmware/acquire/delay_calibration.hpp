@@ -11,6 +11,9 @@
 
 namespace enamel::fw {
 
+/// The upper one of two. Not of nothing.
+[[nodiscard]] std::int64_t median_of(std::vector<std::int64_t> values);
+
 struct StampDelay {
   Nanoseconds median{};
   Nanoseconds mad{};  ///< median absolute deviation

@@ -70,17 +70,12 @@ struct Probe {
         publisher(ends.sink, ledger, clock, publisher_config(info)),
         acquisition(
             dev.hardware(), light, ledger, [this](CapturedBurst b) { publisher.push(std::move(b)); },
-            acquisition_config(dev)),
+            AcquisitionConfig{.max_delay_spread = dev.max_stamp_spread()}),
         controller(acquisition, light, ledger, controller_config(dev), ends.gate.get()),
         server({controller, *ends.transport, ledger, dev.hardware().thermal, dev.hardware().light,
                 [this] { return link_rates(); }, dev.heater()},
                clock, ServerConfig{info.probe_id, info.fw_version}) {}
 
-  static AcquisitionConfig acquisition_config(const Device& device) {
-    AcquisitionConfig config;
-    config.max_delay_spread = device.max_stamp_spread();
-    return config;
-  }
   static PublisherConfig publisher_config(const proto::DeviceInfo& info) {
     PublisherConfig config;
     config.burst.probe_id = info.probe_id;

@@ -50,7 +50,8 @@ class DeviceCheck {
         hw_(device.hardware()),
         light_(hw_.light),
         acquisition_(
-            hw_, light_, ledger_, [this](CapturedBurst b) { take(b); }, acquisition_config(device)) {}
+            hw_, light_, ledger_, [this](CapturedBurst b) { take(b); },
+            AcquisitionConfig{.max_delay_spread = device.max_stamp_spread()}) {}
 
   CheckReport run() && {
     ledger_.open(kSession);
@@ -59,12 +60,6 @@ class DeviceCheck {
   }
 
  private:
-  static AcquisitionConfig acquisition_config(const Device& device) {
-    AcquisitionConfig config;
-    config.max_delay_spread = device.max_stamp_spread();
-    return config;
-  }
-
   bool good(const char* part, std::string found) {
     add({part, std::move(found), std::nullopt});
     return true;
@@ -95,9 +90,7 @@ class DeviceCheck {
     }
     hw_.camera.stop();
     if (distances.size() < config_.frames) return bad("frames", ErrorCode::kCamera, "most of its frames are damaged");
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    return judge_rate(Nanoseconds{*middle});
+    return judge_rate(Nanoseconds{median_of(std::move(distances))});
   }
   bool judge_rate(Nanoseconds period) {
     const CameraMode mode = hw_.camera.mode();

@@ -81,6 +81,9 @@ void bind_sensors(ConfigReader& r, BoardProfile& p) {
   r.bind("sensors.soc", p.thermal.soc, "file with milli-degrees: processor");
   r.bind("sensors.optics", p.thermal.optics, "file with milli-degrees: measuring head");
   r.bind("sensors.led_current", p.led_current, "file with the LED's current, mA");
+}
+
+void bind_heater_and_watchdog(ConfigReader& r, BoardProfile& p) {
   r.bind("heater.pwm", p.heater_pwm, "PWM output of the tip's heater, /sys/class/pwm/pwmchipN/pwmM; empty: none");
   r.bind("heater.period_us", p.heater_period_us, {10, 1000000}, "its period, us");
   if (!p.heater_pwm.empty() && p.thermal.tip.empty()) r.reject("heater.pwm", "nothing is heated without sensors.tip");
@@ -107,6 +110,7 @@ Result<BoardProfile> read_profile(const std::string& path) {
   bind_projector(reader, profile);
   bind_lines(reader, profile);
   bind_sensors(reader, profile);
+  bind_heater_and_watchdog(reader, profile);
   ENAMEL_TRY(reader.finish());
   auto faults = timing_faults(profile.timing);
   if (profile.projector == ProjectorType::kDlpc350) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "firmware/device/linux/dlpc347x/opcodes.hpp"
+#include "firmware/device/linux/projector/waiting.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::fw {
@@ -15,7 +16,6 @@ namespace {
 using namespace dlpc;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr Nanoseconds kPoll{5'000'000};
 constexpr Nanoseconds kBoot{3'000'000'000}, kReady{500'000'000}, kErase{30'000'000'000};
 constexpr std::size_t kWriteBlock = 1024, kReadBlock = 256;
 constexpr std::uint8_t kInternal = 1;  // of validate: which mode is asked for
@@ -62,8 +62,6 @@ Bytes three_leds(std::uint16_t code, std::uint8_t leds) {
   return b;
 }
 
-tl::unexpected<Error> refused(const std::string& what) { return fail(ErrorCode::kProjector, "projector: " + what); }
-
 }  // namespace
 
 Result<void> Dlpc347x::write(std::uint8_t opcode, std::span<const std::uint8_t> payload) {
@@ -80,18 +78,6 @@ Result<Bytes> Dlpc347x::read(std::uint8_t opcode, std::span<const std::uint8_t> 
   return answer;
 }
 
-template <class Done>
-Result<void> Dlpc347x::wait_until(Nanoseconds limit, const char* what, const Done& done) {
-  const HostTime end = clock_->now() + limit;
-  for (;;) {
-    ENAMEL_TRY_ASSIGN(const bool is_done, done());
-    if (is_done) return {};
-    if (clock_->now() >= end)
-      return refused(fmt::format("{} after {:.1f} s", what, static_cast<double>(limit.count()) * 1e-9));
-    clock_->sleep_for(kPoll);
-  }
-}
-
 Result<Dlpc347x> Dlpc347x::open(I2cBus& bus, Clock& clock, const ProjectorLimits& limits) {
   Dlpc347x projector(bus, clock, limits);
   ENAMEL_TRY(projector.prepare());
@@ -102,7 +88,7 @@ Result<void> Dlpc347x::prepare() {
   ENAMEL_TRY(wait_booted());
   ENAMEL_TRY_ASSIGN(const Bytes id, read(kReadController, {}, 1));
   if (type_of(id[0]) == nullptr) {
-    return refused(
+    return projector_refused(
         fmt::format("controller 0x{:02X} is no DLPC3470, 3478 or 3479; the profile names another type", id[0]));
   }
   ENAMEL_TRY(write(kWriteLedEnable, Bytes{0}));
@@ -113,13 +99,13 @@ Result<void> Dlpc347x::prepare() {
   ENAMEL_TRY(write(kWriteLedControl, Bytes{0}));
   ENAMEL_TRY_ASSIGN(const Bytes control, read(kReadLedControl, {}, 1));
   if (control[0] != 0)
-    return refused("it keeps the LEDs under its own control: fringes would change with their content");
+    return projector_refused("it keeps the LEDs under its own control: fringes would change with their content");
   return {};
 }
 
 Result<void> Dlpc347x::wait_booted() {
   unsigned last = 0;
-  auto booted = wait_until(kBoot, "not ready", [&]() -> Result<bool> {
+  auto booted = wait_until(*clock_, kBoot, "not ready", [&]() -> Result<bool> {
     const auto status = read(kReadShortStatus, {}, 1);
     if (!status) return false;  // it does not answer while it boots
     last = (*status)[0];
@@ -129,7 +115,8 @@ Result<void> Dlpc347x::wait_booted() {
     ENAMEL_TRY(read(kReadShortStatus, {}, 1));  // no answer at all: the bus says why
     return booted;
   }
-  if ((last & kMainApplication) == 0) return refused("its boot loader runs: its software must be written again");
+  if ((last & kMainApplication) == 0)
+    return projector_refused("its boot loader runs: its software must be written again");
   return {};
 }
 
@@ -138,7 +125,7 @@ Result<void> Dlpc347x::limit_light() {
   const Bytes ceiling = three_leds(limits_.max_led_code, limits_.leds);
   ENAMEL_TRY(write(kWriteLedMaxCurrent, ceiling));
   ENAMEL_TRY_ASSIGN(const Bytes kept, read(kReadLedMaxCurrent, {}, ceiling.size()));
-  if (kept != ceiling) return refused("it does not keep the LED current's ceiling: the light stays off");
+  if (kept != ceiling) return projector_refused("it does not keep the LED current's ceiling: the light stays off");
   return {};
 }
 
@@ -157,9 +144,9 @@ Result<void> Dlpc347x::validate(const PatternTiming& timing) {
 }
 
 Result<void> Dlpc347x::wait_erased() {
-  return wait_until(kErase, "flash still being erased", [&]() -> Result<bool> {
+  return wait_until(*clock_, kErase, "flash still being erased", [&]() -> Result<bool> {
     ENAMEL_TRY_ASSIGN(const Bytes status, read(kReadShortStatus, {}, 1));
-    if ((status[0] & kFlashError) != 0) return refused("its flash cannot be erased");
+    if ((status[0] & kFlashError) != 0) return projector_refused("its flash cannot be erased");
     return (status[0] & kEraseBusy) == 0;
   });
 }
@@ -168,7 +155,8 @@ Result<void> Dlpc347x::load(std::span<const std::uint8_t> block) {
   Bytes size;
   put(size, static_cast<std::uint32_t>(block.size()), 4);
   ENAMEL_TRY_ASSIGN(const Bytes precheck, read(kReadFlashPrecheck, size, 1));
-  if (precheck[0] != 0) return refused(fmt::format("{} bytes of patterns do not fit its flash", block.size()));
+  if (precheck[0] != 0)
+    return projector_refused(fmt::format("{} bytes of patterns do not fit its flash", block.size()));
   ENAMEL_TRY(write(kWriteFlashType, Bytes{kSensingPatterns}));
   ENAMEL_TRY(write(kWriteFlashErase, Bytes{0xAA, 0xBB, 0xCC, 0xDD}));
   ENAMEL_TRY(wait_erased());
@@ -192,7 +180,7 @@ Result<void> Dlpc347x::load(std::span<const std::uint8_t> block) {
   return in_pieces(kReadBlock, [&](std::size_t at, std::size_t n) -> Result<void> {
     ENAMEL_TRY_ASSIGN(const Bytes kept, read(at == 0 ? kReadFlashStart : kReadFlashContinue, {}, n));
     if (std::equal(kept.begin(), kept.end(), block.begin() + static_cast<std::ptrdiff_t>(at))) return {};
-    return refused(fmt::format("its flash holds other patterns than were written, from byte {} on", at));
+    return projector_refused(fmt::format("its flash holds other patterns than were written, from byte {} on", at));
   });
 }
 
@@ -210,12 +198,12 @@ Result<void> Dlpc347x::arm(const PatternTiming& timing) {
   entry[0] = kReloadFromFlash;
   ENAMEL_TRY(write(kWriteOrderEntry, entry));
   ENAMEL_TRY(write(kWriteMode, Bytes{kModeInternalPatterns}));
-  ENAMEL_TRY(wait_until(kReady, "not ready for a trigger", [&]() -> Result<bool> {
+  ENAMEL_TRY(wait_until(*clock_, kReady, "not ready for a trigger", [&]() -> Result<bool> {
     ENAMEL_TRY_ASSIGN(const PatternStatus now, pattern_status());
     return now.ready;
   }));
   ENAMEL_TRY_ASSIGN(const ControllerStatus now, status());
-  if (now.sequence_error) return refused("it has no sequence for these patterns");
+  if (now.sequence_error) return projector_refused("it has no sequence for these patterns");
   return {};
 }
 

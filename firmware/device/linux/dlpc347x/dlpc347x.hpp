@@ -42,8 +42,6 @@ class Dlpc347x final : public ProjectorController {
   [[nodiscard]] Result<void> wait_booted();
   [[nodiscard]] Result<void> limit_light();
   [[nodiscard]] Result<void> wait_erased();
-  template <class Done>
-  [[nodiscard]] Result<void> wait_until(Nanoseconds limit, const char* what, const Done& done);
 
   I2cBus* bus_;
   Clock* clock_;

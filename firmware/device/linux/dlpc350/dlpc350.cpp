@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "firmware/device/linux/projector/waiting.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::fw {
@@ -13,7 +14,6 @@ namespace {
 using namespace dlpc350;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr Nanoseconds kPoll{5'000'000};
 constexpr Nanoseconds kBoot{3'000'000'000}, kModeChange{1'000'000'000}, kValidation{1'000'000'000};
 constexpr Nanoseconds kImageLoads{2'000'000'000};          // two images out of flash, up to 200 ms each
 constexpr std::uint32_t kLeastIllum = 8333, kBlack = 230;  // us
@@ -29,8 +29,6 @@ constexpr std::array<std::uint8_t, kPatterns> kChannel{0, 1, 2, 0};  // green, r
 void put(Bytes& to, std::uint32_t v) {
   for (unsigned i = 0; i < 4; ++i) to.push_back(static_cast<std::uint8_t>((v >> (8 * i)) & 0xFFU));
 }
-
-tl::unexpected<Error> refused(const std::string& what) { return fail(ErrorCode::kProjector, "projector: " + what); }
 
 std::int64_t ticks(std::uint32_t us) { return std::lround(us / kTick); }
 
@@ -64,18 +62,6 @@ std::vector<std::string> dlpc350_timing_faults(const PatternTiming& t) {
   return faults;
 }
 
-template <class Done>
-Result<void> Dlpc350::wait_until(Nanoseconds limit, const char* what, const Done& done) {
-  const HostTime end = clock_->now() + limit;
-  for (;;) {
-    ENAMEL_TRY_ASSIGN(const bool is_done, done());
-    if (is_done) return {};
-    if (clock_->now() >= end)
-      return refused(fmt::format("{} after {:.1f} s", what, static_cast<double>(limit.count()) * 1e-9));
-    clock_->sleep_for(kPoll);
-  }
-}
-
 Result<std::uint8_t> Dlpc350::byte(const Command& command) {
   ENAMEL_TRY_ASSIGN(const Bytes answer, channel_.read(command, 1));
   return answer[0];
@@ -96,13 +82,14 @@ Result<void> Dlpc350::go_dark() {
   is_valid_ = false;
   ENAMEL_TRY(channel_.write(kLedEnable, Bytes{0}));
   ENAMEL_TRY(channel_.write(kSequence, Bytes{kStop}));
-  ENAMEL_TRY(wait_until(kBoot, "not initialised", [&]() -> Result<bool> {
+  ENAMEL_TRY(wait_until(*clock_, kBoot, "not initialised", [&]() -> Result<bool> {
     ENAMEL_TRY_ASSIGN(const std::uint8_t hardware, byte(kHardwareStatus));
     return (hardware & kInitialised) != 0;
   }));
   ENAMEL_TRY(channel_.write(kLedPolarity, Bytes{0}));
   ENAMEL_TRY_ASSIGN(const std::uint8_t polarity, byte(kLedPolarity));
-  if (polarity != 0) return refused("its LED polarity stays inverted: a current's code would mean its opposite");
+  if (polarity != 0)
+    return projector_refused("its LED polarity stays inverted: a current's code would mean its opposite");
   return write_currents(0);
 }
 
@@ -118,7 +105,7 @@ Result<void> Dlpc350::write_currents(std::uint16_t code) {
   ENAMEL_TRY(channel_.write(kLedCurrent, currents));
   ENAMEL_TRY_ASSIGN(Bytes kept, channel_.read(kLedCurrent, currents.size()));
   kept.resize(currents.size());
-  if (kept != currents) return refused("it does not keep the LED current: the light stays off");
+  if (kept != currents) return projector_refused("it does not keep the LED current: the light stays off");
   return {};
 }
 
@@ -161,7 +148,7 @@ Result<void> Dlpc350::write_table(const PatternTiming& timing) {
 Result<void> Dlpc350::validate() {
   ENAMEL_TRY(channel_.write(kValidate, Bytes{0}));
   unsigned said = 0;
-  ENAMEL_TRY(wait_until(kValidation, "sequence still being validated", [&]() -> Result<bool> {
+  ENAMEL_TRY(wait_until(*clock_, kValidation, "sequence still being validated", [&]() -> Result<bool> {
     ENAMEL_TRY_ASSIGN(said, byte(kValidate));
     return (said & kValidating) == 0;
   }));
@@ -181,7 +168,7 @@ Result<void> Dlpc350::set_up(const PatternTiming& timing) {
   }
   ENAMEL_TRY(channel_.write(kSequence, Bytes{kStop}));
   ENAMEL_TRY(channel_.write(kDisplayMode, Bytes{1}));
-  ENAMEL_TRY(wait_until(kModeChange, "not in its pattern mode", [&]() -> Result<bool> {
+  ENAMEL_TRY(wait_until(*clock_, kModeChange, "not in its pattern mode", [&]() -> Result<bool> {
     ENAMEL_TRY_ASSIGN(const std::uint8_t mode, byte(kDisplayMode));
     return mode == 1;
   }));
@@ -195,9 +182,9 @@ Result<void> Dlpc350::set_up(const PatternTiming& timing) {
 }
 
 Result<void> Dlpc350::run() {
-  if (!is_valid_) return refused("its sequence is not validated: arm it first");
+  if (!is_valid_) return projector_refused("its sequence is not validated: arm it first");
   ENAMEL_TRY(channel_.write(kSequence, Bytes{kStart}));
-  return wait_until(kImageLoads, "pattern sequence does not run", [&]() -> Result<bool> {
+  return wait_until(*clock_, kImageLoads, "pattern sequence does not run", [&]() -> Result<bool> {
     ENAMEL_TRY_ASSIGN(const PatternStatus now, pattern_status());
     return now.ready;
   });

@@ -55,8 +55,6 @@ class Dlpc350 final : public ProjectorController {
   [[nodiscard]] Result<void> set_up(const PatternTiming& timing);
   [[nodiscard]] Result<void> or_dark(Result<void> done);
   [[nodiscard]] Result<std::uint8_t> byte(const dlpc350::Command& command);
-  template <class Done>
-  [[nodiscard]] Result<void> wait_until(Nanoseconds limit, const char* what, const Done& done);
 
   dlpc350::Channel channel_;
   Clock* clock_;
