@@ -2,132 +2,179 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstddef>
+#include <cstdint>
 
-namespace enamel::pipeline {
-namespace {
+#include "pipeline/model/fuse/integrate_limits.hpp"
+#include "pipeline/types/simd.hpp"
 
-// Eight voxels along x: camera coordinates and the pixel each falls on.
-struct Row {
-  alignas(16) std::array<float, kBlockEdge> x, y, z;
-  alignas(16) std::array<std::int32_t, kBlockEdge> u, v;
-};
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pipeline/model/fuse/integrate_block.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
-void project_row(const Vec3f& start, const Vec3f& step, const LocalProjection& local, Row& row) {
-  for (std::size_t i = 0; i < kBlockEdge; ++i) {
-    const auto k = static_cast<float>(static_cast<std::int32_t>(i));
-    row.x[i] = start.x() + k * step.x();
-    row.y[i] = start.y() + k * step.y();
-    row.z[i] = start.z() + k * step.z();
-    const float inverse = 1.0F / row.z[i];
-    // + 1 before the truncation: rounds to the nearest pixel for values above -1.5, what lies below is outside anyway.
-    row.u[i] = static_cast<std::int32_t>((local.u0 + (local.uX * row.x[i] + local.uY * row.y[i]) * inverse) + 1.5F) - 1;
-    row.v[i] = static_cast<std::int32_t>((local.v0 + (local.vX * row.x[i] + local.vY * row.y[i]) * inverse) + 1.5F) - 1;
-  }
-}
+HWY_BEFORE_NAMESPACE();
+namespace enamel::pipeline::HWY_NAMESPACE {
 
-struct Limits {
-  float truncation, fade, weight_max, near_surface;
-  unsigned min_observations, min_bursts;
-};
+namespace hn = hwy::HWY_NAMESPACE;
+// Eight voxels along x at a time, in one vector or in two: the same arithmetic on every processor, nothing fused.
+using Floats = hn::CappedTag<float, kBlockEdge>;
+using Ints = hn::RebindToSigned<Floats>;
+using Vf = hn::Vec<Floats>;
+using Vi = hn::Vec<Ints>;
+using Bytes = hn::CappedTag<std::uint8_t, kBlockEdge>;
 
-Limits limits_of(const FuseConfig& config) {
-  const auto truncation = static_cast<float>(config.voxel_mm * config.truncation_voxels);
-  const auto voxel = static_cast<float>(config.voxel_mm);
-  const auto at_least_one = [](int n) { return static_cast<unsigned>(std::max(1, n)); };
-  // Behind the surface the weight fades from one voxel's depth on: what lies there may belong to the other side.
-  return {truncation,
-          1.0F / std::max(truncation - voxel, 0.1F * voxel),
-          static_cast<float>(config.voxel_weight_max),
-          1.5F * voxel,
-          at_least_one(config.min_observations),
-          at_least_one(config.min_bursts)};
-}
+constexpr int kSurfelFloats = sizeof(Surfel) / sizeof(float);
+static_assert(sizeof(Surfel) == kSurfelFloats * sizeof(float) && offsetof(Surfel, support) == 5 * sizeof(float));
 
-// What the patch says about the eight voxels; weight 0 = nothing.
+/// What the patch says about the eight voxels of a row; weight 0 = nothing.
 struct Measured {
-  alignas(16) std::array<float, kBlockEdge> distance, weight;
-  std::array<std::uint8_t, kBlockEdge> support;
+  HWY_ALIGN std::array<float, kBlockEdge> distance, weight;
+  HWY_ALIGN std::array<std::int32_t, kBlockEdge> support;
 };
 
-// Returns the number of voxels measured.
-unsigned measure_row(const SurfelMap& surfels, const Row& row, const Limits& limits, Measured& out) noexcept {
-  const auto width = static_cast<std::uint32_t>(surfels.width());
-  const auto height = static_cast<std::uint32_t>(surfels.height());
-  unsigned count = 0;
-  for (std::size_t i = 0; i < kBlockEdge; ++i) {
-    const auto u = static_cast<std::uint32_t>(row.u[i]);
-    const auto v = static_cast<std::uint32_t>(row.v[i]);
-    const bool inside = (u < width) & (v < height);
-    const Surfel& s = surfels[inside ? static_cast<std::size_t>(v) * width + u : 0];
-    const float distance = ((s.nx * row.x[i] + s.ny * row.y[i]) + s.nz * row.z[i]) - s.offset_mm;
-    const float above = limits.truncation + distance;
-    const bool ok = inside & (s.weight > 0.0F) & (distance <= limits.truncation) & (above > 0.0F);
-    const float faded = s.weight * std::min(1.0F, above * limits.fade);
-    out.distance[i] = ok ? distance : 0.0F;
-    out.weight[i] = ok ? faded : 0.0F;
-    out.support[i] = static_cast<std::uint8_t>(ok ? s.support : 0U);
-    count += ok ? 1U : 0U;
-  }
-  return count;
+struct Points {
+  Vf x, y, z;
+};
+
+[[gnu::always_inline]] inline Vf pixel_coordinate(float first, float along_x, float along_y, const Points& p,
+                                                  Vf inverse_z) {
+  const Floats d;
+  const Vf slope = hn::Add(hn::Mul(hn::Set(d, along_x), p.x), hn::Mul(hn::Set(d, along_y), p.y));
+  // + 1.5 before the truncation: rounds to the nearest pixel, and what lies left of the picture stays below 1.
+  return hn::Add(hn::Add(hn::Set(d, first), hn::Mul(slope, inverse_z)), hn::Set(d, 1.5F));
 }
 
-// Running means of eight voxels; `moved` collects how far each zero crossing may have shifted.
-void update_distances(const Measured& in, const Limits& limits, float* distance, float* weight, float* moved) noexcept {
-  for (std::size_t i = 0; i < kBlockEdge; ++i) {
-    const float sum = weight[i] + in.weight[i];
-    const float change = (in.distance[i] - distance[i]) * (in.weight[i] / (sum > 0.0F ? sum : 1.0F));
-    distance[i] += change;
-    weight[i] = std::min(sum, limits.weight_max);
-    moved[i] = std::max(moved[i], std::fabs(distance[i]) < limits.near_surface ? std::fabs(change) : 0.0F);
+/// Element `field` of the surfels at `index`.
+template <class D>
+[[gnu::always_inline]] inline hn::Vec<D> gather(D d, const Surfel* surfels, int field, Vi index) {
+  return hn::GatherIndex(d, reinterpret_cast<const hn::TFromD<D>*>(surfels) + field, index);
+}
+
+/// Voxels `first` … of the row that begins at `start`; the number of them that the patch measures.
+[[gnu::always_inline]] inline std::size_t measure(const SurfelPicture& picture, const BlockInCamera& at,
+                                                  const Vec3f& start, std::size_t first, const IntegrateLimits& limits,
+                                                  Measured& out) {
+  const Floats d;
+  const Ints di;
+  const Vf k = hn::Iota(d, static_cast<float>(first));
+  const Points p{hn::Add(hn::Set(d, start.x()), hn::Mul(k, hn::Set(d, at.step_x.x()))),
+                 hn::Add(hn::Set(d, start.y()), hn::Mul(k, hn::Set(d, at.step_x.y()))),
+                 hn::Add(hn::Set(d, start.z()), hn::Mul(k, hn::Set(d, at.step_x.z())))};
+  const LocalProjection& local = at.projection;
+  const Vf inverse = hn::Div(hn::Set(d, 1.0F), p.z);
+  const Vf u = pixel_coordinate(local.u0, local.uX, local.uY, p, inverse);
+  const Vf v = pixel_coordinate(local.v0, local.vX, local.vY, p, inverse);
+  const Vf one = hn::Set(d, 1.0F);
+  const auto inside = hn::And(hn::And(hn::Ge(u, one), hn::Ge(v, one)),
+                              hn::And(hn::Lt(u, hn::Set(d, static_cast<float>(picture.width + 1))),
+                                      hn::Lt(v, hn::Set(d, static_cast<float>(picture.height + 1)))));
+  hn::Store(hn::Zero(d), d, out.weight.data() + first);
+  hn::Store(hn::Zero(di), di, out.support.data() + first);
+  if (hn::AllFalse(d, inside)) return 0;
+  const Vi column = hn::ConvertTo(di, hn::IfThenElse(inside, u, one));
+  const Vi row = hn::ConvertTo(di, hn::IfThenElse(inside, v, one));
+  const Vi pixel = hn::Add(hn::Mul(hn::Sub(row, hn::Set(di, 1)), hn::Set(di, picture.width)), column);
+  const Vi index = hn::Mul(hn::Sub(pixel, hn::Set(di, 1)), hn::Set(di, kSurfelFloats));
+  const Vf along = hn::Add(
+      hn::Add(hn::Mul(gather(d, picture.surfels, 0, index), p.x), hn::Mul(gather(d, picture.surfels, 1, index), p.y)),
+      hn::Mul(gather(d, picture.surfels, 2, index), p.z));
+  const Vf distance = hn::Sub(along, gather(d, picture.surfels, 3, index));
+  const Vf above = hn::Add(hn::Set(d, limits.truncation), distance);
+  const auto near =
+      hn::And(hn::And(inside, hn::Le(distance, hn::Set(d, limits.truncation))), hn::Gt(above, hn::Zero(d)));
+  if (hn::AllFalse(d, near)) return 0;
+  const Vf weight = gather(d, picture.surfels, 4, index);
+  const auto ok = hn::And(near, hn::Gt(weight, hn::Zero(d)));
+  const Vf faded = hn::Mul(weight, hn::Min(one, hn::Mul(above, hn::Set(d, limits.fade))));
+  hn::Store(hn::IfThenElseZero(ok, distance), d, out.distance.data() + first);
+  hn::Store(hn::IfThenElseZero(ok, faded), d, out.weight.data() + first);
+  hn::Store(hn::IfThenElseZero(hn::RebindMask(di, ok), gather(di, picture.surfels, 5, index)), di,
+            out.support.data() + first);
+  return hn::CountTrue(d, ok);
+}
+
+/// Running means; `moved` collects how far each zero crossing may have shifted.
+[[gnu::always_inline]] inline void update_distances(const Measured& in, const IntegrateLimits& limits, float* distances,
+                                                    float* weights, float* moved) {
+  const Floats d;
+  for (std::size_t i = 0; i < kBlockEdge; i += hn::Lanes(d)) {
+    const Vf added = hn::Load(d, in.weight.data() + i);
+    const Vf before = hn::LoadU(d, distances + i);
+    const Vf sum = hn::Add(hn::LoadU(d, weights + i), added);
+    const Vf share = hn::Div(added, hn::IfThenElse(hn::Gt(sum, hn::Zero(d)), sum, hn::Set(d, 1.0F)));
+    const Vf change = hn::Mul(hn::Sub(hn::Load(d, in.distance.data() + i), before), share);
+    const Vf after = hn::Add(before, change);
+    hn::StoreU(after, d, distances + i);
+    hn::StoreU(hn::Min(sum, hn::Set(d, limits.weight_max)), d, weights + i);
+    const auto at_surface = hn::Lt(hn::Abs(after), hn::Set(d, limits.near_surface));
+    hn::Store(hn::Max(hn::Load(d, moved + i), hn::IfThenElseZero(at_surface, hn::Abs(change))), d, moved + i);
   }
 }
 
-void update_counts(const Measured& in, const Limits& limits, std::size_t first, Block& block) noexcept {
-  unsigned surface = 0;
-  unsigned grown = 0;
-  for (std::size_t i = 0; i < kBlockEdge; ++i) {
-    const unsigned seen = block.observations[first + i];
-    const unsigned bursts = block.bursts[first + i];
-    const unsigned seen_now = std::min(255U, seen + in.support[i]);
-    const unsigned bursts_now = std::min(255U, bursts + (in.support[i] > 0 ? 1U : 0U));
-    block.observations[first + i] = static_cast<std::uint8_t>(seen_now);
-    block.bursts[first + i] = static_cast<std::uint8_t>(bursts_now);
-    const unsigned was = (seen >= limits.min_observations ? 1U : 0U) & (bursts >= limits.min_bursts ? 1U : 0U);
-    const unsigned is = (seen_now >= limits.min_observations ? 1U : 0U) & (bursts_now >= limits.min_bursts ? 1U : 0U);
-    surface |= is;
-    grown |= is & ~was;
+[[gnu::always_inline]] inline void update_counts(const Measured& in, const IntegrateLimits& limits, std::size_t first,
+                                                 Block& block) {
+  const Bytes d;
+  HWY_ALIGN std::array<std::uint8_t, kBlockEdge> support;
+  for (std::size_t i = 0; i < kBlockEdge; ++i) support[i] = static_cast<std::uint8_t>(in.support[i]);
+  const auto least_seen = hn::Set(d, limits.min_observations);
+  const auto least_bursts = hn::Set(d, limits.min_bursts);
+  for (std::size_t i = 0; i < kBlockEdge; i += hn::Lanes(d)) {
+    std::uint8_t* const observations = &block.observations[first + i];
+    std::uint8_t* const bursts = &block.bursts[first + i];
+    const auto added = hn::Load(d, support.data() + i);
+    const auto seen = hn::LoadU(d, observations);
+    const auto times = hn::LoadU(d, bursts);
+    const auto seen_now = hn::SaturatedAdd(seen, added);
+    const auto times_now = hn::SaturatedAdd(times, hn::Min(added, hn::Set(d, 1)));
+    hn::StoreU(seen_now, d, observations);
+    hn::StoreU(times_now, d, bursts);
+    const auto was = hn::And(hn::Eq(hn::Max(seen, least_seen), seen), hn::Eq(hn::Max(times, least_bursts), times));
+    const auto is =
+        hn::And(hn::Eq(hn::Max(seen_now, least_seen), seen_now), hn::Eq(hn::Max(times_now, least_bursts), times_now));
+    block.confirmed = block.confirmed || !hn::AllFalse(d, is);
+    block.grown = block.grown || !hn::AllFalse(d, hn::AndNot(was, is));
   }
-  block.confirmed = block.confirmed || surface != 0;
-  block.grown = block.grown || grown != 0;
 }
 
-}  // namespace
-
-std::uint64_t integrate_block(const SurfelMap& surfels, const BlockInCamera& at, const FuseConfig& config,
-                              Block& block) {
-  const Limits limits = limits_of(config);
+std::uint64_t integrate_rows(const SurfelPicture& picture, const BlockInCamera& at, const IntegrateLimits& limits,
+                             Block& block) {
+  const Floats d;
   std::uint64_t updated = 0;
-  std::array<float, kBlockEdge> moved{};
-  Row row;
-  Measured measured;
-  for (std::size_t line = 0; line < kBlockEdge * kBlockEdge; ++line) {
-    const auto ky = static_cast<float>(static_cast<std::int32_t>(line % kBlockEdge));
-    const auto kz = static_cast<float>(static_cast<std::int32_t>(line / kBlockEdge));
+  HWY_ALIGN std::array<float, kBlockEdge> moved{};
+  Measured measured{};
+  for (std::size_t row = 0; row < kBlockEdge * kBlockEdge; ++row) {
+    const auto ky = static_cast<float>(static_cast<std::int32_t>(row % kBlockEdge));
+    const auto kz = static_cast<float>(static_cast<std::int32_t>(row / kBlockEdge));
     const Vec3f start(at.origin.x() + ky * at.step_y.x() + kz * at.step_z.x(),
                       at.origin.y() + ky * at.step_y.y() + kz * at.step_z.y(),
                       at.origin.z() + ky * at.step_y.z() + kz * at.step_z.z());
-    project_row(start, at.step_x, at.projection, row);
-    const unsigned count = measure_row(surfels, row, limits, measured);
-    if (count > 0) {
-      const std::size_t first = line * kBlockEdge;
-      update_distances(measured, limits, &block.distance_mm[first], &block.weight[first], moved.data());
-      update_counts(measured, limits, first, block);
-      updated += count;
-    }
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < kBlockEdge; i += hn::Lanes(d))
+      count += measure(picture, at, start, i, limits, measured);
+    if (count == 0) continue;
+    const std::size_t first = row * kBlockEdge;
+    update_distances(measured, limits, &block.distance_mm[first], &block.weight[first], moved.data());
+    update_counts(measured, limits, first, block);
+    updated += count;
   }
   block.moved_mm += *std::max_element(moved.begin(), moved.end());
   return updated;
 }
 
+}  // namespace enamel::pipeline::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace enamel::pipeline {
+
+HWY_EXPORT(integrate_rows);
+
+std::uint64_t integrate_block(const SurfelMap& surfels, const BlockInCamera& at, const FuseConfig& config,
+                              Block& block) {
+  return HWY_DYNAMIC_DISPATCH(integrate_rows)({&surfels[0], surfels.width(), surfels.height()}, at, limits_of(config),
+                                              block);
+}
+
 }  // namespace enamel::pipeline
+#endif
