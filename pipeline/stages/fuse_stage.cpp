@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/stages/digest.hpp"
+#include "pipeline/types/viewpoint.hpp"
 
 namespace enamel::stage {
 
@@ -49,6 +50,7 @@ FuseStage::FuseStage(const calib::Rig& rig, const FuseStageConfig& config, pipel
       model_(rig, config.fuse, std::move(unpack), config.keep_history, config.store),
       mesher_(config.mesh),
       apart_mesher_(config.mesh),
+      looked_at_(0, 0, calib::middle_depth_mm(rig)),
       last_view_(std::make_shared<const ModelView>()) {}
 
 Result<void> FuseStage::step() {
@@ -61,13 +63,14 @@ Result<void> FuseStage::step() {
   const Pose& T_model_cam = item->result.T_model_cam;
   const pipeline::FuseStats stats = model_.integrate(item.id, patch, item->result);
   model_.catch_up(kCatchUp);
-  last_view_ = std::make_shared<const ModelView>(model_.view(T_model_cam, patch));
+  renew_view(T_model_cam, patch);
 
   Fused out{item->result, item->orders, item->motion, item->digests, item->sight};
   out.digests.fuse = Digest()
                          .add(stats.surfels_used)
                          .add(stats.voxels_updated)
                          .add(stats.blocks_new)
+                         .add(last_view_->drawing)
                          .add(last_view_->points)
                          .add(last_view_->normals)
                          .value();
@@ -75,6 +78,20 @@ Result<void> FuseStage::step() {
   view.emit(flow::make_item<ModelView>(item, last_view_));
   preview.emit(flow::make_item<BurstPreview>(item, make_preview(item)));
   return {};
+}
+
+void FuseStage::renew_view(const Pose& T_model_cam, const SurfacePatch& patch) {
+  const pipeline::Closeness near{config_.fuse.view_kept_mm, config_.fuse.view_kept_deg};
+  const bool shows = !last_view_->empty && last_view_->segment == model_.active() &&
+                     pipeline::look_alike(last_view_->T_model_cam, T_model_cam, looked_at_, near);
+  if (shows && view_served_ < config_.fuse.view_kept_bursts) {
+    ++view_served_;
+    return;
+  }
+  ModelView drawn = model_.view(T_model_cam, patch);
+  drawn.drawing = last_view_->drawing + 1;
+  last_view_ = std::make_shared<const ModelView>(std::move(drawn));
+  view_served_ = 1;
 }
 
 void FuseStage::pass_rejected(const flow::Item<Tracked>& item) {
@@ -107,8 +124,9 @@ std::shared_ptr<const BurstPreview> FuseStage::make_preview(const flow::Item<Tra
   }
   const SurfacePatch& patch = *item->patch;
   last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
+  if (!config_.preview_model) return std::make_shared<const BurstPreview>(last_preview_);
   last_preview_.live = grey(patch.texture_dn);
-  if (config_.preview_model && until_preview_-- == 0) {
+  if (until_preview_-- == 0) {
     until_preview_ = config_.preview_period - 1;
     last_preview_.model = growing_surface();
   }

@@ -52,6 +52,8 @@ class FuseStage final : public flow::Stage {
 
  private:
   void pass_rejected(const flow::Item<Tracked>& item);
+  /// The last view while it still shows what the probe sees, else a new one.
+  void renew_view(const Pose& T_model_cam, const SurfacePatch& patch);
   [[nodiscard]] std::shared_ptr<const BurstPreview> make_preview(const flow::Item<Tracked>& item);
   [[nodiscard]] std::shared_ptr<const ModelSnapshot> growing_surface();
 
@@ -60,7 +62,9 @@ class FuseStage final : public flow::Stage {
   pipeline::IncrementalMesher mesher_;
   pipeline::IncrementalMesher apart_mesher_;  ///< of the segment apart that is being scanned …
   std::uint64_t apart_meshed_ = 0;            ///< … SegmentedModel::openings() of it
+  Vec3d looked_at_;                           ///< middle of the depth range, camera frame
   std::shared_ptr<const ModelView> last_view_;
+  int view_served_ = 0;  ///< bursts that it was published after
   BurstPreview last_preview_;
   SightVotes sight_;
   int until_preview_ = 0;

@@ -17,6 +17,7 @@ struct ModelView {
   bool empty = true;                  ///< nothing fused yet
   SegmentId segment = kModelSegment;  ///< whose surface this is, and whose frame "model frame" means
   std::uint64_t after_burst = 0;      ///< last burst fused into the model when this was drawn
+  std::uint64_t drawing = 0;          ///< counts up with every one drawn in a scan; 0: not counted
   Pose T_model_cam = Pose::Identity();
   int stride = 1;  ///< camera pixels a view pixel, in u and v
   Map<Vec3f>

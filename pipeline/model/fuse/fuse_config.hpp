@@ -20,6 +20,9 @@ struct FuseConfig {
   double carve_confirmed_mm = 0.5;  ///< … with this margin
   double view_pitch_mm = 0.084;     ///< between pixels of ModelView; chosen: 56 um cost 2.3 times as much and place
                                     ///< bursts no better, 112 um place them 10 to 30 % worse
+  double view_kept_mm = 1.0;        ///< a view is drawn anew once the camera has moved by this at what it looks at …
+  double view_kept_deg = 3.0;       ///< … or turned by this, …
+  int view_kept_bursts = 3;         ///< … and after so many bursts
   double view_search_mm = 1.2;      ///< how far around a guessed depth a view pixel without own measurement is searched
 };
 

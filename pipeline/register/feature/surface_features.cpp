@@ -221,7 +221,10 @@ std::array<std::uint8_t, 128> describe(const std::vector<Local>& elements, const
 
 std::vector<SurfaceFeature> extract_surface_features(const SurfacePatch& patch, double px_per_mm,
                                                      const SurfaceFeatureConfig& config) {
-  const SurfaceGrid grid = make_surface_grid(patch, px_per_mm, config.grid);
+  return extract_surface_features(make_surface_grid(patch, px_per_mm, config.grid), config);
+}
+
+std::vector<SurfaceFeature> extract_surface_features(const SurfaceGrid& grid, const SurfaceFeatureConfig& config) {
   std::vector<SurfaceFeature> out;
   for (const KeyPoint& key : find_key_points(grid, config)) {
     Surroundings around(grid, key, config);

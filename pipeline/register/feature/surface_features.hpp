@@ -33,7 +33,9 @@ struct SurfaceFeatureConfig {
   int max_features = 300;      ///< the most bent
 };
 
-/// Deterministic, thread-safe.
+/// Deterministic, thread-safe. grid: make_surface_grid(…, config.grid) of the patch.
+[[nodiscard]] std::vector<SurfaceFeature> extract_surface_features(const SurfaceGrid& grid,
+                                                                   const SurfaceFeatureConfig& config);
 [[nodiscard]] std::vector<SurfaceFeature> extract_surface_features(const SurfacePatch& patch, double px_per_mm,
                                                                    const SurfaceFeatureConfig& config);
 

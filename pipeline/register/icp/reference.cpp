@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "calib/model/lens.hpp"
 #include "pipeline/register/icp/pitch.hpp"
 
 namespace enamel::pipeline {
@@ -85,44 +84,6 @@ Reference::Reference(const ModelView& view, const ReferenceConfig& config) : T_m
       ++usable_px_;
     }
   }
-}
-
-ModelView view_from_patch(const SurfacePatch& patch, const Pose& T_model_cam, const calib::LensValues& lens,
-                          int stride) {
-  ModelView view;
-  view.T_model_cam = T_model_cam;
-  view.stride = stride;
-  const int width = (patch.points.width() + stride - 1) / stride;
-  const int height = (patch.points.height() + stride - 1) / stride;
-  view.points = Map<Vec3f>(width, height, Vec3f::Constant(kNan));
-  view.normals = view.points;
-  const Eigen::Matrix3f R = T_model_cam.linear().cast<float>();
-  const Vec3f t = T_model_cam.translation().cast<float>();
-  for (int j = 0; j < height; ++j) {
-    for (int i = 0; i < width; ++i) {
-      // The patch lies in the lens's picture, the view in the ideal one.
-      const auto px = calib::project(lens, {(i * stride - lens.cx) / lens.fx, (j * stride - lens.cy) / lens.fy});
-      const int u = static_cast<int>(std::floor(px.x + 0.5));
-      const int v = static_cast<int>(std::floor(px.y + 0.5));
-      if (!patch.points.contains(u, v)) continue;
-      const Vec3f& p = patch.points(u, v);
-      const Vec3f& n = patch.normals(u, v);
-      if (!std::isfinite(p.x()) || !std::isfinite(n.x())) continue;
-      view.points(i, j) = R * p + t;
-      view.normals(i, j) = R * n;
-      view.empty = false;
-    }
-  }
-  return view;
-}
-
-ModelView carried_into(const Pose& T_other_model, ModelView view) {
-  view.T_model_cam = T_other_model * view.T_model_cam;
-  const Eigen::Matrix3f R = T_other_model.linear().cast<float>();
-  const Vec3f t = T_other_model.translation().cast<float>();
-  for (Vec3f& p : view.points.pixels()) p = R * p + t;
-  for (Vec3f& n : view.normals.pixels()) n = R * n;
-  return view;
 }
 
 }  // namespace enamel::pipeline

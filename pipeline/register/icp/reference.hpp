@@ -4,9 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "calib/model/rig.hpp"
 #include "pipeline/types/model_view.hpp"
-#include "pipeline/types/patch.hpp"
 
 namespace enamel::pipeline {
 
@@ -48,13 +46,5 @@ class Reference {
   float scale_ = 1;
   std::size_t usable_px_ = 0;
 };
-
-/// The patch itself as a view of the model from its own pose: the reference while the model does not yet show this
-/// place. lens: of the camera that took the patch. stride >= 1: camera pixels a view pixel.
-[[nodiscard]] ModelView view_from_patch(const SurfacePatch& patch, const Pose& T_model_cam,
-                                        const calib::LensValues& lens, int stride = 1);
-
-/// The same view in another frame.
-[[nodiscard]] ModelView carried_into(const Pose& T_other_model, ModelView view);
 
 }  // namespace enamel::pipeline

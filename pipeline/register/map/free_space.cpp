@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "pipeline/register/icp/viewpoint.hpp"
+#include "pipeline/types/viewpoint.hpp"
 
 namespace enamel::pipeline {
 namespace {

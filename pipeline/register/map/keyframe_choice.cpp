@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "pipeline/register/icp/seconds.hpp"
-#include "pipeline/register/icp/viewpoint.hpp"
+#include "pipeline/types/viewpoint.hpp"
 
 namespace enamel::pipeline {
 namespace {

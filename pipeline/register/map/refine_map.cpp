@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "pipeline/register/icp/viewpoint.hpp"
+#include "pipeline/register/icp/patch_view.hpp"
 #include "pipeline/register/map/keyframe_choice.hpp"
+#include "pipeline/types/viewpoint.hpp"
 #include "protocol/base/recent.hpp"
 
 namespace enamel::pipeline {
@@ -18,12 +19,12 @@ constexpr std::size_t kParts = 20;  // told one after the other
 /// The store holds copies of all that it makes nodes of: it outlives the call.
 std::shared_ptr<const MapNodes> make_nodes(const MapInput& input, const std::vector<std::size_t>& keyframes,
                                            const calib::Rig& rig, const IcpConfig& icp, const MapConfig& config) {
-  const auto make = [load = input.load, texture = input.texture, keyframes, lens = rig.camera, icp,
-                     config](std::size_t k) {
+  const PatchViewer viewer(rig.camera, rig.camera.width, rig.camera.height, config.view_stride_px);
+  const auto make = [load = input.load, texture = input.texture, keyframes, viewer, icp, config](std::size_t k) {
     const SurfacePatch patch = load(keyframes[k]);
     MapNode node;
     node.samples = sample_patch(patch, config.sample_stride_px, icp.samples);
-    node.reference = Reference(view_from_patch(patch, Pose::Identity(), lens, config.view_stride_px), icp.reference);
+    node.reference = Reference(viewer(patch, Pose::Identity()), icp.reference);
     if (const auto picture = texture(keyframes[k])) {
       node.texture = texture_reference(*picture, Pose::Identity());
       node.texture_points = texture_points(patch, *node.texture, config.edge.texture);

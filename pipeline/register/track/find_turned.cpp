@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/register/icp/patch_view.hpp"
 #include "pipeline/types/pixel_step.hpp"
 
 namespace enamel::pipeline {
@@ -69,9 +70,11 @@ TriedPlace try_place(const PlaceHypothesis& hypothesis, const Trial& of, const I
 std::vector<TriedPlace> try_places(const LostPatch& lost, const KnownPlaces& places, const calib::LensValues& lens,
                                    const IcpConfig& icp, const RelocaliseConfig& config) {
   const KeyframeConfig& kept = places.keyframes.config();
+  const auto asked = places.keyframes.candidates(places.T_model_cam, places.turn, kept.max_voting);
+  places.keyframes.describe_surface(asked);
   const std::vector<Keyframe>& frames = places.keyframes.all();
   std::vector<KnownFeatures> known;
-  for (const std::size_t k : places.keyframes.candidates(places.T_model_cam, places.turn, kept.max_voting)) {
+  for (const std::size_t k : asked) {
     known.push_back({frames[k].surface, frames[k].T_model_cam});
   }
   const auto features = extract_surface_features(lost.patch, lens.fx / config.work_distance_mm, kept.surface);

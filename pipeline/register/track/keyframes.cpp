@@ -4,8 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "pipeline/register/icp/reference.hpp"
-#include "pipeline/register/icp/viewpoint.hpp"
+#include "pipeline/types/viewpoint.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -24,11 +23,29 @@ bool KeyframeStore::wants(const Pose& T_model_cam) const {
   });
 }
 
-void KeyframeStore::add(const SurfacePatch& patch, const Pose& T_model_cam) {
+void KeyframeStore::add(const SurfacePatch& patch, const Pose& T_model_cam, ModelView view) {
   const double px_per_mm = lens_.fx / config_.work_distance_mm;
-  frames_.push_back({T_model_cam, make_feature_pictures(patch, px_per_mm, config_.features), std::nullopt,
-                     view_from_patch(patch, T_model_cam, lens_, config_.view_stride),
-                     extract_surface_features(patch, px_per_mm, config_.surface)});
+  Keyframe& frame = frames_.emplace_back();
+  frame.T_model_cam = T_model_cam;
+  frame.pictures = make_feature_pictures(patch, px_per_mm, config_.features);
+  frame.view = std::move(view);
+  frame.grid = make_surface_grid(patch, px_per_mm, config_.surface.grid);
+}
+
+void KeyframeStore::describe_surface(Keyframe& frame) const {
+  if (frame.surface_described) return;
+  frame.surface = extract_surface_features(frame.grid, config_.surface);
+  frame.surface_described = true;
+  frame.grid = {};
+}
+
+void KeyframeStore::describe_surface(const std::vector<std::size_t>& asked) {
+  for (const std::size_t k : asked) describe_surface(frames_[k]);
+}
+
+void KeyframeStore::describe_next_surface() {
+  const auto waits = std::ranges::find(frames_, false, &Keyframe::surface_described);
+  if (waits != frames_.end()) describe_surface(*waits);
 }
 
 void KeyframeStore::describe(const std::vector<std::size_t>& asked, std::size_t most) {

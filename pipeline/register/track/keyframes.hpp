@@ -31,7 +31,9 @@ struct Keyframe {
   FeaturePictures pictures;                      ///< until features are asked for
   std::optional<std::vector<Feature>> features;  ///< in its pictures: see KeyframeStore::describe
   ModelView view;                                ///< the patch itself, thinned
-  std::vector<SurfaceFeature> surface;
+  SurfaceGrid grid;                              ///< until it is described
+  std::vector<SurfaceFeature> surface;           ///< in its grid: see describe_surface
+  bool surface_described = false;
 };
 
 class KeyframeStore {
@@ -39,7 +41,13 @@ class KeyframeStore {
   KeyframeStore(const calib::LensValues& lens, const KeyframeConfig& config) : lens_(lens), config_(config) {}
 
   [[nodiscard]] bool wants(const Pose& T_model_cam) const;
-  void add(const SurfacePatch& patch, const Pose& T_model_cam);
+  /// view: of the patch from there, every view_stride-th pixel.
+  void add(const SurfacePatch& patch, const Pose& T_model_cam, ModelView view);
+  /// Extracts the surface features of one keyframe that waits for it, the oldest: half a burst's time, for a burst
+  /// that adds no keyframe itself.
+  void describe_next_surface();
+  /// Of all that are asked for.
+  void describe_surface(const std::vector<std::size_t>& asked);
   /// Extracts the features of those keyframes of `asked` that have none yet, the first `most` of them: SIFT costs a
   /// third of a burst's time a keyframe, and most scans never ask for it.
   void describe(const std::vector<std::size_t>& asked, std::size_t most);
@@ -53,6 +61,8 @@ class KeyframeStore {
   [[nodiscard]] const KeyframeConfig& config() const noexcept { return config_; }
 
  private:
+  void describe_surface(Keyframe& frame) const;
+
   calib::LensValues lens_;
   KeyframeConfig config_;
   std::vector<Keyframe> frames_;

@@ -28,7 +28,7 @@ std::array<Pose, 8> turned_about_work_point(const Pose& pose, double distance_mm
 
 }  // namespace
 
-std::optional<IcpResult> NearAlignment::operator()(const SegmentMemory& segment, const Burst& burst) const {
+std::optional<IcpResult> NearAlignment::operator()(const SegmentMemory& segment, const Burst& burst) {
   const MotionModel& motion = segment.motion;
   const Pose predicted = motion.predict(burst.t);
   const Ask ask{segment, burst, predicted};
@@ -37,19 +37,23 @@ std::optional<IcpResult> NearAlignment::operator()(const SegmentMemory& segment,
   // The model first: it averages many bursts. The last patch covers what the model, two bursts behind, does not show
   // yet.
   if (!burst.view.empty && burst.view.segment == segment.id) {
-    if (auto found = from(starts, burst.view, ask)) return found;
+    if (auto found = from(starts, reference_of(burst.view), ask)) return found;
   }
   for (const Pose& turned :
        turned_about_work_point(motion.last_pose(), config_.motion.work_distance_mm, config_.wrist_deg)) {
     starts.push_back(turned);
   }
-  return from(starts, *segment.last_patch, ask);
+  return from(starts, Reference(*segment.last_patch, config_.icp.reference), ask);
 }
 
-std::optional<IcpResult> NearAlignment::from(std::span<const Pose> starts, const ModelView& source,
+const Reference& NearAlignment::reference_of(const ModelView& view) {
+  if (view.drawing == 0 || view.drawing != drawing_) reference_ = Reference(view, config_.icp.reference);
+  drawing_ = view.drawing;
+  return reference_;
+}
+
+std::optional<IcpResult> NearAlignment::from(std::span<const Pose> starts, const Reference& reference,
                                              const Ask& ask) const {
-  if (source.empty) return std::nullopt;
-  const Reference reference(source, config_.icp.reference);
   for (const Pose& start : starts) {
     const IcpResult result = align(ask.burst.pyramid, reference, camera_, start, ask.predicted, config_.icp);
     if (!acceptable_for(result, ask)) continue;

@@ -2,6 +2,7 @@
 // to the last patch. Private to register/track.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -13,7 +14,7 @@
 
 namespace enamel::pipeline {
 
-/// Stateless; refers to what its owner keeps.
+/// Refers to what its owner keeps. Remembers what it made of the model's view last: results do not depend on it.
 class NearAlignment {
  public:
   NearAlignment(const TrackerConfig& config, const calib::LensValues& lens)
@@ -28,7 +29,7 @@ class NearAlignment {
 
   /// nullopt: no start leads to an alignment that may be believed and that a hand can have reached.
   /// Precondition: segment.motion and segment.last_patch hold something.
-  [[nodiscard]] std::optional<IcpResult> operator()(const SegmentMemory& segment, const Burst& burst) const;
+  [[nodiscard]] std::optional<IcpResult> operator()(const SegmentMemory& segment, const Burst& burst);
 
  private:
   struct Ask {
@@ -37,8 +38,10 @@ class NearAlignment {
     const Pose& predicted;
   };
   /// From one start after the other; the first that may be believed.
-  [[nodiscard]] std::optional<IcpResult> from(std::span<const Pose> starts, const ModelView& source,
+  [[nodiscard]] std::optional<IcpResult> from(std::span<const Pose> starts, const Reference& reference,
                                               const Ask& ask) const;
+  /// Views are drawn anew only where the probe has moved on: one Reference serves several bursts.
+  [[nodiscard]] const Reference& reference_of(const ModelView& view);
   /// Where shape leaves directions free: the pose that texture asks for along them, aligned anew from there.
   [[nodiscard]] IcpResult held_by_texture(const IcpResult& by_shape, const Reference& reference, const Ask& ask) const;
   [[nodiscard]] bool acceptable_for(const IcpResult& result, const Ask& ask) const;
@@ -47,6 +50,8 @@ class NearAlignment {
   const TrackerConfig& config_;
   const calib::LensValues& lens_;
   ViewCamera camera_;
+  Reference reference_;        ///< of the view …
+  std::uint64_t drawing_ = 0;  ///< … with this ModelView::drawing
 };
 
 }  // namespace enamel::pipeline

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "pipeline/register/icp/reference.hpp"
+#include "pipeline/register/icp/patch_view.hpp"
 
 namespace enamel::pipeline {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "pipeline/register/icp/seconds.hpp"
-#include "pipeline/register/icp/viewpoint.hpp"
+#include "pipeline/types/viewpoint.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -49,6 +49,7 @@ Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
       texture_{config_.surface_texture, config_.texture, rig.camera.fx / config_.motion.work_distance_mm,
                FringePhase(rig)},
       grid_size_(full_grid(rig.camera, config.icp.levels.back().stride_px)),
+      viewer_(lens_, lens_.width, lens_.height, config_.keyframes.view_stride),
       near_(config_, lens_),
       votes_(config_.join) {}
 
@@ -188,9 +189,11 @@ void Tracker::remember_texture(SegmentMemory& segment, const Burst& burst, const
 
 TrackResult Tracker::accept(SegmentMemory& segment, TrackState state, const Burst& burst, const IcpResult& icp) {
   segment.motion.add(burst.t, icp.T_model_cam, burst.twist);
-  segment.last_patch = view_from_patch(burst.patch, icp.T_model_cam, lens_, config_.keyframes.view_stride);
+  segment.last_patch = viewer_(burst.patch, icp.T_model_cam);
   if (segment.keyframes.wants(icp.T_model_cam)) {
-    segment.keyframes.add(burst.patch, icp.T_model_cam);
+    segment.keyframes.add(burst.patch, icp.T_model_cam, *segment.last_patch);
+  } else {
+    segment.keyframes.describe_next_surface();
   }
   if (icp.weak_directions > 0 || state == TrackState::kStarted) remember_texture(segment, burst, icp);
   return {state,       icp.T_model_cam,  icp.rms_mm,

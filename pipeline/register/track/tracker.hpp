@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calib/model/rig.hpp"
+#include "pipeline/register/icp/patch_view.hpp"
 #include "pipeline/register/track/near_alignment.hpp"
 #include "pipeline/register/track/segment_memory.hpp"
 #include "pipeline/register/track/tracker_config.hpp"
@@ -72,6 +73,7 @@ class Tracker {
   calib::LensValues lens_;
   BurstTexture::Config texture_;
   std::size_t grid_size_ = 0;  ///< samples of a full image at the finest level
+  PatchViewer viewer_;
   NearAlignment near_;
   std::vector<SegmentMemory> segments_;  ///< ascending id
   SegmentId active_ = kModelSegment;     ///< where the last burst was placed

@@ -8,7 +8,7 @@
 #include "pipeline/decode/burst_decoder.hpp"
 #include "pipeline/model/guide/complete.hpp"
 #include "pipeline/model/guide/model_guide.hpp"
-#include "pipeline/register/icp/reference.hpp"
+#include "pipeline/register/icp/patch_view.hpp"
 #include "tests/support/tooth_steps.hpp"
 #include "tests/unit/decode/synthetic.hpp"
 

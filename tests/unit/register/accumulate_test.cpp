@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pipeline/register/icp/patch_view.hpp"
 #include "tests/unit/model/synthetic.hpp"
 
 namespace enamel::pipeline {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "pipeline/register/icp/patch_view.hpp"
 #include "pipeline/register/track/tracker.hpp"
 #include "tests/unit/register/turned_patches.hpp"
 

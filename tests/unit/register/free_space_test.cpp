@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pipeline/register/icp/patch_view.hpp"
 #include "tests/unit/register/synthetic_surface.hpp"
 
 namespace enamel::pipeline {

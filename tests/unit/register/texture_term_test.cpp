@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/register/icp/patch_view.hpp"
 #include "pipeline/register/track/burst_texture.hpp"
 #include "tests/unit/register/track_session.hpp"
 

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "pipeline/register/icp/patch_view.hpp"
 #include "tests/unit/register/burst_times.hpp"
 #include "tests/unit/register/synthetic_surface.hpp"
 #include "tests/unit/register/track_session.hpp"
@@ -137,6 +138,32 @@ TEST(Tracker, finds_its_place_after_jumps_on_many_surfaces) {
   EXPECT_GE(found, 19);
 }
 
+TEST(Keyframes, surface_features_are_the_patchs_own_whenever_they_are_extracted) {
+  const calib::Rig rig = ts::test_rig(4);
+  const ts::SyntheticSurface surface(33, 1);
+  const TrackerConfig config;
+  KeyframeStore store(rig.camera, config.keyframes);
+  std::vector<std::size_t> expected;
+  for (const double x : {0.0, 6.0, 12.0}) {
+    const Pose T_model_cam = ts::looking_down(x, 0);
+    const SurfacePatch patch = ts::make_patch(surface, rig.camera, T_model_cam, {0.01, 0.03, 1});
+    store.add(patch, T_model_cam, view_from_patch(patch, T_model_cam, rig.camera, config.keyframes.view_stride));
+    const double px_per_mm = rig.camera.fx / config.keyframes.work_distance_mm;
+    expected.push_back(extract_surface_features(patch, px_per_mm, config.keyframes.surface).size());
+  }
+  ASSERT_GT(expected[0], 20U);
+  EXPECT_FALSE(store.all()[0].surface_described);
+  store.describe_next_surface();  // the oldest
+  store.describe_surface({2});    // the one that is asked for
+  EXPECT_TRUE(store.all()[0].surface_described);
+  EXPECT_FALSE(store.all()[1].surface_described);
+  for (int k = 0; k < 3; ++k) store.describe_next_surface();  // more often than any wait
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    EXPECT_EQ(store.all()[k].surface.size(), expected[k]);
+    EXPECT_TRUE(store.all()[k].grid.points.empty());
+  }
+}
+
 /// Two keyframes of a surface that repeats after 24 mm; the patch was taken at the second.
 std::optional<Relocalised> search_where_teeth_repeat(std::int64_t repeat) {
   const calib::Rig rig = ts::test_rig(4);
@@ -145,7 +172,8 @@ std::optional<Relocalised> search_where_teeth_repeat(std::int64_t repeat) {
   KeyframeStore store(rig.camera, config.keyframes);
   for (const double x : {0.0, 24.0}) {
     const SurfacePatch patch = ts::make_patch(surface, rig.camera, ts::looking_down(x, 0), {0.01, 0.03, 1});
-    store.add(patch, ts::looking_down(x, 0));
+    const Pose T_model_cam = ts::looking_down(x, 0);
+    store.add(patch, T_model_cam, view_from_patch(patch, T_model_cam, rig.camera, config.keyframes.view_stride));
   }
   const SurfacePatch patch =
       ts::make_patch(surface, rig.camera, ts::looking_down(24.5, 0.3, {0, 0, 0.2}), {0.01, 0.03, 2});

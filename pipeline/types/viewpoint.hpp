@@ -1,4 +1,4 @@
-// Where a camera looks, and whether two look the same way. Private to register.
+// Where a camera looks, and whether two look the same way.
 #pragma once
 
 #include <numbers>
