@@ -80,7 +80,7 @@ Result<void> write_pictures(const std::vector<Picture>& pictures, const SensorCo
 Result<void> write_axes(const SceneConfig& scene, const std::string& folder) {
   const MountRun run = drive(scene.mount, scene.seed);
   const AxesTable table{.key = "pose", .rows = run.stops.size(), .rows_a_stop = 1};
-  ENAMEL_TRY(write_file(folder + "/truth/mount_true.json", mount_true_json(run, scene.mount)));
+  ENAMEL_TRY(write_file(folder + "/truth/mount_true.json", mount_true_json(run, 1)));
   return write_file(folder + "/axes.csv", axes_csv(run, scene.mount, scene.seed, table));
 }
 

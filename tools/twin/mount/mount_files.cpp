@@ -56,7 +56,7 @@ std::string axes_csv(const MountRun& run, const MountConfig& config, std::uint64
   return out;
 }
 
-std::string mount_true_json(const MountRun& run, const MountConfig& config) {
+std::string mount_true_json(const MountRun& run, int bursts_a_stop) {
   MountJson stops = MountJson::array();
   for (std::size_t i = 0; i < run.stops.size(); ++i) {
     const StopTruth& s = run.stops[i];
@@ -74,7 +74,7 @@ std::string mount_true_json(const MountRun& run, const MountConfig& config) {
                        {"rotation", axis_json(run.mount.rotation)},
                        {"swing", axis_json(run.mount.swing)},
                        {"wobble_um", kUmPerMm * run.mount.wobble_mm},
-                       {"bursts_a_stop", config.bursts},
+                       {"bursts_a_stop", bursts_a_stop},
                        {"T_camera_table", rows_of(run.mount.T_camera_table)},
                        {"T_table_model", rows_of(run.mount.T_table_model)},
                        {"stops", stops}};

@@ -22,6 +22,6 @@ struct AxesTable {
 
 /// truth/mount_true.json: the axes as mount.json states them (each point the one nearest to the camera), pose of table
 /// and model at both angles 0, and at every stop the true angles, parts of them, and the run-out.
-[[nodiscard]] std::string mount_true_json(const MountRun& run, const MountConfig& config);
+[[nodiscard]] std::string mount_true_json(const MountRun& run, int bursts_a_stop);
 
 }  // namespace enamel::twin
