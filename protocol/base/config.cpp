@@ -122,8 +122,17 @@ Result<void> ConfigReader::set(std::string_view assignment) {
   auto parsed = config_detail::flatten_toml("v = " + value, where);
   if (!parsed) parsed = config_detail::flatten_toml("v = " + config_detail::string_text(value), where);
   if (!parsed) return tl::unexpected<Error>(std::move(parsed).error());
+  // A value or a list stands instead of all that the file has there; a table only adds to it.
+  const std::string at = full(key);
+  const bool is_table = parsed->front().is_table && parsed->front().path == "v";
+  if (!is_table) {
+    std::erase_if(state_->given, [&at](const auto& entry) {
+      const std::string_view path = entry.first;
+      return path == at || path.starts_with(at + ".") || path.starts_with(at + "[");
+    });
+  }
   for (Node& n : *parsed) {
-    std::string path = full(key) + n.path.substr(1);  // "v", "v.x", "v[0].x" -> "key…"
+    std::string path = at + n.path.substr(1);  // "v", "v.x", "v[0].x" -> "key…"
     n.path = path;
     n.where = where;
     state_->given.insert_or_assign(std::move(path), std::move(n));

@@ -58,6 +58,13 @@ std::vector<std::string> render_command(const std::string& scene, const std::vec
   return argv;
 }
 
+/// One stop of a desktop mount; a jaw's mesh is coarse and only what lies under the head there.
+std::vector<std::string> one_stop(const std::string& rot_deg, const std::string& swing_deg, bool of_jaw = false) {
+  std::vector<std::string> out{"mount.rot_deg=[" + rot_deg + "]", "mount.swing_deg=[" + swing_deg + "]"};
+  if (of_jaw) out.insert(out.end(), {"object.jaw.from_mm=30", "object.jaw.to_mm=60", "object.jaw.max_edge_mm=0.2"});
+  return out;
+}
+
 /// One burst at that time of the way, on a coarse mesh of that part of the arch.
 std::vector<std::string> one_burst(const std::string& from_s, const std::string& from_mm, const std::string& to_mm) {
   return {"path.from_s=" + from_s, "timing.bursts=1", "object.jaw.from_mm=" + from_mm, "object.jaw.to_mm=" + to_mm,
@@ -111,6 +118,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Shipped{"mouth_tissue", "probe", "M", 0, 0.0005, one_burst("4.0", "20", "54")},
                       Shipped{"mouth_fog", "probe", "M", 0, 0.002, one_burst("4.0", "20", "54")},
                       Shipped{"mouth_lamp", "probe", "M", 0, 0.0005, one_burst("4.0", "20", "54")},
+                      Shipped{"desktop_bar", "probe", "M", 0, 0.0005, one_stop("180", "-15")},
+                      Shipped{"desktop_arch", "probe", "M", 0, 0.0005, one_stop("5", "20", true)},
                       Shipped{"edentulous", "probe", "M", 0, 0.0005, one_burst_of_the_ridge()}),
     [](const auto& shipped) { return shipped.param.name(); });
 

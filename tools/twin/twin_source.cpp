@@ -6,6 +6,7 @@
 
 #include "calib/model/pattern.hpp"
 #include "tools/twin/board/board_source.hpp"
+#include "tools/twin/mount/mount_path.hpp"
 #include "tools/twin/render/seen.hpp"
 
 namespace enamel::twin {
@@ -22,6 +23,7 @@ TremorConfig effective_tremor(const SceneConfig& c) {
 
 std::unique_ptr<Trajectory> make_path(const SceneConfig& c, const ArchShape& shape) {
   if (c.path == PathKind::kViews) return make_views(c.views, c.timing);
+  if (c.path == PathKind::kMount) return make_mount_path(mount_poses(drive(c.mount, c.seed)), c.mount, c.timing);
   return make_arch_path(c.arch_path, Arch(shape), c.timing);
 }
 

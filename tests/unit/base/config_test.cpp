@@ -162,6 +162,25 @@ TEST(Config, overrides_beat_the_file) {
   EXPECT_EQ(c->mode, Mode::kExact);
   EXPECT_EQ(c->name, "two words");
 }
+TEST(Config, an_override_stands_instead_of_what_it_names_and_a_table_adds) {
+  const std::string balls = "[[ball]]\nradius_mm = 1.0\n[[ball]]\nradius_mm = 2.0\n";
+  const auto none = read(balls, {"ball=[]"});
+  ASSERT_TRUE(none) << none.error().message();
+  EXPECT_TRUE(none->balls.empty());
+  const auto other = read(balls, {"ball=[{radius_mm=7.0}]"});
+  ASSERT_TRUE(other) << other.error().message();
+  ASSERT_EQ(other->balls.size(), 1U);
+  EXPECT_EQ(other->balls[0].radius_mm, 7.0);
+  const auto added = read("[noise]\nseed = 99\n[noiseless]\n", {"noise={seed=3}"});
+  ASSERT_FALSE(added) << "a key of another name that begins alike stays";
+  EXPECT_THAT(added.error().detail, HasSubstr("noiseless"));
+  const auto kept = read("[grid]\nknots_px = [1.0]\noffset_mm = [1.0, 2.0, 3.0]\n", {"grid={knots_px=[5.0]}"});
+  ASSERT_TRUE(kept) << kept.error().message();
+  EXPECT_EQ(kept->offset_mm[1], 2.0);
+  EXPECT_EQ(kept->knots_px.front(), 5.0);
+  expect_error(balls, ErrorCode::kConfigValue, "must be an array of tables", {"ball=3"});
+}
+
 TEST(Config, bad_overrides_are_refused) {
   expect_error("", ErrorCode::kConfigUnknownKey, "--set noise.sead=3: unknown key", {"noise.sead=3"});
   expect_error("", ErrorCode::kConfigValue, "--set count=99: 'count' is 99", {"count=99"});

@@ -18,7 +18,8 @@ Result<SceneConfig> parse(const std::string& text) {
 
 TEST(TwinScene, shipped_scenes_and_their_rig_load) {
   for (const char* name : {"quadrant", "quadrant_small", "arch", "arch_upper", "edentulous", "gaps", "plane", "spheres",
-                           "steps", "calibration", "mouth", "mouth_arch", "mouth_metal", "mouth_wet"}) {
+                           "steps", "calibration", "desktop_bar", "desktop_arch", "desktop_board", "mouth",
+                           "mouth_arch", "mouth_metal", "mouth_wet"}) {
     const auto scene = load_scene(std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/" + name + ".toml");
     ASSERT_TRUE(scene) << scene.error().message();
     EXPECT_TRUE(calib::load_rig(scene->rig_path)) << scene->rig_path;

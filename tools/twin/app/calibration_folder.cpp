@@ -12,6 +12,7 @@
 #include "protocol/base/file.hpp"
 #include "tools/twin/board/board_stage.hpp"
 #include "tools/twin/board/nominal_rig.hpp"
+#include "tools/twin/mount/mount_files.hpp"
 #include "tools/twin/truth_files.hpp"
 
 namespace enamel::twin {
@@ -47,15 +48,16 @@ Result<std::string> encode(const Picture& picture, const SensorConfig& sensor, i
 
 /// Every picture once: frames 2 and 3 of set 0 repeat white and black.
 std::vector<Picture> pose_pictures(const BoardStage& stage, std::size_t stand, const FrameAverager& averager,
-                                   std::uint64_t seed, const std::string& folder) {
+                                   const SceneConfig& scene, const std::string& folder) {
   std::vector<Picture> pictures;
   const StillView view = stage.trace(stand);
   const auto sets = static_cast<std::uint64_t>(stage.patterns().sets());
-  for (int set = 0; set < stage.patterns().sets(); ++set) {
+  const int shown = scene.calibration.has_fringes ? stage.patterns().sets() : 1;
+  for (int set = 0; set < shown; ++set) {
     const auto light = stage.electrons(view, set);
     const auto names = stage.patterns().names(set);
     for (int k = 0; k < (set == 0 ? 2 : 4); ++k) {
-      const ExposureId id{seed, stand * sets + static_cast<std::uint64_t>(set), k};
+      const ExposureId id{scene.seed, stand * sets + static_cast<std::uint64_t>(set), k};
       const auto i = static_cast<std::size_t>(k);
       pictures.push_back({folder + "/" + names[i] + ".png", averager.average(light[i], id)});
     }
@@ -74,6 +76,14 @@ Result<void> write_pictures(const std::vector<Picture>& pictures, const SensorCo
   return {};
 }
 
+/// The mount's angles, a row a pose, and the truth about it.
+Result<void> write_axes(const SceneConfig& scene, const std::string& folder) {
+  const MountRun run = drive(scene.mount, scene.seed);
+  const AxesTable table{.key = "pose", .rows = run.stops.size(), .rows_a_stop = 1};
+  ENAMEL_TRY(write_file(folder + "/truth/mount_true.json", mount_true_json(run, 1)));
+  return write_file(folder + "/axes.csv", axes_csv(run, scene.mount, scene.seed, table));
+}
+
 Result<void> write_all(const SceneConfig& scene, const std::string& folder, const std::function<void()>& on_pose) {
   ENAMEL_TRY_ASSIGN(const auto stage, BoardStage::create(scene));
   const FrameAverager averager(stage->sensor(), scene.calibration.frames);
@@ -82,8 +92,8 @@ Result<void> write_all(const SceneConfig& scene, const std::string& folder, cons
   for (std::size_t n = 0; n < stage->stands().size(); ++n) {
     const std::string pose = fmt::format("{}/poses/{:02}", folder, n);
     ENAMEL_TRY(make_folder(pose));
-    ENAMEL_TRY(write_pictures(pose_pictures(*stage, n, averager, scene.seed, pose), stage->sensor(), camera.width,
-                              camera.height));
+    ENAMEL_TRY(
+        write_pictures(pose_pictures(*stage, n, averager, scene, pose), stage->sensor(), camera.width, camera.height));
     BurstTruth truth;
     truth.burst_index = n;
     truth.T_model_cam = stage->stands()[n];
@@ -95,6 +105,7 @@ Result<void> write_all(const SceneConfig& scene, const std::string& folder, cons
   ENAMEL_TRY(make_folder(folder + "/truth"));
   ENAMEL_TRY(write_file(folder + "/truth/rig.json", stage->rig().text));
   ENAMEL_TRY(write_file(folder + "/truth/poses.csv", poses));
+  if (scene.path == PathKind::kMount) ENAMEL_TRY(write_axes(scene, folder));
   ENAMEL_TRY(write_file(folder + "/target.json", target_json(scene.board)));
   return write_file(folder + "/rig.json", nominal);
 }

@@ -8,9 +8,9 @@
 
 namespace enamel::twin {
 
-/// Writes rig.json (nominal), target.json, poses/NN/*.png and truth/{rig.json,poses.csv} into `folder`, which appears
-/// whole or not at all. on_pose is called after each pose. Errors: those of BoardStage; kUsage when the folder exists
-/// and is not empty; kFileWrite.
+/// Writes rig.json (nominal), target.json, poses/NN/*.png and truth/{rig.json,poses.csv} into `folder`, on a mount's
+/// path axes.csv and truth/mount_true.json as well; it appears whole or not at all. on_pose is called after each pose.
+/// Errors: those of BoardStage; kUsage when the folder exists and is not empty; kFileWrite.
 [[nodiscard]] Result<void> write_calibration_folder(const SceneConfig& scene, const std::string& folder,
                                                     const std::function<void()>& on_pose);
 

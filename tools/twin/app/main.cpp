@@ -20,6 +20,7 @@
 #include "tools/twin/app/preview.hpp"
 #include "tools/twin/app/render_sink.hpp"
 #include "tools/twin/board/board_source.hpp"
+#include "tools/twin/mount/mount_files.hpp"
 #include "tools/twin/surface/mesh_file.hpp"
 #include "tools/twin/truth_files.hpp"
 #include "tools/twin/twin_source.hpp"
@@ -30,6 +31,8 @@ using enamel::Error;
 using enamel::ErrorCode;
 using enamel::Result;
 namespace twin = enamel::twin;
+
+constexpr std::size_t kMaxPoses = 99;  // two digits
 
 struct Options {
   std::string scene, out;
@@ -72,6 +75,15 @@ Result<twin::SceneConfig> scene_of(const Options& o) {
   return twin::load_scene(o.scene, overrides);
 }
 
+/// `bursts` in all, so many at each stop.
+Result<void> write_mount(twin::RenderSink& sink, const twin::SceneConfig& scene, std::uint64_t bursts,
+                         int bursts_a_stop) {
+  const twin::MountRun run = twin::drive(scene.mount, scene.seed);
+  const twin::AxesTable table{.key = "burst_id", .rows = bursts, .rows_a_stop = bursts_a_stop};
+  ENAMEL_TRY(sink.file("axes.csv", twin::axes_csv(run, scene.mount, scene.seed, table)));
+  return sink.file("truth/mount_true.json", twin::mount_true_json(run, bursts_a_stop));
+}
+
 Result<void> render(const Options& o) {
   const enamel::SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const twin::SceneConfig scene, scene_of(o));
@@ -97,6 +109,7 @@ Result<void> render(const Options& o) {
   progress.finish();
   ENAMEL_TRY(sink->file("truth/poses.csv", poses));
   ENAMEL_TRY(sink->file("truth/surface.ply", twin::write_ply(source->surface(), source->seen())));
+  if (scene.path == twin::PathKind::kMount) ENAMEL_TRY(write_mount(*sink, scene, total, scene.mount.bursts));
   if (!scene.movers.empty()) ENAMEL_TRY(sink->file("truth/movers.csv", movers));
   ENAMEL_TRY(sink->file("truth/scene.json", source->scene_json()));
   if (!source->certificate_json().empty()) ENAMEL_TRY(sink->file("artefact.json", source->certificate_json()));
@@ -116,6 +129,15 @@ Result<twin::SceneConfig> calibration_scene(const Options& o) {
     ENAMEL_TRY_ASSIGN(scene, scene_of(o));
   }
   scene.calibration.poses = o.poses.value_or(scene.calibration.poses);
+  if (scene.path != twin::PathKind::kMount) return scene;
+  std::vector<twin::MountStop>& stops = scene.mount.stops;
+  if (o.poses && stops.size() > static_cast<std::size_t>(*o.poses)) stops.resize(static_cast<std::size_t>(*o.poses));
+  if (stops.size() > kMaxPoses) {
+    return enamel::fail(ErrorCode::kConfigValue,
+                        o.scene + ": mount has " + std::to_string(stops.size()) +
+                            " stops, a calibration folder at most 99 poses: fewer stops or --poses");
+  }
+  scene.calibration.poses = static_cast<int>(stops.size());
   return scene;
 }
 
@@ -132,6 +154,10 @@ Result<void> record_board(const twin::SceneConfig& scene, const std::string& out
   }
   progress.finish();
   ENAMEL_TRY(sink->file("target.json", twin::target_json(scene.board)));
+  if (scene.path == twin::PathKind::kMount) {
+    const int bursts_a_stop = source->stage().patterns().sets() * scene.calibration.sweeps;
+    ENAMEL_TRY(write_mount(*sink, scene, source->count().value_or(0), bursts_a_stop));
+  }
   ENAMEL_TRY(sink->file("truth/rig.json", source->stage().rig().text));
   return sink->finish();
 }
@@ -179,7 +205,8 @@ int run(int argc, char** argv) {
   add_common(calibrate_cmd, o);
   calibrate_cmd->add_option("--out", o.out, "calibration folder, or recording (.mcap) of a live calibration")
       ->required();
-  calibrate_cmd->add_option("--poses", o.poses, "stands of the board")->check(CLI::Range(1, 99));
+  calibrate_cmd->add_option("--poses", o.poses, "stands of the board; on a mount its first so many stops")
+      ->check(CLI::Range(1, 99));
   CLI::App* preview_cmd = app.add_subcommand("preview", "shaded picture of the scene's body from four sides");
   add_common(preview_cmd, o);
   preview_cmd->add_option("--out", o.out, "PNG file")->required();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "tools/twin/board/board_poses.hpp"
+#include "tools/twin/mount/mount_path.hpp"
 
 namespace enamel::twin {
 namespace {
@@ -34,6 +35,10 @@ Result<std::unique_ptr<BoardStage>> BoardStage::create(const SceneConfig& scene)
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, apply_effects(loaded, scene.effects));
   if (!rig.noise) return fail(ErrorCode::kRigInvalid, "the twin needs `noise` in the rig");
   std::unique_ptr<BoardStage> stage(new BoardStage(scene, rig));
+  if (scene.path == PathKind::kMount) {
+    stage->stands_ = mount_poses(drive(scene.mount, scene.seed));
+    return stage;
+  }
   ENAMEL_TRY_ASSIGN(stage->stands_, board_poses(stage->instrument_, scene.board, scene.calibration.poses, scene.seed));
   return stage;
 }

@@ -13,7 +13,8 @@ namespace enamel::twin {
 
 class BoardStage {
  public:
-  /// The board and the stands of `scene`, whatever its own object is, before its rig. Errors: those of the rig;
+  /// The board of `scene`, whatever its own object is, before its rig, at stands drawn by the seed or, on a mount's
+  /// path, at the mount's stops. Errors: those of the rig;
   /// kRigInvalid when the rig carries no noise; kConfigValue when the board does not fit.
   [[nodiscard]] static Result<std::unique_ptr<BoardStage>> create(const SceneConfig& scene);
 

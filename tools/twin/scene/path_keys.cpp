@@ -9,8 +9,10 @@ namespace enamel::twin {
 namespace {
 
 using Names = std::string_view;
-constexpr std::array<std::pair<Names, PathKind>, 3> kPaths{
-    {{"views", PathKind::kViews}, {"arch", PathKind::kArch}, {"calibration", PathKind::kCalibration}}};
+constexpr std::array<std::pair<Names, PathKind>, 4> kPaths{{{"views", PathKind::kViews},
+                                                            {"arch", PathKind::kArch},
+                                                            {"calibration", PathKind::kCalibration},
+                                                            {"mount", PathKind::kMount}}};
 constexpr std::array<std::pair<Names, Joint>, 2> kJoints{{{"turn", Joint::kTurn}, {"pause", Joint::kPause}}};
 
 void bind_view(ConfigReader r, ViewConfig& v) {
@@ -91,7 +93,7 @@ void check_arch(ConfigReader r, const SceneConfig& c) {
 void bind_path(ConfigReader& reader, SceneConfig& c) {
   ConfigReader r = reader.table("path");
   r.bind("type", c.path, kPaths,
-         "views (stands and straight flights), arch (along a jaw or ridge) or calibration (a board, by seed)");
+         "views (stands and straight flights), arch (along a jaw or ridge), calibration (a board, by seed) or mount");
   bind_hand(r, c);
   bind_all(r, "view", c.views, bind_view);
   bind_all(r, "pass", c.arch_path.passes, bind_pass);

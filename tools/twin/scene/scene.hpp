@@ -12,6 +12,7 @@
 #include "tools/twin/jaw/mouth.hpp"
 #include "tools/twin/jaw/ridge.hpp"
 #include "tools/twin/jaw/sphere_bar.hpp"
+#include "tools/twin/mount/mount_config.hpp"
 #include "tools/twin/movers/mover_config.hpp"
 #include "tools/twin/optics/fog.hpp"
 #include "tools/twin/optics/projector.hpp"
@@ -20,12 +21,13 @@
 #include "tools/twin/surface/artefacts.hpp"
 #include "tools/twin/surface/dot_board.hpp"
 #include "tools/twin/surface/film.hpp"
+#include "tools/twin/surface/ring_plate.hpp"
 #include "tools/twin/surface/texture.hpp"
 
 namespace enamel::twin {
 
-enum class ObjectKind : std::uint8_t { kJaw, kRidge, kPlane, kSpheres, kSteps, kFile, kBoard };
-enum class PathKind : std::uint8_t { kViews, kArch, kCalibration };
+enum class ObjectKind : std::uint8_t { kJaw, kRidge, kPlane, kSpheres, kSteps, kPlate, kFile, kBoard };
+enum class PathKind : std::uint8_t { kViews, kArch, kCalibration, kMount };
 
 struct FileObjectConfig {
   std::string path;          ///< PLY, STL or OBJ, mm
@@ -38,6 +40,7 @@ struct CalibrationConfig {
   int poses = 12;
   int frames = 16;                        ///< averaged into each picture of a calibration folder
   int sweeps = 4;                         ///< live: how often the whole pattern set is shown at each pose
+  bool has_fringes = true;                ///< off: a folder has white and black pictures only
   std::vector<int> cycles{1, 4, 16, 64};  ///< periods across the projector, rising
   double mean = 127, amplitude = 120;     ///< 8-bit levels of the fringes
 };
@@ -80,10 +83,12 @@ struct SceneConfig {
   PlaneConfig plane;
   SpheresConfig spheres;
   StepsConfig steps;
+  RingPlateConfig plate;
   JawConfig jaw;
   RidgeConfig ridge;
   SphereBarConfig bar;  ///< beside a jaw or ridge
   FileObjectConfig file;
+  std::string board_target;  ///< target.json that stands for the board's grid; empty: `board` as stated
   DotBoardConfig board;
   CalibrationConfig calibration;
   std::vector<MoverConfig> movers;
@@ -92,6 +97,7 @@ struct SceneConfig {
   std::vector<ViewConfig> views;
   ArchPathConfig arch_path;
   TremorConfig tremor;
+  MountConfig mount;
 };
 
 /// Binds every key. Relative paths are left relative. The caller calls reader.finish().

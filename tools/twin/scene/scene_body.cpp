@@ -115,6 +115,14 @@ Result<Body> make_body(const SceneConfig& config) {
       body.surroundings = make_steps(config.steps);
       objects.push_back({{"type", "mesh"}, {"file", "surface.ply"}});
       break;
+    case ObjectKind::kPlate: {
+      RingPlate plate = make_ring_plate(config.plate, config.seed);
+      for (const auto& b : plate.surroundings.balls) objects.push_back(describe(b));
+      objects.push_back({{"type", "mesh"}, {"file", "surface.ply"}});
+      body.surroundings = std::move(plate.surroundings);
+      body.certificate_json = std::move(plate.certificate_json);
+      break;
+    }
     case ObjectKind::kBoard:
       body.surroundings = make_dot_board(config.board, config.seed);
       objects.push_back(SortedJson::parse(target_json(config.board)));

@@ -2,7 +2,9 @@
 #include <filesystem>
 #include <utility>
 
+#include "tools/twin/board/target_file.hpp"
 #include "tools/twin/scene/look_keys.hpp"
+#include "tools/twin/scene/mount_keys.hpp"
 #include "tools/twin/scene/passing_keys.hpp"
 #include "tools/twin/scene/path_keys.hpp"
 #include "tools/twin/scene/scene.hpp"
@@ -11,11 +13,12 @@ namespace enamel::twin {
 namespace {
 
 using Names = std::string_view;
-constexpr std::array<std::pair<Names, ObjectKind>, 7> kObjects{{{"jaw", ObjectKind::kJaw},
+constexpr std::array<std::pair<Names, ObjectKind>, 8> kObjects{{{"jaw", ObjectKind::kJaw},
                                                                 {"ridge", ObjectKind::kRidge},
                                                                 {"plane", ObjectKind::kPlane},
                                                                 {"spheres", ObjectKind::kSpheres},
                                                                 {"steps", ObjectKind::kSteps},
+                                                                {"plate", ObjectKind::kPlate},
                                                                 {"file", ObjectKind::kFile},
                                                                 {"board", ObjectKind::kBoard}}};
 constexpr std::array<std::pair<Names, TexturePattern>, 2> kPatterns{
@@ -78,8 +81,22 @@ void bind_render(ConfigReader& r, SceneConfig& c) {
   r.bind("texture.scale_mm", c.texture.scale_mm, {0.05, 100}, "size of a patch");
 }
 
+void bind_plate(ConfigReader r, RingPlateConfig& p) {
+  r.bind("inner_mm", p.inner_mm, {0, 200}, "radius of the hole");
+  r.bind("outer_mm", p.outer_mm, {1, 200}, "radius of the rim");
+  r.bind("bumps", p.bumps, {0, 5000}, "balls sunk into the plate, by the seed");
+  r.bind("bump_mm", p.bump_mm, {0.1, 50}, "least and largest diameter of a bump");
+  r.bind("diameters_mm", p.diameters_mm, {0.1, 50}, "of the balls at the ends of the bar");
+  r.bind("distance_mm", p.distance_mm, {1, 400}, "from ball to ball, along x about the middle");
+  r.bind("height_mm", p.height_mm, {-50, 50}, "of the balls' centres above the plate");
+  r.bind("rod_diameter_mm", p.rod_diameter_mm, {0, 50}, "from ball to ball; 0: none");
+  r.bind("sigma_um", p.sigma_um, {0.01, 1000}, "standard deviation of the certified distance, drawn by the seed");
+  if (p.inner_mm >= p.outer_mm) r.reject("inner_mm", "is not below outer_mm");
+  if (p.bump_mm[0] > p.bump_mm[1]) r.reject("bump_mm", "is not least first");
+}
+
 void bind_object(ConfigReader r, SceneConfig& c) {
-  r.bind("type", c.object, kObjects, "jaw, ridge, plane, spheres, steps, file or board");
+  r.bind("type", c.object, kObjects, "jaw, ridge, plane, spheres, steps, plate, file or board");
   r.bind("plane.half_mm", c.plane.half_mm, {1, 500}, "half edge of the plane");
   r.bind("spheres.diameters_mm", c.spheres.diameters_mm, {0.1, 100}, "one a ball, along x");
   r.bind("spheres.pitch_mm", c.spheres.pitch_mm, {0.1, 200}, "centre to centre");
@@ -89,6 +106,7 @@ void bind_object(ConfigReader r, SceneConfig& c) {
   r.bind("steps.width_mm", c.steps.width_mm, {0.1, 200}, "along y");
   r.bind("steps.slot_widths_mm", c.steps.slot_widths_mm, {0.01, 20}, "slots in the block beside the stairs");
   r.bind("steps.slot_depth_mm", c.steps.slot_depth_mm, {0.01, 50}, "depth of the slots");
+  bind_plate(r.table("plate"), c.plate);
   r.bind("jaw.side", c.jaw.side, kSides, "lower or upper");
   r.bind("jaw.last_tooth", c.jaw.last_tooth, {1, 7}, "1 central incisor ... 7 second molar");
   r.bind("jaw.both_sides", c.jaw.both_sides, "the whole arch instead of the right quadrant");
@@ -127,7 +145,9 @@ void check_bar(ConfigReader& r, const SceneConfig& c) {
   if (diameters != 1 && diameters != balls) r.reject("artefact.diameters_mm", "neither one nor as many as balls");
 }
 
-void bind_board(ConfigReader r, DotBoardConfig& b) {
+void bind_board(ConfigReader r, SceneConfig& c) {
+  DotBoardConfig& b = c.board;
+  r.bind("target", c.board_target, "target.json with the grid, relative to the scene file");
   r.bind("cols", b.cols, {3, 100}, "dots along x");
   r.bind("rows", b.rows, {3, 100}, "dots along y");
   r.bind("pitch_mm", b.pitch_mm, {0.05, 100}, "from dot to dot");
@@ -143,12 +163,14 @@ void bind_board(ConfigReader r, DotBoardConfig& b) {
 void bind_calibration(ConfigReader r, CalibrationConfig& c) {
   r.bind("poses", c.poses, {1, 99}, "stands of the board, drawn by the seed");
   r.bind("frames", c.frames, {1, 1000}, "averaged into each picture of a calibration folder");
+  r.bind("fringes", c.has_fringes, "off: a folder has white and black pictures only");
   r.bind("sweeps", c.sweeps, {1, 100}, "live: how often all patterns are shown at a stand");
 }
 
 void check(ConfigReader& r, const SceneConfig& c) {
-  if ((c.path == PathKind::kCalibration) != (c.object == ObjectKind::kBoard)) {
-    r.reject("path.type", "a calibration path goes with object.type = board, and only with it");
+  const bool shows_board = c.object == ObjectKind::kBoard;
+  if (c.path == PathKind::kCalibration ? !shows_board : shows_board && c.path != PathKind::kMount) {
+    r.reject("path.type", "a calibration path goes with object.type = board, which otherwise only a mount shows");
   }
   if (c.jaw.palate && c.jaw.side != JawSide::kUpper) r.reject("object.jaw.palate", "only the upper jaw has one");
   if (2 * c.board.radius_mm >= c.board.pitch_mm) r.reject("board.radius_mm", "the dots touch");
@@ -172,10 +194,11 @@ void bind_scene(ConfigReader& reader, SceneConfig& config) {
   bind_object(reader.table("object"), config);
   bind_look(reader, config);
   bind_bar(reader.table("artefact"), config.bar);
-  bind_board(reader.table("board"), config.board);
+  bind_board(reader.table("board"), config);
   bind_calibration(reader.table("calibration"), config.calibration);
   bind_passing(reader, config);
   bind_path(reader, config);
+  bind_mount(reader, config);
   check(reader, config);
 }
 
@@ -190,6 +213,8 @@ Result<SceneConfig> load_scene(const std::string& path, const std::vector<std::s
   };
   resolve(config.rig_path);
   resolve(config.file.path);
+  resolve(config.board_target);
+  if (!config.board_target.empty()) ENAMEL_TRY(read_target(config.board_target, config.board));
   return config;
 }
 

@@ -49,6 +49,9 @@ Surroundings make_dot_board(const DotBoardConfig& c, std::uint64_t seed) {
   print.radius_mm = c.radius_mm;
   print.dot_albedo = static_cast<float>(c.dot_albedo);
   print.ground_albedo = static_cast<float>(c.ground_albedo);
+  print.ring_inner_mm = c.ring_inner_mm;
+  for (const std::string& row : c.rings)
+    for (const char each : row) print.is_ring.push_back(each == '1');
   const CounterRandom random(seed, kDotStream);
   for (int i = 0; i < c.cols * c.rows; ++i) {
     const NormalPair g = random.normals(static_cast<std::uint64_t>(i));
@@ -64,8 +67,14 @@ Surroundings make_dot_board(const DotBoardConfig& c, std::uint64_t seed) {
 }
 
 std::string target_json(const DotBoardConfig& c) {
-  const nlohmann::ordered_json json{{"type", "circle_grid"},  {"cols", c.cols},           {"rows", c.rows},
-                                    {"pitch_mm", c.pitch_mm}, {"radius_mm", c.radius_mm}, {"circles", "white on dark"}};
+  nlohmann::ordered_json json{{"type", c.rings.empty() ? "circle_grid" : "coded_dots"},
+                              {"cols", c.cols},
+                              {"rows", c.rows},
+                              {"pitch_mm", c.pitch_mm},
+                              {"radius_mm", c.radius_mm}};
+  if (!c.rings.empty()) json["ring_inner_mm"] = c.ring_inner_mm;
+  json["circles"] = "white on dark";
+  if (!c.rings.empty()) json["rings"] = c.rings;
   return json_text(json, 1) + "\n";
 }
 

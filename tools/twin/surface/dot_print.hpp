@@ -13,6 +13,8 @@ struct DotPrint {
   double pitch_mm = 0, radius_mm = 0;
   std::vector<Eigen::Vector2d> offsets_mm;  ///< printed place minus design, one a dot, row by row
   std::vector<Eigen::Vector2d> middles_mm;  ///< of each lattice; one, or more boards in view
+  std::vector<bool> is_ring{};              ///< row by row; empty: no dot has a hole
+  double ring_inner_mm = 0;                 ///< radius of the hole, of the ground's colour
   float dot_albedo = 0, ground_albedo = 0;
 
   [[nodiscard]] float albedo(const Eigen::Vector3d& point) const {
@@ -24,7 +26,10 @@ struct DotPrint {
       const Eigen::Vector2d design =
           first + pitch_mm * Eigen::Vector2d(static_cast<double>(col), static_cast<double>(row));
       const Eigen::Vector2d centre = design + offsets_mm[static_cast<std::size_t>(row * cols + col)];
-      if ((p - centre).squaredNorm() <= radius_mm * radius_mm) return dot_albedo;
+      const double r2 = (p - centre).squaredNorm();
+      const bool in_hole = !is_ring.empty() && is_ring[static_cast<std::size_t>(row * cols + col)] &&
+                           r2 <= ring_inner_mm * ring_inner_mm;
+      if (r2 <= radius_mm * radius_mm && !in_hole) return dot_albedo;
     }
     return ground_albedo;
   }
