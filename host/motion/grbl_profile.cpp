@@ -98,6 +98,7 @@ Result<void> check_settings(const GrblSettings& settings, const GrblProfile& pro
     findings.expect(100 + static_cast<int>(letter_index(*axis)), axis->steps_per_deg * std::abs(axis->deg_per_unit),
                     "steps a unit");
   }
+  findings.expect(1, 255.0, "motors without current between moves jump to a full step");
   findings.expect(13, 0.0, "reports in inches falsify positions");
   findings.expect(20, 1.0, "soft limits stop a target that noise changed");
   findings.expect(22, 1.0, "without homing no angle is known");

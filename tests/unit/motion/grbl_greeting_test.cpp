@@ -12,7 +12,7 @@ std::string open_error(test::GrblModelSetup setup) {
   const auto axes = GrblAxes::open(model.port(), quick_profile(), clock);
   if (axes) return {};
   EXPECT_TRUE(axes.error().code == ErrorCode::kHal || axes.error().code == ErrorCode::kConfigValue);
-  EXPECT_FALSE(model.has_moved_before_home());
+  EXPECT_FALSE(model.was_told_to_move_before_home());
   return axes.error().detail;
 }
 

@@ -10,7 +10,7 @@ namespace enamel::motion {
 namespace {
 
 GrblSettings fitting() {
-  return {{10, 1}, {13, 0}, {20, 1}, {22, 1}, {32, 0}, {100, 800}, {101, 800}, {130, 400}, {131, 70}};
+  return {{1, 255}, {10, 1}, {13, 0}, {20, 1}, {22, 1}, {32, 0}, {100, 800}, {101, 800}, {130, 400}, {131, 70}};
 }
 
 TEST(GrblProfile, the_shipped_file_says_what_the_program_takes_without_one) {
@@ -53,7 +53,7 @@ TEST(GrblProfile, wrong_microsteps_are_refused_with_both_numbers) {
 }
 
 TEST(GrblProfile, every_setting_that_angles_depend_on_is_looked_at) {
-  for (const auto& [number, bad] : GrblSettings{{10, 0}, {13, 1}, {20, 0}, {22, 0}, {32, 1}, {101, 400}}) {
+  for (const auto& [number, bad] : GrblSettings{{1, 25}, {10, 0}, {13, 1}, {20, 0}, {22, 0}, {32, 1}, {101, 400}}) {
     GrblSettings settings = fitting();
     settings[number] = bad;
     EXPECT_FALSE(check_settings(settings, {})) << number;

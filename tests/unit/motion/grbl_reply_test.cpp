@@ -1,5 +1,6 @@
 #include "host/motion/grbl_reply.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -7,6 +8,7 @@
 #include <string>
 
 #include "host/motion/grbl_text.hpp"
+#include "protocol/base/file.hpp"
 
 namespace enamel::motion {
 namespace {
@@ -96,6 +98,24 @@ TEST(GrblText, every_alarm_and_error_has_a_meaning_and_a_remedy) {
   EXPECT_NE(alarm_text(1).find("home again"), std::string::npos);
   EXPECT_NE(error_text(9).find("locked"), std::string::npos);
   EXPECT_NE(error_text(77).find("not one of Grbl 1.1"), std::string::npos);
+}
+
+TEST(GrblText, the_page_has_every_message_that_a_person_can_mend) {
+  const auto page = read_file(std::string(ENAMEL_SOURCE_DIR) + "/docs/desktop.md");
+  ASSERT_TRUE(page);
+  int rows = 0;
+  const auto expect_rows = [&](const char* kind, std::span<const GrblText> table) {
+    for (const GrblText& t : table) {
+      if (t.remedy.starts_with("the line was damaged")) continue;
+      const std::string row = fmt::format("| `{}:{}` | {} | {} |", kind, t.number, t.meaning, t.remedy);
+      EXPECT_NE(page->find(row), std::string::npos) << row;
+      ++rows;
+    }
+  };
+  expect_rows("ALARM", grbl_alarms());
+  expect_rows("error", grbl_errors());
+  EXPECT_EQ(page->find("| `ALARM:0` |"), std::string::npos);
+  EXPECT_GT(rows, 15);
 }
 
 }  // namespace
