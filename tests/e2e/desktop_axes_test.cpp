@@ -85,8 +85,8 @@ TEST_F(DesktopAxes, ctrl_c_brings_the_table_to_a_stand) {
                                         {folder_ / "out", folder_ / "err"});
   ASSERT_TRUE(child);
   SteadyClock clock;
-  // Past the overshoot and on the long way.
-  for (int i = 0; i < 3000 && model.position()[0] < -398.0; ++i) clock.sleep_for(std::chrono::milliseconds(5));
+  for (int i = 0; i < 3000 && model.moves() == 0; ++i) clock.sleep_for(std::chrono::milliseconds(5));
+  clock.sleep_for(std::chrono::milliseconds(300));
   ASSERT_TRUE(model.is_moving());
   child->signal(SIGINT);
   EXPECT_EQ(child->wait(clock, std::chrono::seconds(10)), 5);

@@ -52,8 +52,6 @@ GrblModel::~GrblModel() {
   if (master_ >= 0) ::close(master_);
 }
 
-double GrblModel::setting(int number) const { return settings_.at(number); }
-
 void GrblModel::arm(GrblFault fault, double share) {
   const std::lock_guard lock(mutex_);
   armed_ = fault;
@@ -65,14 +63,9 @@ std::array<double, 2> GrblModel::position() const {
   return at_;
 }
 
-std::array<double, 2> GrblModel::lowest() const {
+std::pair<std::array<double, 2>, std::array<double, 2>> GrblModel::range() const {
   const std::lock_guard lock(mutex_);
-  return low_;
-}
-
-std::array<double, 2> GrblModel::highest() const {
-  const std::lock_guard lock(mutex_);
-  return high_;
+  return {low_, high_};
 }
 
 void GrblModel::run() {

@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace enamel::test {
 
@@ -58,8 +59,8 @@ class GrblModel {
   /// A move was sent while the position was unknown, obeyed or not.
   [[nodiscard]] bool was_told_to_move_before_home() const { return moved_before_home_; }
   [[nodiscard]] std::array<double, 2> position() const;  ///< of X and Y, units
-  [[nodiscard]] std::array<double, 2> lowest() const;    ///< ever since home
-  [[nodiscard]] std::array<double, 2> highest() const;
+  /// Lowest and highest place of X and Y ever since home.
+  [[nodiscard]] std::pair<std::array<double, 2>, std::array<double, 2>> range() const;
   [[nodiscard]] bool came_from_below() const { return from_below_; }  ///< last movement of every axis was upwards
   [[nodiscard]] int moves() const { return moves_; }
 
@@ -82,7 +83,7 @@ class GrblModel {
   void soft_reset();
   void report();
   void say(std::string line);
-  [[nodiscard]] double setting(int number) const;
+  [[nodiscard]] double setting(int number) const { return settings_.at(number); }
 
   GrblModelSetup setup_;
   std::string port_;

@@ -24,10 +24,11 @@ struct Tally {
 
 void check_within_travel(const test::GrblModel& model) {
   EXPECT_FALSE(model.was_told_to_move_before_home());
-  EXPECT_GE(model.lowest()[0], -400.0 - 0.01);
-  EXPECT_LE(model.highest()[0], -38.0 + 0.01);
-  EXPECT_GE(model.lowest()[1], -70.0 - 0.01);
-  EXPECT_LE(model.highest()[1], -8.0 + 0.01);
+  const auto [low, high] = model.range();
+  EXPECT_GE(low[0], -400.0 - 0.01);
+  EXPECT_LE(high[0], -38.0 + 0.01);
+  EXPECT_GE(low[1], -70.0 - 0.01);
+  EXPECT_LE(high[1], -8.0 + 0.01);
 }
 
 void move_once(GrblBench& bench, Rng& rng, Tally& tally) {
