@@ -19,6 +19,7 @@ Run add_compare(CLI::App& app);
 Run add_config(CLI::App& app);
 Run add_decode(CLI::App& app);
 Run add_demo(CLI::App& app);
+Run add_desktop(CLI::App& app);
 Run add_doctor(CLI::App& app);
 Run add_export(CLI::App& app);
 Run add_patterns(CLI::App& app);

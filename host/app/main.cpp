@@ -14,7 +14,7 @@
 
 namespace {
 
-constexpr std::array<enamel::Subcommand<enamel::app::Run>, 11> kCommands{{
+constexpr std::array<enamel::Subcommand<enamel::app::Run>, 12> kCommands{{
     {"demo", "the whole system on this machine: twin, probe, DDS, live preview, mesh, accuracy", enamel::app::add_demo},
     {"scan", "live scan of a probe on the network", enamel::app::add_scan},
     {"replay", "reprocess a recording or exchange folder: same capture, same bits", enamel::app::add_replay},
@@ -23,6 +23,7 @@ constexpr std::array<enamel::Subcommand<enamel::app::Run>, 11> kCommands{{
     {"calibrate", "from pictures of a target to rig.json: solve check compare show list revert",
      enamel::app::add_calibrate},
     {"patterns", "a rig's four fringe pictures, to load into its projector", enamel::app::add_patterns},
+    {"desktop", "the scanner that stands above a table with two axes: axes", enamel::app::add_desktop},
     {"compare", "deviation of a mesh from a reference", enamel::app::add_compare},
     {"export", "mesh of a session as STL, PLY or OBJ", enamel::app::add_export},
     {"config", "the resolved configuration with every key explained", enamel::app::add_config},
