@@ -10,8 +10,8 @@ namespace enamel::bench {
 
 #ifdef ENAMEL_OPENCV_RGBD
 
-std::optional<double> hash_tsdf_ms(const calib::LensValues& lens, const std::vector<PlacedPatch>& patches,
-                                   double voxel_mm, double truncation_mm, int repeats) {
+std::optional<PeerCost> hash_tsdf(const calib::LensValues& lens, const std::vector<PlacedPatch>& patches,
+                                  double voxel_mm, double truncation_mm, int repeats) {
   // Its lengths have no unit of their own: mm here. It knows no distortion, which costs it nothing.
   const cv::kinfu::Intr eye(static_cast<float>(lens.fx), static_cast<float>(lens.fy), static_cast<float>(lens.cx),
                             static_cast<float>(lens.cy));
@@ -28,24 +28,19 @@ std::optional<double> hash_tsdf_ms(const calib::LensValues& lens, const std::vec
       for (int c = 0; c < 4; ++c) pose(r, c) = static_cast<float>(placed.T_model_cam.matrix()(r, c));
     }
   }
-  double best = 0;
-  for (int n = 0; n < repeats; ++n) {
+  return least_of(repeats, patches.size(), [&] {
     const auto volume =
         cv::kinfu::makeVolume(cv::kinfu::VolumeType::HASHTSDF, static_cast<float>(voxel_mm), cv::Matx44f::eye(), 0.25F,
                               static_cast<float>(truncation_mm), 255, 1000.0F, cv::Vec3i(16, 16, 16));
-    const double begun = thread_ms();
     for (std::size_t i = 0; i < patches.size(); ++i) {
       volume->integrate(depths[i], 1.0F, poses[i], eye, static_cast<int>(i));
     }
-    const double took = (thread_ms() - begun) / static_cast<double>(patches.size());
-    if (n == 0 || took < best) best = took;
-  }
-  return best;
+  });
 }
 
 #else
 
-std::optional<double> hash_tsdf_ms(const calib::LensValues&, const std::vector<PlacedPatch>&, double, double, int) {
+std::optional<PeerCost> hash_tsdf(const calib::LensValues&, const std::vector<PlacedPatch>&, double, double, int) {
   return std::nullopt;
 }
 

@@ -106,8 +106,8 @@ IcpLoopCost icp_loop(const calib::LensValues& lens, const PlacedPatch& reference
   const Pose off = Eigen::Translation3d(T_ref_cam * middle + Vec3d(0.12, -0.12, 0.11)) *
                    Eigen::AngleAxisd(off_rad, Vec3d(1, 2, -1).normalized()) *
                    Eigen::Translation3d(-(T_ref_cam * middle));
-  IcpLoopCost out{.ms = 0, .points = points.p.size(), .rounds = kRounds, .pairs = 0, .apart_um = 0};
-  out.ms = best_ms(repeats, [&] {
+  IcpLoopCost out{.cost = {}, .points = points.p.size(), .rounds = kRounds, .pairs = 0, .apart_um = 0};
+  out.cost = least_of(repeats, 1, [&] {
     Pose T = off * T_ref_cam;
     out.pairs = 0;
     for (int round = 0; round < kRounds; ++round) {

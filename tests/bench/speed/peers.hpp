@@ -2,12 +2,14 @@
 // allows. All on one thread, times of the processor.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/patch.hpp"
+#include "tests/bench/speed/instruction_counter.hpp"
 #include "tests/bench/speed/recording.hpp"
 #include "tests/bench/thread_time.hpp"
 
@@ -24,26 +26,38 @@ struct PlacedPatch {
                                                               const std::vector<host::PlacedPose>& poses,
                                                               std::size_t most);
 
-/// Least core time of n calls, ms.
+struct PeerCost {
+  double ms = 0;            ///< core time
+  double instructions = 0;  ///< user mode; 0 without a counter
+};
+/// Of this thread.
+[[nodiscard]] inline PeerCost spent() {
+  thread_local InstructionCounter counter;
+  thread_local const bool counted = counter.open();
+  return {.ms = thread_ms(), .instructions = counted ? static_cast<double>(counter.value()) : 0};
+}
+/// The least of n calls, for one of `parts` equal parts of a call.
 template <class F>
-[[nodiscard]] double best_ms(int n, F&& call) {
-  double best = 0;
+[[nodiscard]] PeerCost least_of(int n, std::size_t parts, F&& call) {
+  PeerCost least;
+  const auto share = 1 / static_cast<double>(parts);
   for (int i = 0; i < n; ++i) {
-    const double begun = thread_ms();
+    const PeerCost begun = spent();
     call();
-    const double took = thread_ms() - begun;
-    if (i == 0 || took < best) best = took;
+    const PeerCost ended = spent();
+    const PeerCost took{share * (ended.ms - begun.ms), share * (ended.instructions - begun.instructions)};
+    least = i == 0 ? took : PeerCost{std::min(least.ms, took.ms), std::min(least.instructions, took.instructions)};
   }
-  return best;
+  return least;
 }
 
 /// OpenCV: two subtract() and one cartToPolar() of a burst's four frames. 8-bit raw bursts.
-[[nodiscard]] double phase_by_opencv_ms(const proto::Burst& burst, int repeats);
+[[nodiscard]] PeerCost phase_by_opencv(const proto::Burst& burst, int repeats);
 /// Four frames of one byte and two maps of floats: 12 B a pixel copied.
-[[nodiscard]] double copy_ms(const proto::Burst& burst, int repeats);
+[[nodiscard]] PeerCost copy_maps(const proto::Burst& burst, int repeats);
 
 struct IcpLoopCost {
-  double ms = 0;
+  PeerCost cost;
   std::size_t points = 0;
   int rounds = 0;
   double pairs = 0;     ///< over all rounds
@@ -55,7 +69,7 @@ struct IcpLoopCost {
                                    const PlacedPatch& moving, int repeats);
 
 struct TsdfLoopCost {
-  double ms = 0;      ///< a patch
+  PeerCost cost;      ///< a patch
   double voxels = 0;  ///< written, a patch
   double off_um = 0;  ///< median distance of the last patch's points from the zero crossing
 };
@@ -64,7 +78,7 @@ struct TsdfLoopCost {
                                      double voxel_mm, double truncation_mm, int repeats);
 
 /// OpenCV's HashTSDF on the same depth maps; nullopt where OpenCV was built without it. A patch.
-[[nodiscard]] std::optional<double> hash_tsdf_ms(const calib::LensValues& lens, const std::vector<PlacedPatch>& patches,
-                                                 double voxel_mm, double truncation_mm, int repeats);
+[[nodiscard]] std::optional<PeerCost> hash_tsdf(const calib::LensValues& lens, const std::vector<PlacedPatch>& patches,
+                                                double voxel_mm, double truncation_mm, int repeats);
 
 }  // namespace enamel::bench

@@ -26,7 +26,7 @@ Result<std::vector<PlacedPatch>> placed_patches(const Recording& recording, cons
   return out;
 }
 
-double phase_by_opencv_ms(const proto::Burst& burst, int repeats) {
+PeerCost phase_by_opencv(const proto::Burst& burst, int repeats) {
   std::array<cv::Mat, 4> frames;
   for (int k = 0; k < 4; ++k) {
     const auto bytes = proto::frame_bytes(burst, k);
@@ -35,17 +35,17 @@ double phase_by_opencv_ms(const proto::Burst& burst, int repeats) {
         cv::Mat(burst.height, burst.width, CV_8U, const_cast<std::uint8_t*>(bytes.data()));
   }
   cv::Mat cosine, sine, modulation, phase;
-  return best_ms(repeats, [&] {
+  return least_of(repeats, 1, [&] {
     cv::subtract(frames[0], frames[2], cosine, cv::noArray(), CV_32F);
     cv::subtract(frames[3], frames[1], sine, cv::noArray(), CV_32F);
     cv::cartToPolar(cosine, sine, modulation, phase);
   });
 }
 
-double copy_ms(const proto::Burst& burst, int repeats) {
+PeerCost copy_maps(const proto::Burst& burst, int repeats) {
   const std::size_t bytes = std::size_t{12} * burst.width * burst.height;
   std::vector<std::uint8_t> from(bytes, 1), to(bytes);
-  return best_ms(repeats, [&] {
+  return least_of(repeats, 1, [&] {
     std::memcpy(to.data(), from.data(), bytes);
     from[0] = static_cast<std::uint8_t>(to[bytes - 1] + 1);  // the next copy is not the same one
   });

@@ -2,15 +2,18 @@
 // recordings, and what its peers cost on the same bursts. --quick: one thread only, no peers, no rates.
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/core/version.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "protocol/base/file.hpp"
+#include "protocol/base/log.hpp"
 #include "tests/bench/speed/peers.hpp"
 #include "tests/bench/speed/scan_cost.hpp"
 
@@ -66,7 +69,7 @@ Json build_facts() {
   const std::string compiler = "gcc " __VERSION__;
 #endif
   const std::int64_t targets = hwy::SupportedTargets();
-  return {{"compiler", compiler}, {"simd", hwy::TargetName(targets & -targets)}};
+  return {{"compiler", compiler}, {"simd", hwy::TargetName(targets & -targets)}, {"opencv", CV_VERSION}};
 }
 
 Json stage_json(const StageCost& c) {
@@ -76,23 +79,27 @@ Json stage_json(const StageCost& c) {
           {"heap", {{"blocks", c.blocks}, {"kib", c.kib}}}};
 }
 
+Json cost_json(const PeerCost& cost) { return {{"ms", cost.ms}, {"instructions", cost.instructions}}; }
+
 Json peers_json(const Recording& recording, const std::vector<PlacedPatch>& patches, int repeat) {
   Json out;
   const proto::Burst& burst = *recording.bursts[recording.bursts.size() / 2].burst;
   constexpr int kTries = 20;  // of a fraction of a millisecond each
-  if (burst.bit_depth == 8) out["phase_opencv_ms"] = phase_by_opencv_ms(burst, kTries);
-  out["copy_ms"] = copy_ms(burst, kTries);
+  if (burst.bit_depth == 8) out["phase_opencv"] = cost_json(phase_by_opencv(burst, kTries));
+  out["copy"] = cost_json(copy_maps(burst, kTries));
   if (patches.size() < 2) return out;  // nothing was placed: the page says so
   const auto& lens = recording.rig.camera;
   const pipeline::FuseConfig fuse;
   const double truncation_mm = fuse.truncation_voxels * fuse.voxel_mm;
   const IcpLoopCost icp = icp_loop(lens, patches[0], patches[1], 3 * repeat);
-  out["icp_loop"] = {
-      {"ms", icp.ms}, {"points", icp.points}, {"rounds", icp.rounds}, {"pairs", icp.pairs}, {"apart_um", icp.apart_um}};
+  out["icp_loop"] = cost_json(icp.cost);
+  out["icp_loop"].update(
+      {{"points", icp.points}, {"rounds", icp.rounds}, {"pairs", icp.pairs}, {"apart_um", icp.apart_um}});
   const TsdfLoopCost tsdf = tsdf_loop(lens, patches, fuse.voxel_mm, truncation_mm, repeat);
-  out["tsdf_loop"] = {{"ms", tsdf.ms}, {"voxels", tsdf.voxels}, {"off_um", tsdf.off_um}};
-  if (const auto hash = hash_tsdf_ms(lens, patches, fuse.voxel_mm, truncation_mm, repeat)) {
-    out["hash_tsdf_ms"] = *hash;
+  out["tsdf_loop"] = cost_json(tsdf.cost);
+  out["tsdf_loop"].update({{"voxels", tsdf.voxels}, {"off_um", tsdf.off_um}});
+  if (const auto hash = hash_tsdf(lens, patches, fuse.voxel_mm, truncation_mm, repeat)) {
+    out["hash_tsdf"] = cost_json(*hash);
   }
   return out;
 }
@@ -125,7 +132,7 @@ Result<Json> measure(const std::string& path, const Options& o) {
   ENAMEL_TRY_ASSIGN(const auto patches, placed_patches(recording, cost.poses, kPatches));
   out["peers"] = peers_json(recording, patches, o.repeat);
   for (const int workers : {1, 2}) {
-    ENAMEL_TRY_ASSIGN(const double rate, scan_rate(recording, workers, o.repeat));
+    ENAMEL_TRY_ASSIGN(const double rate, scan_rate(recording, workers, std::max(1, o.repeat - 1)));
     out["whole"]["bursts_per_s"][std::to_string(workers)] = rate;
   }
   return out;
@@ -146,6 +153,7 @@ void print(const Json& recording) {
 
 Result<void> run(const Options& o) {
   cv::setNumThreads(1);
+  log::set_level(log::Level::kError);
   Json out = {{"build", build_facts()}, {"repeat", o.repeat}, {"recordings", Json::array()}};
   for (const std::string& capture : o.captures) {
     ENAMEL_TRY_ASSIGN(Json measured, measure(capture, o));

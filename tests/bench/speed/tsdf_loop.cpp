@@ -45,14 +45,20 @@ class Grid {
     return written;
   }
 
-  /// Distance stored at the voxel next to a point of the model frame; NaN where none is.
+  /// Distance at a point of the model frame, between the eight voxels about it; NaN where one is missing.
   [[nodiscard]] float at(const Vec3d& p) const {
-    const Eigen::Vector3i v = ((p.cast<float>() - origin_) / voxel_mm_).array().round().cast<int>();
-    const Eigen::Vector3i in = v - (v / kCell) * kCell;
-    const Voxel& voxel =
-        voxels_[first_of(cell_of(v / kCell)) + static_cast<std::size_t>((in.z() * kCell + in.y()) * kCell + in.x())];
-    if (!(voxel.weight > 0)) return std::numeric_limits<float>::quiet_NaN();
-    return voxel.distance_mm;
+    const Vec3f at = (p.cast<float>() - origin_) / voxel_mm_;
+    const Eigen::Vector3i low = at.array().floor().cast<int>();
+    const Vec3f part = at - low.cast<float>();
+    float sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3i up(corner & 1, corner >> 1 & 1, corner >> 2);
+      const Voxel& voxel = voxel_at(low + up);
+      if (!(voxel.weight > 0)) return std::numeric_limits<float>::quiet_NaN();
+      const Vec3f share = (up.array() == 1).select(part, Vec3f::Ones() - part);
+      sum += share.prod() * voxel.distance_mm;
+    }
+    return sum;
   }
 
  private:
@@ -60,6 +66,11 @@ class Grid {
     return (c.z() * cells_.y() + c.y()) * cells_.x() + c.x();
   }
   [[nodiscard]] static std::size_t first_of(int cell) { return static_cast<std::size_t>(cell) * kCell * kCell * kCell; }
+
+  [[nodiscard]] const Voxel& voxel_at(const Eigen::Vector3i& v) const {
+    const Eigen::Vector3i c = v / kCell, in = v - kCell * c;
+    return voxels_[first_of(cell_of(c)) + static_cast<std::size_t>((in.z() * kCell + in.y()) * kCell + in.x())];
+  }
 
   void mark(const PlacedPatch& placed) {
     for (const int cell : near_) marked_[static_cast<std::size_t>(cell)] = 0;
@@ -133,13 +144,11 @@ TsdfLoopCost tsdf_loop(const calib::LensValues& lens, const std::vector<PlacedPa
   Grid grid(patches, voxel_mm, truncation_mm);
   const auto count = static_cast<double>(patches.size());
   TsdfLoopCost out;
-  out.ms = best_ms(repeats,
-                   [&] {
-                     std::size_t written = 0;
-                     for (const PlacedPatch& placed : patches) written += grid.integrate(eye, placed);
-                     out.voxels = static_cast<double>(written) / count;
-                   }) /
-           count;
+  out.cost = least_of(repeats, patches.size(), [&] {
+    std::size_t written = 0;
+    for (const PlacedPatch& placed : patches) written += grid.integrate(eye, placed);
+    out.voxels = static_cast<double>(written) / count;
+  });
   out.off_um = median_off_um(grid, patches.back());
   return out;
 }
