@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""speed_page.py BUILD OUT CACHE [--bursts N] [--check | --accept REASON]: what each stage of the pipeline costs.
+"""speed_page.py BUILD OUT CACHE [--bursts N] [--repeat R] [--check | --accept REASON]: what each stage of the pipeline costs.
 
 Writes OUT/speed.md, speed.json and a row of speed_history.json; --check only compares with the history's last row."""
 import argparse
@@ -166,6 +166,7 @@ def parse():
     parser.add_argument("out")
     parser.add_argument("cache", help="folder of the recordings")
     parser.add_argument("--bursts", type=int)
+    parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--accept", metavar="REASON", default="")
     return parser.parse_args()
@@ -179,7 +180,7 @@ def main():
     rows = history.read(path)
     if given.check:
         sys.exit(1 if judge(row_of(measure(given.build, captures, [*some, "--quick", "--repeat", "1"]), captures), rows) else 0)
-    measured = measure(given.build, captures, some)
+    measured = measure(given.build, captures, [*some, "--repeat", str(given.repeat)])
     row = row_of(*with_short_form(given.build, measured, captures), given.accept)
     losses = judge(row, rows)
     if not given.bursts and row["recordings"] and (given.accept or not losses):
