@@ -28,6 +28,7 @@ struct Options {
   int bursts = 0;  ///< of each recording, 0: all
   int repeat = 3;
   bool quick = false;
+  bool help = false;
 };
 
 constexpr const char* kUsage =
@@ -44,7 +45,9 @@ Result<Options> parse(const std::vector<std::string>& words) {
   Options o;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--quick") {
+    if (word == "--help") {
+      o.help = true;
+    } else if (word == "--quick") {
       o.quick = true;
     } else if (word == "--bursts" || word == "--repeat" || word == "--json") {
       if (++i == words.size()) return fail(ErrorCode::kUsage, word + " needs a value");
@@ -57,7 +60,7 @@ Result<Options> parse(const std::vector<std::string>& words) {
       o.captures.push_back(word);
     }
   }
-  if (o.captures.empty()) return fail(ErrorCode::kUsage, "no recording named");
+  if (o.captures.empty() && !o.help) return fail(ErrorCode::kUsage, "no recording named");
   return o;
 }
 
@@ -171,6 +174,10 @@ int main(int argc, char** argv) {
   if (!options) {
     std::fprintf(stderr, "%s\n%s", options.error().message().c_str(), enamel::bench::kUsage);
     return enamel::exit_code(options.error().code);
+  }
+  if (options->help) {
+    std::fputs(enamel::bench::kUsage, stdout);
+    return 0;
   }
   const auto done = enamel::bench::run(*options);
   if (done) return 0;
