@@ -94,6 +94,7 @@ void ScanPipeline::Impl::open(std::optional<double> temp_c_first) {
 }
 
 void ScanPipeline::Impl::build() {
+  graph.observe(options.step_observer);
   auto& entrance = graph.add<SourceStage>(gate);
   source = &entrance;
   std::array<stage::DecodeStage*, kDecoders> decoders{};

@@ -20,6 +20,7 @@
 #include "host/session/pipeline_config.hpp"
 #include "host/session/scratch_space.hpp"
 #include "host/session/segment_ledger.hpp"
+#include "pipeline/flow/step_observer.hpp"
 #include "pipeline/register/map/refine_map.hpp"
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/mesh.hpp"
@@ -93,6 +94,8 @@ struct ScanPipelineOptions {
   std::function<void(const BurstPreview&)> on_preview{};
   /// Of the nameless file that kept bursts go to once 128 MB of them are in memory; on a disk.
   std::string scratch_folder = default_scratch_folder();
+  /// Watches the graph's steps; must outlive the pipeline. Null: nobody.
+  flow::StepObserver* step_observer = nullptr;
 };
 
 using PreviewSlot = LatestSlot<std::shared_ptr<const BurstPreview>>;

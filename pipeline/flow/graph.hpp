@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pipeline/flow/stage.hpp"
+#include "pipeline/flow/step_observer.hpp"
 #include "protocol/base/clock.hpp"
 
 namespace enamel::flow {
@@ -170,9 +171,13 @@ class Graph {
   [[nodiscard]] GraphSnapshot snapshot() const;
   [[nodiscard]] Waker waker() const { return Waker(signal_); }
 
+  /// Watches the steps of the run; null: nobody. Before the run begins; it must outlive it.
+  void observe(StepObserver* observer) noexcept { observer_ = observer; }
+
   /// For executors. Stages in topological order (of add() where there is a choice); valid graphs only.
   [[nodiscard]] std::vector<Stage*> topological_order() const;
   [[nodiscard]] const Clock& clock() const noexcept { return clock_; }
+  [[nodiscard]] StepObserver* observer() const noexcept { return observer_; }
   [[nodiscard]] Signal& signal() const noexcept { return *signal_; }
   /// A graph runs once: edges and stages keep their end. False from the second call on.
   [[nodiscard]] bool begin_run(std::size_t workers) noexcept;
@@ -198,6 +203,7 @@ class Graph {
   [[nodiscard]] std::size_t index_of(const Stage& stage) const;
 
   const Clock& clock_;
+  StepObserver* observer_ = nullptr;
   std::shared_ptr<Signal> signal_;
   std::vector<std::unique_ptr<Stage>> stages_;
   std::vector<std::unique_ptr<EdgeBase>> edges_;

@@ -108,12 +108,14 @@ void StageRunner::end_step(HostTime begun) {
 void StageRunner::do_pull(Source& source) {
   const HostTime begun = run_.graph.clock().now();
   begin_step(degraded_, begun);
+  watch_begin(std::nullopt);
   Result<Pull> pulled = Pull::kEnd;
   try {
     pulled = source.pull();
   } catch (const std::exception& e) {
     pulled = fail(ErrorCode::kInternal, "stage '" + stage_.name() + "' threw: " + e.what());
   }
+  watch_end(nullptr, !pulled);
   if (!pulled) {
     stage_.stats().errors.add();
     run_.fail_with(std::move(pulled).error());
@@ -146,11 +148,14 @@ void StageRunner::do_step() {
   begin_step(degraded_ || head.degraded, begun);
   stage_.stats().in.add();
   stage_.stats().last_id.store(head.id.value, std::memory_order_relaxed);
+  watch_begin(head.id);
   if (!head.ok() && !stage_.handles_rejected()) {
     forward_rejected(head);
+    watch_end(&head, false);
     return;
   }
   const Result<void> done = guarded_step();
+  watch_end(&head, !done);
   end_step(begun);
   if (!done) return handle_error(done.error(), head);
   if (took_and_emitted_one(head)) count_output(head);

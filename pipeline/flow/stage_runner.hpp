@@ -32,6 +32,10 @@ struct RunState {
   std::optional<Error> error_;
 };
 
+/// What the observer is told of the step or pull that ends. in: what a step took; null for a pull, whose burst is what
+/// it emitted.
+[[nodiscard]] StepOutcome outcome_of(const Stage& stage, const ItemHead* in, bool failed);
+
 /// One worker at a time, by claim().
 class StageRunner {
  public:
@@ -75,6 +79,13 @@ class StageRunner {
   void enter(const Readiness& next, HostTime now);
   void begin_step(bool degraded, HostTime now);
   void end_step(HostTime begun);
+  void watch_begin(std::optional<BurstId> burst) const {
+    if (StepObserver* observer = run_.graph.observer()) observer->begin(stage_, burst);
+  }
+  /// in: what a step took; null for a pull.
+  void watch_end(const ItemHead* in, bool failed) const {
+    if (StepObserver* observer = run_.graph.observer()) observer->end(stage_, outcome_of(stage_, in, failed));
+  }
 
   Stage& stage_;
   RunState& run_;
