@@ -23,12 +23,12 @@ struct Blocks {
 };
 
 /// weight * x for every entry.
-template <int N>
+template <std::size_t N>
 struct Prior {
   std::array<double, N> weight{};
   template <class T>
   bool operator()(const T* x, T* r) const {
-    for (int i = 0; i < N; ++i) r[i] = weight[static_cast<std::size_t>(i)] * x[i];
+    for (std::size_t i = 0; i < N; ++i) r[i] = weight[i] * x[i];
     return true;
   }
 };
@@ -36,8 +36,8 @@ struct Prior {
 template <std::size_t N>
 void add_prior(ceres::Problem& problem, const std::array<double, N>& weight, std::array<double, N>& block) {
   constexpr int kSize = static_cast<int>(N);
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior<kSize>, kSize, kSize>(new Prior<kSize>{weight}),
-                           nullptr, block.data());
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior<N>, kSize, kSize>(new Prior<N>{weight}), nullptr,
+                           block.data());
 }
 
 LineBase base_of(const AxisLine& line, const Vec3d& about) {
