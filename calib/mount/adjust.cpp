@@ -64,6 +64,7 @@ struct Setting {
   std::vector<StopModel> models;
   LensBlock camera{}, projector{};
   MotionBlock relative{};
+  double dots = 1;  ///< factor of their variances
 };
 
 Setting setting_of(const std::vector<MountStop>& stops, const RigState& rig, const LineBase& r, const LineBase& s) {
@@ -85,8 +86,11 @@ MountDotCost cost_of(const DotView& dot, const TargetDesign& target, const Setti
   c.relative = &setting.relative;
   c.place_mm = target.place(dot.dot);
   c.camera_px = dot.camera_px;
-  c.whitening = Eigen::LLT<Eigen::Matrix2d>(dot.covariance_px2).matrixL().solve(Eigen::Matrix2d::Identity());
+  c.whitening = Eigen::LLT<Eigen::Matrix2d>(Eigen::Matrix2d(setting.dots * dot.covariance_px2))
+                    .matrixL()
+                    .solve(Eigen::Matrix2d::Identity());
   c.map = dot.map;
+  c.map.variance_px2 *= setting.dots;
   c.has_projector = !dot.samples.empty() && dot.map.variance_px2.minCoeff() > 0;
   return c;
 }
@@ -162,7 +166,7 @@ void summarise(const std::vector<MountStop>& stops, const TargetDesign& target, 
       if (!cost(b.rotation.data(), b.swing.data(), b.drive.data(), b.board.data(), own.data(), e.data())) continue;
       const Eigen::Vector2d px = cost.whitening.inverse() * e.head<2>();
       camera += px.squaredNorm();
-      if (cost.has_projector) projector += e.tail<2>().cwiseAbs2().dot(dot.map.variance_px2);
+      if (cost.has_projector) projector += e.tail<2>().cwiseAbs2().dot(cost.map.variance_px2);
       chi2 += huber(e.norm());
       n += cost.has_projector ? 4 : 2;
     }
@@ -227,7 +231,8 @@ Adjusted adjust(const std::vector<MountStop>& stops, const TargetDesign& target,
   Adjusted out;
   const Vec3d about = seen_middle(stops, target, start);
   out.base = {base_of(start.rotation, about), base_of(start.swing, about)};
-  const Setting setting = setting_of(stops, rig, out.base[0], out.base[1]);
+  Setting setting = setting_of(stops, rig, out.base[0], out.base[1]);
+  setting.dots = priors.dots;
   Blocks b;
   const auto &hr = start.rotation.harmonic_rad, &hs = start.swing.harmonic_rad;
   b.drive = {hr[0], hr[1], hs[0], hs[1], start.rotation.backlash_rad, start.swing.backlash_rad};
@@ -246,7 +251,6 @@ Adjusted adjust(const std::vector<MountStop>& stops, const TargetDesign& target,
   ceres::Solve(solver, &problem, &summary);
   out.covariance = covariance_of(problem, b, out.is_determined);
   summarise(stops, target, setting, b, out);
-  if (out.is_determined) out.covariance *= std::max(1.0, out.misfit);
   out.state.rotation = line_of(out.base[0], b.rotation, b.drive.data(), b.drive[4]);
   out.state.swing = line_of(out.base[1], b.swing, b.drive.data() + 2, b.drive[5]);
   out.state.T_camera_board = pose_of(b.board);

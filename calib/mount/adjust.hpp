@@ -12,6 +12,7 @@ struct StopPriors {
   std::array<double, 2> angle_rad{};
   double shift_mm = 0;
   double harmonic_rad = 0;
+  double dots = 1;  ///< factor of the dots' stated variances
 };
 
 struct MountState {

@@ -87,6 +87,7 @@ Result<Round> settle(std::vector<MountStop>& stops, const TargetDesign& target, 
         double& prior = priors.angle_rad[static_cast<std::size_t>(k)];
         prior = std::clamp(component(a, prior, k, 1), kLeastAngle_rad, options.stop_prior_rad);
       }
+      priors.dots = std::max(1.0, priors.dots * a.misfit);
       priors.shift_mm = std::clamp(component(a, priors.shift_mm, 2, 3), kLeastShift_mm, kMostShift_mm);
     }
     refine(stops, target, rig, poses_of(stops, a.state));
@@ -156,7 +157,7 @@ MountSolution solution_of(const Round& round, const std::vector<MountStop>& stop
   out.stops = a.results;
   out.rotation = sigma_of(a, 0);
   out.swing = sigma_of(a, 4);
-  out.misfit = a.misfit;
+  out.misfit = a.misfit * round.priors.dots;
   out.stop_sigma_rad = round.priors.angle_rad;
   out.wobble_sigma_mm = round.priors.shift_mm;
   return out;
