@@ -97,7 +97,7 @@ Result<Map<float>> load_grey(const std::string& path, int width, int height) {
               fmt::format("{}: {} x {} px, rig.json says {} x {}", path, image.width(), image.height(), width, height));
 }
 
-Result<CalibFolder> open_calib_folder(const std::string& path) {
+Result<CalibFolder> open_calib_folder(const std::string& path, FringeNeed need) {
   CalibFolder folder;
   folder.path = path;
   ENAMEL_TRY_ASSIGN(folder.nominal, load_rig(path + "/rig.json"));
@@ -118,7 +118,7 @@ Result<CalibFolder> open_calib_folder(const std::string& path) {
     if (u.size() > folder.cycles_u.size()) folder.cycles_u = u;
     if (v.size() > folder.cycles_v.size()) folder.cycles_v = v;
   }
-  if (folder.cycles_u.empty() || folder.cycles_v.empty())
+  if (need == FringeNeed::kBoth && (folder.cycles_u.empty() || folder.cycles_v.empty()))
     return fail(ErrorCode::kCalibrationFolder, path + ": fringes along both axes are needed, v_*.png and h_*.png");
   if (folder.nominal.noise) {
     folder.noise = image_noise(*folder.nominal.noise, averaged_frames(folder.nominal));

@@ -2,6 +2,7 @@
 // {v,h}_<cycles>_<k>.png.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,9 +35,12 @@ struct PoseFrames {
   std::vector<FringeLevel> along_u, along_v;  ///< by rising cycles
 };
 
+/// What a set must hold: a rig needs fringes along both axes, a mount with a solved rig does without.
+enum class FringeNeed : std::uint8_t { kBoth, kNone };
+
 /// Errors: kFileNotFound, kFileRead, kRigInvalid, kTargetFile; kCalibrationFolder when there are no poses or no
 /// fringes.
-[[nodiscard]] Result<CalibFolder> open_calib_folder(const std::string& path);
+[[nodiscard]] Result<CalibFolder> open_calib_folder(const std::string& path, FringeNeed need = FringeNeed::kBoth);
 
 /// Errors: kCalibrationFolder for a missing image, kImageInvalid for one of another size or kind; the detail names the
 /// file.

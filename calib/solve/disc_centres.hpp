@@ -1,5 +1,5 @@
 // Measured centres with the help of a state: free of the bias of perspective and distortion, and with projector
-// coordinates that lean on the shape of the map the state predicts. Private to calib/solve.
+// coordinates that lean on the shape of the map the state predicts. Private to calib/solve and calib/mount.
 #pragma once
 
 #include "calib/solve/observation.hpp"

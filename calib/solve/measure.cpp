@@ -9,7 +9,7 @@
 #include "calib/solve/board_view.hpp"
 #include "calib/solve/ground.hpp"
 #include "calib/solve/median.hpp"
-#include "calib/target/dot_grid.hpp"
+#include "calib/target/coded_grid.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -73,18 +73,66 @@ std::optional<DiscFit> fit_dot(const LitImage& lit, const DotGrid& grid, const G
   return fit_disc(lit.image, lit.noise, *start, reach_px, edges);
 }
 
-Result<void> check_sharp(const PoseView& pose, std::size_t fitted, const TargetDesign& target) {
+/// Radius of a coded board's hole over that of its ring; 0 for a dot.
+double inner_share(const TargetDesign& target, int dot) {
+  const bool is_ring = !target.rings.empty() && target.rings[static_cast<std::size_t>(dot)] != 0;
+  return is_ring ? target.ring_inner_mm / target.radius_mm : 0;
+}
+
+/// Finds the dots and paints over the holes of those that are rings: the contours that are fitted are the outer ones.
+Result<DotGrid> find_dots(LitImage& lit, const TargetDesign& target) {
+  ENAMEL_TRY_ASSIGN(DotGrid grid, find_dot_grid(lit.image, target));
+  for (const GridDot& dot : grid.dots)
+    if (const double share = inner_share(target, dot.index); share > 0) fill_ring(lit.image, dot.blob, share);
+  return grid;
+}
+
+/// Projector coordinates on a dot; a ring's hole, its edge and the blur around it are left out.
+std::vector<ProjectorSample> samples_on(const CoordinateMap& u, const CoordinateMap& v, const DiscFit& fit,
+                                        double share) {
+  const double margin_px = kMarginSigmas * fit.blur_px + kMarginExtra_px;
+  auto samples = disc_samples(u, v, fit.ellipse, margin_px);
+  if (share > 0) {
+    const double clear = share + margin_px / fit.ellipse.half_axes().y();
+    std::erase_if(samples, [&](const ProjectorSample& s) { return fit.ellipse.radius_at(s.camera_px) < clear; });
+  }
+  return samples;
+}
+
+struct Fringes {
+  CoordinateMap u, v;
+};
+
+Result<std::optional<Fringes>> decode_fringes(const PoseFrames& frames, const PixelNoise& noise,
+                                              std::array<int, 2> projector_size_px) {
+  if (frames.along_u.empty() || frames.along_v.empty()) return std::optional<Fringes>{};
+  ENAMEL_TRY_ASSIGN(auto u, decode_coordinate(frames.along_u, projector_size_px[0], noise));
+  ENAMEL_TRY_ASSIGN(auto v, decode_coordinate(frames.along_v, projector_size_px[1], noise));
+  return std::optional<Fringes>(Fringes{std::move(u), std::move(v)});
+}
+
+Result<void> check_lit(const PoseFrames& frames, const DotGrid& grid, const TargetDesign& target,
+                       double saturation_dn) {
+  const Map<float>& as_taken = frames.raw_white.size() > 0 ? frames.raw_white : frames.white;
+  const double saturated = saturated_share(as_taken, grid, saturation_dn);
+  if (!target.is_white_on_dark || saturated <= kMaxSaturated) return {};
+  return fail(
+      ErrorCode::kCalibrationPoses,
+      fmt::format("saturated: {:.0f} % of the dots' pixels are at full scale; lower the exposure", 100 * saturated));
+}
+
+Result<void> check_sharp(const PoseView& pose, std::size_t fitted, int expected) {
   if (pose.blur_px > kMaxBlur_px) {
     return fail(
         ErrorCode::kCalibrationPoses,
         fmt::format("blurred: edges of {:.2f} px sigma, limit {:.1f}; hold still and stay inside the depth range",
                     pose.blur_px, kMaxBlur_px));
   }
-  if (static_cast<double>(fitted) < kMinUsable * target.size()) {
+  if (static_cast<double>(fitted) < kMinUsable * expected) {
     return fail(ErrorCode::kCalibrationPoses,
                 fmt::format("{} of {} dots can be measured in both images; show the whole target to camera and "
                             "projector",
-                            fitted, target.size()));
+                            fitted, expected));
   }
   return {};
 }
@@ -93,7 +141,7 @@ Result<PoseView> measure_board(const PoseFrames& frames, const TargetDesign& tar
                                const CoordinateMap& v) {
   ENAMEL_TRY_ASSIGN(const auto corners, find_chessboard(frames.white, target));
   PoseView pose = board_view(frames.name, corners, target, u, v);
-  ENAMEL_TRY(check_sharp(pose, pose.dots.size(), target));
+  ENAMEL_TRY(check_sharp(pose, pose.dots.size(), target.size()));
   return pose;
 }
 
@@ -101,18 +149,14 @@ Result<PoseView> measure_board(const PoseFrames& frames, const TargetDesign& tar
 
 Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& target, const PixelNoise& image_noise,
                               double saturation_dn, std::array<int, 2> projector_size_px, EdgeModel edges) {
-  ENAMEL_TRY_ASSIGN(const auto u, decode_coordinate(frames.along_u, projector_size_px[0], image_noise));
-  ENAMEL_TRY_ASSIGN(const auto v, decode_coordinate(frames.along_v, projector_size_px[1], image_noise));
-  if (target.type == TargetType::kChessboard) return measure_board(frames, target, u, v);
-  const LitImage lit = lit_image(frames, image_noise);
-  ENAMEL_TRY_ASSIGN(const DotGrid grid, find_dot_grid(lit.image, target));
-  const Map<float>& as_taken = frames.raw_white.size() > 0 ? frames.raw_white : frames.white;
-  const double saturated = saturated_share(as_taken, grid, saturation_dn);
-  if (target.is_white_on_dark && saturated > kMaxSaturated) {
-    return fail(
-        ErrorCode::kCalibrationPoses,
-        fmt::format("saturated: {:.0f} % of the dots' pixels are at full scale; lower the exposure", 100 * saturated));
-  }
+  ENAMEL_TRY_ASSIGN(const auto fringes, decode_fringes(frames, image_noise, projector_size_px));
+  const bool is_coded = target.type == TargetType::kCodedDots;
+  if (!fringes && !is_coded)
+    return fail(ErrorCode::kCalibrationFolder, frames.name + ": fringes along both axes are needed");
+  if (target.type == TargetType::kChessboard) return measure_board(frames, target, fringes->u, fringes->v);
+  LitImage lit = lit_image(frames, image_noise);
+  ENAMEL_TRY_ASSIGN(const DotGrid grid, find_dots(lit, target));
+  ENAMEL_TRY(check_lit(frames, grid, target, saturation_dn));
   PoseView pose{.name = frames.name, .dots = {}, .ground = {}, .blur_px = 0};
   std::vector<double> blurs;
   for (const GridDot& dot : grid.dots) {
@@ -122,23 +166,25 @@ Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& targ
     DotView view{
         .dot = dot.index, .ellipse = fit->ellipse, .covariance_px2 = fit->covariance, .samples = {}, .map = {}};
     view.camera_px = fit->ellipse.centre;
-    view.samples = disc_samples(u, v, fit->ellipse, kMarginSigmas * fit->blur_px + kMarginExtra_px);
+    if (fringes) view.samples = samples_on(fringes->u, fringes->v, *fit, inner_share(target, dot.index));
     const auto map = fit_local_map(view.samples, view.camera_px);
-    if (!map) continue;
-    view.map = *map;
+    if (!map && !is_coded) continue;
+    map ? static_cast<void>(view.map = *map) : view.samples.clear();
     pose.dots.push_back(std::move(view));
   }
   pose.blur_px = median(blurs);
-  ENAMEL_TRY(check_sharp(pose, pose.dots.size(), target));
+  // A coded board may leave the field: what counts is what is in view.
+  ENAMEL_TRY(check_sharp(pose, pose.dots.size(), is_coded ? static_cast<int>(grid.dots.size()) : target.size()));
+  if (is_coded) return pose;
   const double period_px = static_cast<double>(projector_size_px[0]) / frames.along_u.back().cycles;
-  pose.ground = ground_samples(u, pose, target, period_px);
+  pose.ground = ground_samples(fringes->u, pose, target, period_px);
   return pose;
 }
 
 Result<EdgeModel> choose_edge_model(const PoseFrames& frames, const TargetDesign& target,
                                     const PixelNoise& image_noise) {
-  const LitImage lit = lit_image(frames, image_noise);
-  ENAMEL_TRY_ASSIGN(const DotGrid grid, find_dot_grid(lit.image, target));
+  LitImage lit = lit_image(frames, image_noise);
+  ENAMEL_TRY_ASSIGN(const DotGrid grid, find_dots(lit, target));
   double lens = 0, taps = 0;
   for (const GridDot& dot : grid.dots) {
     const auto by_lens = fit_dot(lit, grid, dot, EdgeModel::kLensThenPixel);

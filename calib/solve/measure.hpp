@@ -7,6 +7,8 @@
 namespace enamel::calib {
 
 /// Everything of a pose that does not depend on the other poses. camera_px = the ellipse's centre. Thread-safe.
+/// A coded board may be seen in part and without fringes: dots without projector coordinates then have no samples, and
+/// there is no ground.
 /// Errors: those of find_dot_grid; kCalibrationPoses when the pose is blurred, saturated, dark, or its fringes do not
 /// reach the dots (the detail says which).
 [[nodiscard]] Result<PoseView> measure_pose(const PoseFrames& frames, const TargetDesign& target,

@@ -65,6 +65,7 @@ Result<MeasuredFolder> measure_folder(const CalibFolder& folder, const std::func
   }
   if (out.views.empty() && first) return tl::unexpected<Error>(*first);
   out.noise = noise.value_or(PixelNoise{});
+  if (folder.cycles_u.empty() || folder.cycles_v.empty()) return out;
   std::vector<std::vector<ProjectorSample>> discs;
   for (const PoseView& view : out.views)
     for (const DotView& dot : view.dots) discs.push_back(dot.samples);

@@ -1,5 +1,6 @@
 // Parameter blocks of the least-squares problems and the projection through them, for double and for Jets. Private to
-// calib/solve. A lens block is fx fy cx cy k1 k2 p1 p2 k3; a motion block is a rotation vector and a translation.
+// calib/solve and calib/mount. A lens block is fx fy cx cy k1 k2 p1 p2 k3; a motion block is a rotation vector and a
+// translation.
 #pragma once
 
 #include <ceres/rotation.h>

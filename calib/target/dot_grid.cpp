@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "calib/target/blobs.hpp"
+#include "calib/target/coded_grid.hpp"
 #include "calib/target/lattice.hpp"
 
 namespace enamel::calib {
@@ -133,6 +134,7 @@ Result<Layout> choose_layout(const std::vector<LatticePoint>& lattice, const Ext
 }  // namespace
 
 Result<DotGrid> find_dot_grid(const Map<float>& image, const TargetDesign& target) {
+  if (target.type == TargetType::kCodedDots) return find_coded_grid(image, target);
   const std::vector<Blob> blobs = find_blobs(image, target.is_white_on_dark);
   if (static_cast<int>(blobs.size()) < kMinBlobs) {
     return fail(ErrorCode::kTargetNotFound,

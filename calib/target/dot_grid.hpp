@@ -20,9 +20,9 @@ struct DotGrid {
 };
 
 /// `image`: white minus black, DN. The columns run to the right within 90 degrees, or as the rings of `marks` say; rows
-/// so that z faces the camera. Single dots may be missing; an outer row or column may not be missing altogether.
-/// Errors: kTargetNotFound (what was seen, what target.json says, what to do); kTargetAmbiguous when two targets are in
-/// view.
+/// so that z faces the camera; a coded board's dots say which they are. Single dots may be missing; an outer row or
+/// column may not be missing altogether. Errors: kTargetNotFound (what was seen, what target.json says, what to do);
+/// kTargetAmbiguous when two targets are in view.
 [[nodiscard]] Result<DotGrid> find_dot_grid(const Map<float>& image, const TargetDesign& target);
 
 }  // namespace enamel::calib

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calib/model/json_object.hpp"
+#include "calib/target/code_map.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -55,6 +56,25 @@ Result<void> read_dots(const nlohmann::json& json, TargetDesign& target) {
   return {};
 }
 
+/// The strings of `rings`, one a row.
+Result<void> read_code(const nlohmann::json& json, TargetDesign& target) {
+  ENAMEL_TRY_ASSIGN(target.ring_inner_mm, number(json, "ring_inner_mm"));
+  if (!(target.ring_inner_mm > 0 && target.ring_inner_mm < target.radius_mm))
+    return fail(ErrorCode::kTargetFile, "key 'ring_inner_mm' must be above 0 and below radius_mm");
+  const std::string wanted = "key 'rings' must be " + std::to_string(target.rows) + " strings of " +
+                             std::to_string(target.cols) + " characters 0 and 1, one a row";
+  if (!json.contains("rings") || !json["rings"].is_array() ||
+      json["rings"].size() != static_cast<std::size_t>(target.rows))
+    return fail(ErrorCode::kTargetFile, wanted);
+  for (const auto& row : json["rings"]) {
+    const std::string bits = row.is_string() ? row.get<std::string>() : std::string();
+    if (bits.size() != static_cast<std::size_t>(target.cols) || bits.find_first_not_of("01") != std::string::npos)
+      return fail(ErrorCode::kTargetFile, wanted);
+    for (const char bit : bits) target.rings.push_back(bit == '1' ? 1 : 0);
+  }
+  return check_code_map({target.cols, target.rows, target.rings});
+}
+
 }  // namespace
 
 Result<TargetDesign> parse_target(std::string_view text) {
@@ -62,8 +82,8 @@ Result<TargetDesign> parse_target(std::string_view text) {
   TargetDesign target;
   const auto type = json.find("type");
   if (type == json.end() || !type->is_string()) return fail(ErrorCode::kTargetFile, "key 'type' is missing");
-  if (*type != "circle_grid" && *type != "chessboard")
-    return fail(ErrorCode::kTargetFile, "key 'type' must be circle_grid or chessboard");
+  if (*type != "circle_grid" && *type != "chessboard" && *type != "coded_dots")
+    return fail(ErrorCode::kTargetFile, "key 'type' must be circle_grid, coded_dots or chessboard");
   if (json.contains("circles") && !json["circles"].is_string())
     return fail(ErrorCode::kTargetFile, "key 'circles' must be a string");
   target.type = *type == "chessboard" ? TargetType::kChessboard : TargetType::kCircleGrid;
@@ -71,7 +91,9 @@ Result<TargetDesign> parse_target(std::string_view text) {
   ENAMEL_TRY_ASSIGN(target.rows, side(json, "rows"));
   ENAMEL_TRY_ASSIGN(target.pitch_mm, number(json, "pitch_mm"));
   if (!(target.pitch_mm > 0)) return fail(ErrorCode::kTargetFile, "key 'pitch_mm' must be positive");
-  if (target.type == TargetType::kCircleGrid) ENAMEL_TRY(read_dots(json, target));
+  if (*type == "coded_dots") target.type = TargetType::kCodedDots;
+  if (target.type != TargetType::kChessboard) ENAMEL_TRY(read_dots(json, target));
+  if (target.type == TargetType::kCodedDots) ENAMEL_TRY(read_code(json, target));
   return target;
 }
 

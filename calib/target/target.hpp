@@ -2,6 +2,7 @@
 // y along the rows, origin in the middle of the grid, z towards the camera; mm.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,7 +12,7 @@
 
 namespace enamel::calib {
 
-enum class TargetType { kCircleGrid, kChessboard };
+enum class TargetType { kCircleGrid, kChessboard, kCodedDots };
 
 /// One feature of the grid; column and row from 0.
 struct GridIndex {
@@ -22,9 +23,11 @@ struct TargetDesign {
   TargetType type = TargetType::kCircleGrid;
   int cols = 0, rows = 0;  ///< dots, or inner corners of a chessboard
   double pitch_mm = 0;
-  double radius_mm = 0;          ///< of the dots; 0 for a chessboard
-  bool is_white_on_dark = true;  ///< of the dots
-  std::vector<GridIndex> marks;  ///< dots that are rings
+  double radius_mm = 0;             ///< of the dots; 0 for a chessboard
+  bool is_white_on_dark = true;     ///< of the dots
+  std::vector<GridIndex> marks;     ///< dots that are rings
+  double ring_inner_mm = 0;         ///< of a coded board's rings: radius of the hole in the ground's colour
+  std::vector<std::uint8_t> rings;  ///< of a coded board, row major: 1 a ring, 0 a dot; empty otherwise
 
   [[nodiscard]] int size() const noexcept { return cols * rows; }
   [[nodiscard]] int index(GridIndex g) const noexcept { return g.row * cols + g.col; }
@@ -36,6 +39,7 @@ struct TargetDesign {
   }
 };
 
+/// A coded board's map is checked: every window tells its place and its turn (code_map.hpp).
 /// Error: kTargetFile, the detail names the key.
 [[nodiscard]] Result<TargetDesign> parse_target(std::string_view text);
 

@@ -61,6 +61,8 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "calib/fringe": (4, BASE + ["calib/model", "calib/target", "pipeline/types"]),
     "calib/io": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "pipeline/types"]),
     "calib/solve": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io"] + ALGORITHMS),
+    "calib/mount": (4, BASE + ["protocol/types", "calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] +
+                    ALGORITHMS),
     "calib/judge": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] + ALGORITHMS),
     "calib/report": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve", "calib/judge"] +
                      ALGORITHMS),
@@ -97,7 +99,7 @@ HOMES = [
     (r"(GL|GLFW|epoxy|KHR|EGL)/|imgui|imgui_impl", r"viewer/gl/|tests/unit/viewer/", "GL, GLFW and ImGui"),
     (r"dds/|scanner\.h$", r"protocol/dds/|protocol/idl/|tests/", "Cyclone DDS"),
     (r"embree[34]/", r"tools/twin/([a-z_]+/)*embree_\w+\.cpp$", "Embree"),
-    (r"ceres/", r"calib/solve/|tests/unit/calib/", "Ceres"),
+    (r"ceres/", r"calib/(solve|mount)/|tests/unit/calib/", "Ceres"),
     (r"libusb", r"host/update/transport_usb\.cpp$", "libusb"),
     (r"libcamera", r"firmware/device/linux/libcamera/[a-z_]*\.[ch]pp$", "libcamera"),
     (r"opencv2/", r".*\.cpp$|tests/", "OpenCV (sources, not headers)"),

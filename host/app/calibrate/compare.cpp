@@ -1,12 +1,15 @@
-// enamel calibrate compare: what the difference of two rigs does to geometry.
+// enamel calibrate compare: what the difference of two rigs does to geometry, and how the lines of two mounts differ.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "calib/judge/volume.hpp"
+#include "calib/model/mount.hpp"
+#include "host/app/calibrate/mount_report.hpp"
 #include "host/app/calibrate/set.hpp"
 #include "host/app/calibrate/subcommand.hpp"
+#include "protocol/base/file.hpp"
 #include "protocol/base/json_text.hpp"
 
 namespace enamel::app {
@@ -18,7 +21,17 @@ struct DriftOptions {
   std::string rig, other;
 };
 
+/// Two mounts; both files were read before.
+Result<int> compare_mounts(const DriftOptions& o) {
+  ENAMEL_TRY_ASSIGN(const calib::Mount mount, calib::load_mount(o.rig));
+  ENAMEL_TRY_ASSIGN(const calib::Mount other, calib::load_mount(o.other));
+  std::puts(json_text(mount_difference_json(mount, other), 1).c_str());
+  return 0;
+}
+
 Result<int> run_compare(const DriftOptions& o) {
+  ENAMEL_TRY_ASSIGN(const std::string text, read_file(o.rig));
+  if (calib::is_mount_text(text)) return compare_mounts(o);
   ENAMEL_TRY_ASSIGN(const calib::Rig rig, load_intact(o.rig));
   ENAMEL_TRY_ASSIGN(const calib::Rig other, load_intact(o.other));
   const auto d = calib::compare_rigs(calib::state_of(rig), calib::state_of(other), range_of(other));
@@ -36,9 +49,10 @@ Result<int> run_compare(const DriftOptions& o) {
 
 CalibrateCommand add_calibrate_compare(CLI::App& app) {
   auto o = std::make_shared<DriftOptions>();
-  CLI::App* compare = app.add_subcommand("compare", "what the difference of two rigs does to geometry (JSON)");
-  compare->add_option("RIG", o->rig, "rig.json")->required();
-  compare->add_option("REFERENCE", o->other, "rig.json")->required();
+  CLI::App* compare = app.add_subcommand(
+      "compare", "what the difference of two rigs does to geometry; of two mounts, their lines (JSON)");
+  compare->add_option("RIG", o->rig, "rig.json or mount.json")->required();
+  compare->add_option("REFERENCE", o->other, "of the same kind")->required();
   return {compare, [o] { return run_compare(*o); }};
 }
 

@@ -11,6 +11,7 @@ struct CalibrateCommand {
   Run run;
 };
 
+CalibrateCommand add_calibrate_axes(CLI::App& app);
 CalibrateCommand add_calibrate_capture(CLI::App& app);
 CalibrateCommand add_calibrate_check(CLI::App& app);
 CalibrateCommand add_calibrate_compare(CLI::App& app);
@@ -19,5 +20,6 @@ CalibrateCommand add_calibrate_list(CLI::App& app);
 CalibrateCommand add_calibrate_revert(CLI::App& app);
 CalibrateCommand add_calibrate_show(CLI::App& app);
 CalibrateCommand add_calibrate_solve(CLI::App& app);
+CalibrateCommand add_calibrate_target(CLI::App& app);
 
 }  // namespace enamel::app

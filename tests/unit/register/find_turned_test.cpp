@@ -22,7 +22,11 @@ class Scene {
   explicit Scene(std::uint64_t seed, std::int64_t repeat = 0)
       : rig_(ts::test_rig(2)), surface_(seed, 1, repeat), store_(rig_.camera, without_pictures()) {}
 
-  void show(double x) { store_.add(patch_from(surface_, ts::looking_down(x, 0)), ts::looking_down(x, 0)); }
+  void show(double x) {
+    const Pose T_model_cam = ts::looking_down(x, 0);
+    const SurfacePatch patch = patch_from(surface_, T_model_cam);
+    store_.add(patch, T_model_cam, view_from_patch(patch, T_model_cam, rig_.camera, store_.config().view_stride));
+  }
   [[nodiscard]] SurfacePatch patch_from(const ts::SyntheticSurface& surface, const Pose& T) const {
     return ts::make_patch(surface, rig_.camera, T, {0.01, 0.03, 77});
   }

@@ -72,7 +72,7 @@ TEST(Keyframes, are_spaced_in_place_and_angle) {
   const SurfacePatch nothing =
       ts::make_patch(ts::SyntheticSurface(1), ts::test_rig(8).camera, ts::looking_down(0, 0), {});
   EXPECT_TRUE(store.wants(ts::looking_down(0, 0)));
-  store.add(nothing, ts::looking_down(0, 0));
+  store.add(nothing, ts::looking_down(0, 0), {});
   EXPECT_FALSE(store.wants(ts::looking_down(1.9, 0)));
   EXPECT_TRUE(store.wants(ts::looking_down(2.1, 0)));
   EXPECT_TRUE(store.wants(ts::looking_down(0, 0, {0, 0.06, 0})));
@@ -82,7 +82,7 @@ TEST(Keyframes, every_one_is_tried_within_a_few_bursts) {
   KeyframeStore store(ts::test_rig(8).camera, {});
   const SurfacePatch nothing =
       ts::make_patch(ts::SyntheticSurface(1), ts::test_rig(8).camera, ts::looking_down(0, 0), {});
-  for (int i = 0; i < 70; ++i) store.add(nothing, ts::looking_down(3.0 * i, 0));
+  for (int i = 0; i < 70; ++i) store.add(nothing, ts::looking_down(3.0 * i, 0), {});
   std::vector<int> tried(70, 0);
   for (std::uint64_t turn = 0; turn < 4; ++turn) {
     const auto chosen = store.candidates(ts::looking_down(0, 0), turn, 32);

@@ -1,0 +1,123 @@
+#include "protocol/types/axes_table.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "protocol/base/plain_text.hpp"
+
+namespace enamel::proto {
+namespace {
+
+constexpr std::string_view kAngles = "rot_cmd_deg,swing_cmd_deg,rot_read_deg,swing_read_deg";
+constexpr std::array<const char*, 4> kAngleNames{"rot_cmd_deg", "swing_cmd_deg", "rot_read_deg", "swing_read_deg"};
+constexpr double kMaxAngle_deg = 360;
+
+std::string_view key_name(AxesKey key) { return key == AxesKey::kBurst ? "burst_id" : "pose"; }
+
+template <class V>
+bool is_parsed(std::string_view text, V& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() && !text.empty();
+}
+
+std::vector<std::string_view> fields_of(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    fields.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return fields;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+/// Empty when good, else what is wrong.
+std::string read_row(std::string_view line, AxesKey key, AxesRow& row) {
+  const auto fields = fields_of(line);
+  if (fields.size() != 5) return std::to_string(fields.size()) + " fields, expected 5";
+  row.key = fields[0];
+  std::uint64_t number = 0;
+  if (row.key.empty()) return std::string(key_name(key)) + " is empty";
+  if (key == AxesKey::kBurst && !is_parsed(fields[0], number)) return "burst_id is not a whole number";
+  if (key == AxesKey::kBurst) row.key = std::to_string(number);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::string_view text = fields[k + 1];
+    double& angle = row.angles_deg[k];
+    angle = std::numeric_limits<double>::quiet_NaN();
+    if (text.empty() || text == "nan" || text == "NaN") continue;
+    if (!is_parsed(text, angle) || !std::isfinite(angle))
+      return std::string(kAngleNames[k]) + " is no number; write degrees, or nan for none";
+    if (std::abs(angle) > kMaxAngle_deg)
+      return std::string(kAngleNames[k]) + " is beyond -360 to 360 degrees; take full turns off";
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (std::isnan(row.angles_deg[k]) && std::isnan(row.angles_deg[k + 2]))
+      return std::string("neither ") + kAngleNames[k] + " nor " + kAngleNames[k + 2] + " says where the axis stood";
+  }
+  return {};
+}
+
+void append_angle(std::string& out, double angle) {
+  out += ',';
+  if (std::isnan(angle)) {
+    out += "nan";
+    return;
+  }
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), angle).ptr;
+  out.append(digits.data(), end);
+}
+
+}  // namespace
+
+Result<std::vector<AxesRow>> parse_axes_table(std::string_view text, const std::string& path, AxesKey key) {
+  const ErrorCode code = key == AxesKey::kBurst ? ErrorCode::kExchangeInvalid : ErrorCode::kCalibrationFolder;
+  const std::string header = std::string(key_name(key)) + "," + std::string(kAngles);
+  std::vector<AxesRow> rows;
+  std::set<std::string> keys;
+  const std::string table = plain_table(std::string(text));
+  std::string_view rest = table;
+  for (int number = 1; !rest.empty(); ++number) {
+    const auto invalid = [&](const std::string& what) {
+      return fail(code, path + ":" + std::to_string(number) + ": " + what);
+    };
+    const std::size_t end = rest.find('\n');
+    const std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+    if (number == 1) {
+      if (line != header) return invalid("first line must be " + header);
+      continue;
+    }
+    AxesRow row;
+    if (const std::string problem = read_row(line, key, row); !problem.empty()) return invalid(problem);
+    if (!keys.insert(row.key).second) return invalid(std::string(key_name(key)) + " " + row.key + " stands twice");
+    row.line = number;
+    rows.push_back(std::move(row));
+  }
+  if (rows.empty()) return fail(code, path + ": the table holds no row");
+  return rows;
+}
+
+Result<std::vector<AxesReading>> parse_burst_axes(std::string_view text, const std::string& path) {
+  ENAMEL_TRY_ASSIGN(const auto rows, parse_axes_table(text, path, AxesKey::kBurst));
+  std::vector<AxesReading> out;
+  for (const AxesRow& row : rows) {
+    AxesReading reading{0, row.angles_deg[0], row.angles_deg[1], row.angles_deg[2], row.angles_deg[3]};
+    static_cast<void>(is_parsed(std::string_view(row.key), reading.burst_index));  // read_row saw to it
+    out.push_back(reading);
+  }
+  return out;
+}
+
+std::string axes_table_text(const std::vector<AxesReading>& readings) {
+  std::string out = "burst_id," + std::string(kAngles) + "\n";
+  for (const AxesReading& r : readings) {
+    out += std::to_string(r.burst_index);
+    for (const double angle : {r.rot_cmd_deg, r.swing_cmd_deg, r.rot_read_deg, r.swing_read_deg})
+      append_angle(out, angle);
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace enamel::proto
