@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,8 @@
 #include "protocol/base/result.hpp"
 
 namespace enamel::calib {
+
+inline constexpr double kRadPerDegree = std::numbers::pi / 180;  ///< files and tables have degrees
 
 using Triple = std::array<double, 3>;
 using Matrix4 = std::array<std::array<double, 4>, 4>;  ///< row major

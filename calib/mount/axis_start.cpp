@@ -8,9 +8,8 @@
 namespace enamel::calib {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSame = 0.5 * kDegree;    // of the other axis
-constexpr double kMinAngle = 2 * kDegree;  // of a relative motion that says where its axis is
+constexpr double kSame = 0.5 * kRadPerDegree;    // of the other axis
+constexpr double kMinAngle = 2 * kRadPerDegree;  // of a relative motion that says where its axis is
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 

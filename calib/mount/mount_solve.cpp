@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "calib/mount/adjust.hpp"
 #include "calib/mount/mount_checks.hpp"
@@ -14,9 +13,8 @@
 namespace enamel::calib {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kRounds = 4;  // of variance components: each takes what is left to a tenth
-constexpr double kLeastAngle_rad = 1e-4 * kDegree, kLeastShift_mm = 1e-4;
+constexpr double kLeastAngle_rad = 1e-4 * kRadPerDegree, kLeastShift_mm = 1e-4;
 constexpr double kMostShift_mm = 0.02;
 constexpr double kPlaySigmas = 3;  // a play below is none
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 #include <opencv2/calib3d.hpp>
 
 #include "calib/model/lens.hpp"
@@ -11,8 +10,6 @@
 
 namespace enamel::calib {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 std::string without_zeros(const std::string& name) {
   const std::size_t first = name.find_first_not_of('0');
@@ -44,8 +41,8 @@ Result<std::vector<AxisAngles>> read_pose_axes(const std::string& folder, const 
     const auto i = static_cast<std::size_t>(at - poses.begin());
     if (is_known[i]) return fail(ErrorCode::kCalibrationFolder, place + "has a row already; keep the one that holds");
     is_known[i] = true;
-    out[i] = {row.angles_deg[0] * kDegree, row.angles_deg[1] * kDegree, row.angles_deg[2] * kDegree,
-              row.angles_deg[3] * kDegree};
+    out[i] = {row.angles_deg[0] * kRadPerDegree, row.angles_deg[1] * kRadPerDegree, row.angles_deg[2] * kRadPerDegree,
+              row.angles_deg[3] * kRadPerDegree};
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!is_known[i]) {

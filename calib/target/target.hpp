@@ -23,11 +23,11 @@ struct TargetDesign {
   TargetType type = TargetType::kCircleGrid;
   int cols = 0, rows = 0;  ///< dots, or inner corners of a chessboard
   double pitch_mm = 0;
-  double radius_mm = 0;             ///< of the dots; 0 for a chessboard
-  bool is_white_on_dark = true;     ///< of the dots
-  std::vector<GridIndex> marks;     ///< dots that are rings
-  double ring_inner_mm = 0;         ///< of a coded board's rings: radius of the hole in the ground's colour
-  std::vector<std::uint8_t> rings;  ///< of a coded board, row major: 1 a ring, 0 a dot; empty otherwise
+  double radius_mm = 0;                  ///< of the dots; 0 for a chessboard
+  bool is_white_on_dark = true;          ///< of the dots
+  std::vector<GridIndex> marks = {};     ///< dots that are rings
+  double ring_inner_mm = 0;              ///< of a coded board's rings: radius of the hole in the ground's colour
+  std::vector<std::uint8_t> rings = {};  ///< of a coded board, row major: 1 a ring, 0 a dot; empty otherwise
 
   [[nodiscard]] int size() const noexcept { return cols * rows; }
   [[nodiscard]] int index(GridIndex g) const noexcept { return g.row * cols + g.col; }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/register/icp/patch_view.hpp"
 #include "pipeline/register/track/find_turned.hpp"
 #include "pipeline/register/track/tracker.hpp"
 #include "tests/tools/folder_truth.hpp"
@@ -68,7 +69,7 @@ int run(const Folder& known, const Folder& asked, int first, const std::string& 
   for (const auto& [id, T] : known.truth) {
     if (id >= first || !store.wants(T)) continue;
     const auto patch = known.patch(id);
-    store.add(patch, T);
+    store.add(patch, T, ea::view_from_patch(patch, T, known.rig.camera, config.keyframes.view_stride));
   }
   const bool own = &known == &asked && turn != "mirror";
   const double roll = turn == "mirror" ? 0 : std::stod(turn);
