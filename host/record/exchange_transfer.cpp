@@ -7,6 +7,7 @@
 #include "host/record/media_type.hpp"
 #include "host/record/partial_file.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/types/axes_table.hpp"
 
 namespace enamel::host {
 namespace {
@@ -76,11 +77,27 @@ Result<void> export_bursts(BurstStream& stream, OriginalTable& table, ExchangeWr
   return {};
 }
 
+/// Where there is axes.csv its rows are angles of bursts that are there. Bursts without a row are taken.
+Result<void> check_axes(const ExchangeReader& in, const std::string& folder) {
+  if (std::ranges::find(in.extra_files(), kAxesFile) == in.extra_files().end()) return {};
+  const std::string path = (std::filesystem::path(folder) / kAxesFile).string();
+  ENAMEL_TRY_ASSIGN(const std::string text, read_file(path));
+  ENAMEL_TRY_ASSIGN(const auto readings, proto::parse_burst_axes(text, path));
+  for (const proto::AxesReading& reading : readings) {
+    if (std::ranges::find(in.rows(), reading.burst_index, &ExchangeRow::burst_id) == in.rows().end())
+      return fail(ErrorCode::kExchangeInvalid,
+                  path + ": burst " + std::to_string(reading.burst_index) +
+                      " is not in bursts.csv; it belongs to another scan, or the burst was removed");
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<ImportSummary> import_folder(const std::string& folder, const std::string& capture_path,
                                     const std::string& program) {
   ENAMEL_TRY_ASSIGN(const ExchangeReader in, ExchangeReader::open(folder));
+  ENAMEL_TRY(check_axes(in, folder));
   PartialFile file(capture_path);
   capture::CaptureHeader header{in.rig_text(), program, {{"imported_from", "exchange folder"}}};
   ENAMEL_TRY_ASSIGN(auto out, capture::CaptureWriter::create(file.temporary(), header));

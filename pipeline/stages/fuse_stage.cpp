@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/model/fuse/view_keeping.hpp"
 #include "pipeline/stages/digest.hpp"
-#include "pipeline/types/viewpoint.hpp"
 
 namespace enamel::stage {
 
@@ -81,10 +81,7 @@ Result<void> FuseStage::step() {
 }
 
 void FuseStage::renew_view(const Pose& T_model_cam, const SurfacePatch& patch) {
-  const pipeline::Closeness near{config_.fuse.view_kept_mm, config_.fuse.view_kept_deg};
-  const bool shows = !last_view_->empty && last_view_->segment == model_.active() &&
-                     pipeline::look_alike(last_view_->T_model_cam, T_model_cam, looked_at_, near);
-  if (shows && view_served_ < config_.fuse.view_kept_bursts) {
+  if (still_shows(*last_view_, view_served_, model_.active(), T_model_cam, looked_at_, config_.fuse)) {
     ++view_served_;
     return;
   }

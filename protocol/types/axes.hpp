@@ -1,5 +1,5 @@
-// Where the desktop scanner's two axes stood while a burst was taken. Mirror of enamel::v1::AxesReading in
-// protocol/idl/scanner.idl. Degrees, as everything that people and files see.
+// Where the desktop scanner's two axes stood while a burst was taken: a row of axes.csv, which recordings carry as an
+// attachment. Degrees, as everything that people and files see.
 #pragma once
 
 #include <bit>

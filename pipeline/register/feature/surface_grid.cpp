@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include "pipeline/types/pixel_step.hpp"
 
@@ -72,79 +71,34 @@ SurfaceGrid make_surface_grid(const SurfacePatch& patch, double px_per_mm, const
   return out;
 }
 
-namespace {
-
-/// One array a coordinate: rows of sums over windows that the compiler takes four at a time.
-struct Planes {
-  explicit Planes(const Map<Vec3f>& in)
-      : x(in.width(), in.height()), y(in.width(), in.height()), z(in.width(), in.height()) {
-    for (std::size_t i = 0; i < in.size(); ++i) {
-      x[i] = in[i].x();
-      y[i] = in[i].y();
-      z[i] = in[i].z();
-    }
-  }
-  Map<float> x, y, z;
-};
-
-struct BendSums {
-  explicit BendSums(std::size_t width) : bend(width), length2(width), seen(width) {}
-  void clear() {
-    for (auto* sums : {&bend, &length2, &seen}) std::ranges::fill(*sums, 0.0F);
-  }
-  std::vector<float> bend, length2, seen;
-};
-
-struct BendInput {
-  BendInput(const SurfaceGrid& grid, float radius)
-      : points(grid.points), normals(grid.normals), areas(grid.area_mm2), radius2(radius * radius) {}
-  Planes points, normals;
-  const Map<float>& areas;
-  float radius2;
-};
-
-/// Adds what the elements from `other` on are to those from `own` on, one each of the sums.
-void add_shifted(const BendInput& in, std::size_t own, std::size_t other, BendSums& out) {
-  const Planes &p = in.points, &n = in.normals;
-  const float *px = &p.x[own], *py = &p.y[own], *pz = &p.z[own], *qx = &p.x[other], *qy = &p.y[other],
-              *qz = &p.z[other];
-  const float *nx = &n.x[own], *ny = &n.y[own], *nz = &n.z[own], *mx = &n.x[other], *my = &n.y[other],
-              *mz = &n.z[other];
-  const float* a = &in.areas[other];
-  const float radius2 = in.radius2;
-  float* __restrict bend = out.bend.data(), * __restrict length2 = out.length2.data(), * __restrict seen = out.seen.data();
-  const std::size_t count = out.seen.size();
-  for (std::size_t u = 0; u < count; ++u) {
-    const float dx = qx[u] - px[u], dy = qy[u] - py[u], dz = qz[u] - pz[u];
-    const float d2 = dx * dx + (dy * dy + dz * dz);
-    const float area = a[u] * static_cast<float>(d2 < radius2);  // no branch: the loop is taken four at a time
-    bend[u] += area * (dx * (mx[u] - nx[u]) + (dy * (my[u] - ny[u]) + dz * (mz[u] - nz[u])));
-    length2[u] += area * d2;
-    seen[u] += area;
-  }
-}
-
-}  // namespace
-
 Map<float> bending(const SurfaceGrid& grid, double radius_mm) {
   const int width = grid.points.width();
   const int height = grid.points.height();
   Map<float> out(width, height, std::numeric_limits<float>::quiet_NaN());
   const auto radius = static_cast<float>(radius_mm);
+  const float radius2 = radius * radius;
   const int reach = static_cast<int>(radius / grid.pitch_mm) + 1;
-  if (width <= 2 * reach) return out;
-  const BendInput input(grid, radius);
-  const float full = kMinSeen * std::numbers::pi_v<float> * input.radius2;
-  const auto count = static_cast<std::size_t>(width - 2 * reach);
-  BendSums sums(count);
+  const float full = kMinSeen * std::numbers::pi_v<float> * radius2;
   for (int v = reach; v + reach < height; ++v) {
-    sums.clear();
-    const std::size_t own = grid.points.index(reach, v);
-    for (int k = v - reach; k <= v + reach; ++k) {
-      for (int i = 0; i <= 2 * reach; ++i) add_shifted(input, own, grid.points.index(i, k), sums);
-    }
-    for (std::size_t u = 0; u < count; ++u) {
-      if (grid.area_mm2[own + u] > 0 && sums.seen[u] > full) out[own + u] = sums.bend[u] / sums.length2[u];
+    for (int u = reach; u + reach < width; ++u) {
+      if (!(grid.area_mm2(u, v) > 0)) continue;
+      const Vec3f p = grid.points(u, v);
+      const Vec3f n = grid.normals(u, v);
+      float sum = 0;
+      float sum2 = 0;
+      float seen = 0;
+      for (int k = v - reach; k <= v + reach; ++k) {
+        for (int i = u - reach; i <= u + reach; ++i) {
+          const std::size_t at = grid.points.index(i, k);
+          const Vec3f d = grid.points[at] - p;
+          const float d2 = d.squaredNorm();
+          const float area = d2 < radius2 ? grid.area_mm2[at] : 0.0F;
+          sum += area * d.dot(grid.normals[at] - n);
+          sum2 += area * d2;
+          seen += area;
+        }
+      }
+      if (seen > full) out(u, v) = sum / sum2;
     }
   }
   return out;

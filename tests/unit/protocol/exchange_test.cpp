@@ -76,6 +76,25 @@ TEST_P(Exchange, import_and_export_lose_nothing) {
   EXPECT_FALSE(fs::exists(capture_ + ".partial"));
 }
 
+TEST_P(Exchange, angles_of_the_axes_come_along_and_have_to_be_of_its_bursts) {
+  const std::string head = "burst_id,rot_cmd_deg,swing_cmd_deg,rot_read_deg,swing_read_deg\n";
+  test::spill(in_ + "/axes.csv", head + "3,15,-20,14.998,nan\n");
+  ASSERT_TRUE(import_folder(in_, capture_, "test 1"));
+  ASSERT_TRUE(export_folder(capture_, out_));
+  EXPECT_EQ(test::slurp(out_ + "/axes.csv"), test::slurp(in_ + "/axes.csv"));
+
+  const std::string refused = folder_ / "refused.mcap";
+  for (const std::string& rows :
+       {std::string("77,15,-20,,\n"), std::string("3,15,,,\n"), std::string("3,fifteen,0,,\n")}) {
+    test::spill(in_ + "/axes.csv", head + rows);
+    const auto done = import_folder(in_, refused, "test 1");
+    ASSERT_FALSE(done) << rows;
+    EXPECT_EQ(done.error().code, ErrorCode::kExchangeInvalid);
+    EXPECT_NE(done.error().detail.find("axes.csv"), std::string::npos) << done.error().detail;
+    EXPECT_FALSE(fs::exists(refused));
+  }
+}
+
 TEST_P(Exchange, folder_and_recording_are_the_same_stream) {
   ASSERT_TRUE(import_folder(in_, capture_, "test 1"));
   const auto difference = capture_diff(in_, capture_, true);
