@@ -16,7 +16,7 @@ ln -sfn /usr/include/tl "$work_dir/include/tl"
 cd "$source_dir"
 
 # What a bootloader takes.
-sources=(firmware/boot/*.cpp firmware/boot/bare/sha256.cpp protocol/image/{manifest,trust}.cpp protocol/base/crc32.cpp)
+sources=(firmware/boot/*.cpp firmware/boot/bare/*.cpp protocol/image/{manifest,trust}.cpp)
 bare=(-std=c++20 -Os -Wall -Wextra -Werror -fno-exceptions -fno-rtti -fno-threadsafe-statics -I. -isystem "$work_dir/include")
 compile() { # SOURCE FLAGS...
   local object=$work_dir/${1//\//_}.o
