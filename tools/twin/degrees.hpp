@@ -1,4 +1,4 @@
-// Angles in scene files are in degrees, in code in radians.
+// Scene files have degrees and micrometres where that is what one says, code has radians and millimetres.
 #pragma once
 
 #include <numbers>
@@ -6,5 +6,6 @@
 namespace enamel::twin {
 
 inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+inline constexpr double kMmPerUm = 1e-3;
 
 }  // namespace enamel::twin

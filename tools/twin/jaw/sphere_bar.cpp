@@ -1,5 +1,6 @@
 #include "tools/twin/jaw/sphere_bar.hpp"
 
+#include "tools/twin/degrees.hpp"
 #include "tools/twin/surface/ball_bar.hpp"
 
 namespace enamel::twin {
@@ -16,7 +17,6 @@ SphereBar make_sphere_bar(const SphereBarConfig& config, const ArchShape& shape,
     append(out.rods,
            ball_rod(out.balls[i - 1].centre, out.balls[i].centre, config.rod_diameter_mm / 2, out.balls[i].albedo));
   }
-  constexpr double kMmPerUm = 1e-3;
   out.certificate_json = ball_certificate(out.balls, kMmPerUm * config.sigma_um, seed);
   return out;
 }

@@ -12,7 +12,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double kMmPerUm = 1e-3;
 // Streams of the random numbers: the unit's errors, its wobble, where the two drives stop.
 constexpr std::uint64_t kUnitStream = 7300, kWobbleStream = 7301, kRotStopStream = 7302, kSwingStopStream = 7303;
 // Once a turn would be nothing but another centre of the table.

@@ -16,7 +16,6 @@ namespace {
 using MountJson = nlohmann::ordered_json;
 
 constexpr std::uint64_t kRotReadStream = 7310, kSwingReadStream = 7311;  // of the random numbers
-constexpr double kUmPerMm = 1e3;
 
 double in_degrees(double rad) { return rad / kRadPerDeg; }
 
@@ -67,13 +66,13 @@ std::string mount_true_json(const MountRun& run, int bursts_a_stop) {
                      {"swing_shaft_deg", in_degrees(s.swing_shaft)},
                      {"rot_true_deg", in_degrees(s.rot)},
                      {"swing_true_deg", in_degrees(s.swing)},
-                     {"run_out_um", list(kUmPerMm * s.run_out_mm)}});
+                     {"run_out_um", list(s.run_out_mm / kMmPerUm)}});
   }
   const MountJson json{{"format", "enamel-mount-truth"},
                        {"schema", 1},
                        {"rotation", axis_json(run.mount.rotation)},
                        {"swing", axis_json(run.mount.swing)},
-                       {"wobble_um", kUmPerMm * run.mount.wobble_mm},
+                       {"wobble_um", run.mount.wobble_mm / kMmPerUm},
                        {"bursts_a_stop", bursts_a_stop},
                        {"T_camera_table", rows_of(run.mount.T_camera_table)},
                        {"T_table_model", rows_of(run.mount.T_table_model)},

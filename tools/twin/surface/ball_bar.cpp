@@ -9,7 +9,7 @@
 namespace enamel::twin {
 namespace {
 
-constexpr std::uint64_t kStream = 0xBA75;  // of the certificate's errors
+constexpr std::uint64_t kCertificateStream = 0xBA75;  // of the certificate's errors
 constexpr double kFacetMm = 0.2;
 
 }  // namespace
@@ -40,7 +40,7 @@ TriSurface ball_rod(const Vec3d& a, const Vec3d& b, double radius, float albedo)
 }
 
 std::string ball_certificate(const std::vector<Ball>& balls, double sigma_mm, std::uint64_t seed) {
-  const CounterRandom random(seed, kStream);
+  const CounterRandom random(seed, kCertificateStream);
   nlohmann::json spheres = nlohmann::json::array(), distances = nlohmann::json::array();
   std::uint64_t draw = 0;
   for (std::size_t i = 0; i < balls.size(); ++i) {

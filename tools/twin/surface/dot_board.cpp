@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/base/json_text.hpp"
+#include "tools/twin/degrees.hpp"
 #include "tools/twin/optics/random.hpp"
 
 namespace enamel::twin {
 namespace {
 
-constexpr double kMmPerUm = 1e-3;
 constexpr double kBoardFacetMm = 0.2;       // a bow of 20 um leaves the facets by 2 nm
 constexpr std::uint64_t kDotStream = 7001;  // of the random numbers
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tools/twin/degrees.hpp"
 #include "tools/twin/optics/random.hpp"
 #include "tools/twin/surface/artefacts.hpp"
 #include "tools/twin/surface/ball_bar.hpp"
@@ -61,7 +62,6 @@ RingPlate make_ring_plate(const RingPlateConfig& c, std::uint64_t seed) {
   const double x = 0.5 * c.distance_mm;
   std::vector<Ball> bar{{Vec3d(-x, 0, c.height_mm), 0.5 * c.diameters_mm[0], kPlasterAlbedo},
                         {Vec3d(x, 0, c.height_mm), 0.5 * c.diameters_mm[1], kPlasterAlbedo}};
-  constexpr double kMmPerUm = 1e-3;
   out.certificate_json = ball_certificate(bar, kMmPerUm * c.sigma_um, seed);
   Surroundings& s = out.surroundings;
   s.mesh = ring(c.inner_mm, c.outer_mm);
