@@ -36,8 +36,8 @@ double median_depth(const Map<float>& depth) {
 std::shared_ptr<const Map<std::uint8_t>> grey(const Map<float>& texture) {
   auto out = std::make_shared<Map<std::uint8_t>>(texture.width(), texture.height());
   for (std::size_t i = 0; i < texture.size(); ++i) {
-    const float dn = std::isnan(texture[i]) ? 0.0F : texture[i];
-    (*out)[i] = static_cast<std::uint8_t>(std::clamp(dn, 0.0F, 255.0F));
+    const float dn = texture[i];
+    (*out)[i] = static_cast<std::uint8_t>(dn > 0.0F ? std::min(dn, 255.0F) : 0.0F);  // NaN: no surface, black
   }
   return out;
 }
@@ -121,9 +121,8 @@ std::shared_ptr<const BurstPreview> FuseStage::make_preview(const flow::Item<Tra
   }
   const SurfacePatch& patch = *item->patch;
   last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
-  if (!config_.preview_model) return std::make_shared<const BurstPreview>(last_preview_);
   last_preview_.live = grey(patch.texture_dn);
-  if (until_preview_-- == 0) {
+  if (config_.preview_model && until_preview_-- == 0) {
     until_preview_ = config_.preview_period - 1;
     last_preview_.model = growing_surface();
   }
