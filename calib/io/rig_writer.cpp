@@ -4,10 +4,9 @@
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <span>
+#include <utility>
 
-#include "protocol/base/json_text.hpp"
-#include "protocol/base/sha256.hpp"
+#include "calib/model/json_seal.hpp"
 #include "protocol/base/utc.hpp"
 
 namespace enamel::calib {
@@ -18,7 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 1;
-constexpr int kIndent = 1;
 
 Json lens_json(const LensValues& l) {
   return {{"width", l.width}, {"height", l.height}, {"fx", l.fx},    {"fy", l.fy},
@@ -46,12 +44,6 @@ Json temperature_json(const TemperatureTerms& t) {
             {"projector", drift(t.projector)},
             {"rotation_rad", t.rotation_rad},
             {"translation_mm", t.translation_mm}}}};
-}
-
-std::string hash_of(Json json) {
-  json["sha256"] = "";
-  const std::string text = json_text(json, kIndent) + "\n";
-  return sha256_hex(std::as_bytes(std::span<const char>(text)));
 }
 
 }  // namespace
@@ -89,8 +81,7 @@ Result<std::string> solved_rig_text(const Rig& nominal, const SolvedRig& solved)
   if (solved.temp_c) json["temp_c"] = *solved.temp_c;
   json.erase("temperature");
   if (solved.temperature) json["temperature"] = temperature_json(*solved.temperature);
-  json["sha256"] = hash_of(json);
-  std::string text = json_text(json, kIndent) + "\n";
+  std::string text = sealed_text(std::move(json));
   ENAMEL_TRY(parse_rig(text));
   return text;
 }
@@ -98,8 +89,7 @@ Result<std::string> solved_rig_text(const Rig& nominal, const SolvedRig& solved)
 bool is_rig_intact(const std::string& text) {
   const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return false;
-  if (!json.contains("sha256")) return true;
-  return json["sha256"].is_string() && json["sha256"].get<std::string>() == hash_of(json);
+  return !json.contains("sha256") || is_sealed(json);
 }
 
 std::string capture_time_utc(const std::string& folder) {

@@ -17,6 +17,7 @@
 namespace enamel::calib {
 
 inline constexpr double kRadPerDegree = std::numbers::pi / 180;  ///< files and tables have degrees
+inline constexpr double kDegreesPerRad = 180 / std::numbers::pi;
 
 using Triple = std::array<double, 3>;
 using Matrix4 = std::array<std::array<double, 4>, 4>;  ///< row major

@@ -1,14 +1,12 @@
 // mount.json to values and back.
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <span>
+#include <utility>
 
 #include "calib/model/json_object.hpp"
+#include "calib/model/json_seal.hpp"
 #include "calib/model/json_section.hpp"
 #include "calib/model/mount.hpp"
 #include "protocol/base/file.hpp"
-#include "protocol/base/json_text.hpp"
-#include "protocol/base/sha256.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -17,19 +15,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "enamel-mount";
 constexpr const char* kTruthFormat = "enamel-mount-truth";
-constexpr int kSchema = 1, kIndent = 1;
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kSchema = 1;
 constexpr double kMaxPlace_mm = 1e4;
 constexpr double kMaxHarmonic_deg = 5;  // more is another drive, not an error of this one
 constexpr double kMaxBacklash_deg = 10;
 constexpr double kMaxCorrection_deg = 5;
 constexpr double kUnitTolerance = 1e-6;  // six written decimals of a unit vector pass
-
-std::string hash_of(Json json) {
-  json["sha256"] = "";
-  const std::string text = json_text(json, kIndent) + "\n";
-  return sha256_hex(std::as_bytes(std::span<const char>(text)));
-}
 
 AxisLine read_axis(JsonSection s) {
   AxisLine line;
@@ -45,10 +36,10 @@ AxisLine read_axis(JsonSection s) {
     if (!(std::abs(point[i]) <= kMaxPlace_mm)) s.refuse("point_mm", "lies beyond 10 m: no place of an axis");
   }
   for (std::size_t i = 0; i < 2; ++i) {
-    line.harmonic_rad[i] = harmonic[i] * kDegree;
+    line.harmonic_rad[i] = harmonic[i] * kRadPerDegree;
     if (!(std::abs(harmonic[i]) <= kMaxHarmonic_deg)) s.refuse("harmonic_deg", "must be from -5 to 5 degrees");
   }
-  if (s.has("backlash_deg")) line.backlash_rad = s.number_within("backlash_deg", 0, kMaxBacklash_deg) * kDegree;
+  if (s.has("backlash_deg")) line.backlash_rad = s.number_within("backlash_deg", 0, kMaxBacklash_deg) * kRadPerDegree;
   if (s.has("approach")) {
     const std::string side = s.string("approach");
     if (side != "positive" && side != "negative") s.refuse("approach", "must be positive or negative");
@@ -65,9 +56,10 @@ void read_corrections(const nlohmann::json& json, JsonSection& top, Mount& mount
     const std::string prefix = "stop_corrections[" + std::to_string(i) + "]";
     if (!entry.is_object()) return top.refuse("stop_corrections", "must hold objects");
     JsonSection s(entry, prefix + ".", faults);
-    StopCorrection c{.pose = s.string("pose"),
-                     .rotation_rad = s.number_within("rot_deg", -kMaxCorrection_deg, kMaxCorrection_deg) * kDegree,
-                     .swing_rad = s.number_within("swing_deg", -kMaxCorrection_deg, kMaxCorrection_deg) * kDegree};
+    StopCorrection c{
+        .pose = s.string("pose"),
+        .rotation_rad = s.number_within("rot_deg", -kMaxCorrection_deg, kMaxCorrection_deg) * kRadPerDegree,
+        .swing_rad = s.number_within("swing_deg", -kMaxCorrection_deg, kMaxCorrection_deg) * kRadPerDegree};
     mount.stop_corrections.push_back(std::move(c));
   }
 }
@@ -91,16 +83,15 @@ void read_covariance(const nlohmann::json& json, JsonSection& top, Mount& mount,
 
 void check_seal(const nlohmann::json& json, std::string_view text, Faults& faults) {
   if (!json.contains("sha256")) return;
-  const Json ordered = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!json["sha256"].is_string() || json["sha256"].get<std::string>() != hash_of(ordered))
+  if (!is_sealed(Json::parse(text, nullptr, /*allow_exceptions=*/false)))
     faults.add("sha256", "is not that of the content: the file was changed after it was solved; calibrate again");
 }
 
 Json axis_json(const AxisLine& line) {
   return {{"direction", line.direction},
           {"point_mm", line.point_mm},
-          {"harmonic_deg", {line.harmonic_rad[0] / kDegree, line.harmonic_rad[1] / kDegree}},
-          {"backlash_deg", line.backlash_rad / kDegree},
+          {"harmonic_deg", {line.harmonic_rad[0] / kRadPerDegree, line.harmonic_rad[1] / kRadPerDegree}},
+          {"backlash_deg", line.backlash_rad / kRadPerDegree},
           {"approach", line.approach < 0 ? "negative" : "positive"}};
 }
 
@@ -159,11 +150,10 @@ Result<std::string> mount_text(const Mount& mount) {
   json["stop_corrections"] = Json::array();
   for (const StopCorrection& c : mount.stop_corrections) {
     json["stop_corrections"].push_back(
-        {{"pose", c.pose}, {"rot_deg", c.rotation_rad / kDegree}, {"swing_deg", c.swing_rad / kDegree}});
+        {{"pose", c.pose}, {"rot_deg", c.rotation_rad / kRadPerDegree}, {"swing_deg", c.swing_rad / kRadPerDegree}});
   }
   if (!mount.covariance.parameters.empty()) json["covariance"] = covariance_json(mount.covariance);
-  json["sha256"] = hash_of(json);
-  std::string text = json_text(json, kIndent) + "\n";
+  std::string text = sealed_text(std::move(json));
   ENAMEL_TRY(parse_mount(text));
   return text;
 }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/solve/solver_options.hpp"
+
 namespace enamel::calib {
 namespace {
 
@@ -42,8 +44,8 @@ void add_prior(ceres::Problem& problem, const std::array<double, N>& weight, std
 
 LineBase base_of(const AxisLine& line, const Vec3d& about) {
   LineBase base;
-  base.d0 = Vec3d(line.direction[0], line.direction[1], line.direction[2]);
-  const Vec3d p(line.point_mm[0], line.point_mm[1], line.point_mm[2]);
+  base.d0 = Vec3d(line.direction.data());
+  const Vec3d p(line.point_mm.data());
   base.p0 = p + base.d0 * base.d0.dot(about - p);
   base.e1 = base.d0.unitOrthogonal();
   base.e2 = base.d0.cross(base.e1);
@@ -240,13 +242,7 @@ Adjusted adjust(const std::vector<MountStop>& stops, const TargetDesign& target,
   b.stops = start.stops;
   ceres::Problem problem;
   build(stops, target, priors, setting, problem, b);
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  solver.num_threads = 1;
-  solver.max_num_iterations = 60;
-  solver.function_tolerance = 1e-10;
-  solver.parameter_tolerance = 1e-12;
-  solver.logging_type = ceres::SILENT;
+  const ceres::Solver::Options solver = adjustment_options(ceres::DENSE_NORMAL_CHOLESKY);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   out.covariance = covariance_of(problem, b, out.is_determined);

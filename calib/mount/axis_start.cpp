@@ -50,8 +50,8 @@ class AxisSums {
 };
 
 Pose turn_about(const AxisLine& line, double angle) {
-  const Vec3d d(line.direction[0], line.direction[1], line.direction[2]);
-  const Vec3d p(line.point_mm[0], line.point_mm[1], line.point_mm[2]);
+  const Vec3d d(line.direction.data());
+  const Vec3d p(line.point_mm.data());
   Pose pose = Pose::Identity();
   pose.linear() = Eigen::AngleAxisd(angle, d).toRotationMatrix();
   pose.translation() = p - pose.linear() * p;

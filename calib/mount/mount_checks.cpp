@@ -5,12 +5,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace enamel::calib {
 namespace {
 
-constexpr double kToDegrees = 180 / std::numbers::pi;
 constexpr double kSameStop_deg = 0.5;
 constexpr double kSlipPriors = 2, kSlipSigmas = 6;
 
@@ -26,9 +24,9 @@ double angle_of(const AxisAngles& angles, int axis) { return axis == 0 ? angles.
 /// Degrees beyond the read angle: the stop's correction and the harmonic.
 double beyond_deg(const Adjusted& a, std::size_t stop, int axis, double read_rad) {
   const AxisLine& line = axis == 0 ? a.state.rotation : a.state.swing;
-  return kToDegrees * (true_angle(read_rad, a.state.stops[stop][static_cast<std::size_t>(axis)], line.harmonic_rad[0],
-                                  line.harmonic_rad[1]) -
-                       read_rad);
+  return kDegreesPerRad * (true_angle(read_rad, a.state.stops[stop][static_cast<std::size_t>(axis)],
+                                      line.harmonic_rad[0], line.harmonic_rad[1]) -
+                           read_rad);
 }
 
 }  // namespace
@@ -36,7 +34,7 @@ double beyond_deg(const Adjusted& a, std::size_t stop, int axis, double read_rad
 Result<void> check_stops(const std::vector<MountStop>& stops) {
   for (int axis = 0; axis < 2; ++axis) {
     std::vector<double> degrees;
-    for (const MountStop& stop : stops) degrees.push_back(angle_of(stop.angles, axis) * kToDegrees);
+    for (const MountStop& stop : stops) degrees.push_back(angle_of(stop.angles, axis) * kDegreesPerRad);
     std::sort(degrees.begin(), degrees.end());
     std::size_t distinct = degrees.empty() ? 0 : 1;
     double last = degrees.empty() ? 0 : degrees.front();
@@ -75,7 +73,7 @@ Result<void> check_slip(const std::vector<MountStop>& stops, const Adjusted& adj
         (beyond - columns * x).squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, n - 4));
     const double sigma = std::sqrt(std::max(scatter2 * inverse(3, 3), 1e-24));
     const double drift = std::abs(x[3]) * static_cast<double>(n - 1);
-    if (drift < kSlipPriors * options.stop_prior_rad * kToDegrees || std::abs(x[3]) < kSlipSigmas * sigma) continue;
+    if (drift < kSlipPriors * options.stop_prior_rad * kDegreesPerRad || std::abs(x[3]) < kSlipSigmas * sigma) continue;
     return fail(
         ErrorCode::kCalibrationRefused,
         fmt::format("the {} slips: its angle runs away from the one read or commanded by {:.4f} degrees a stop, "
@@ -93,10 +91,11 @@ std::optional<WrongStop> worst_stop(const Adjusted& adjusted, const MountOptions
       const double correction = adjusted.state.stops[j][static_cast<std::size_t>(axis)];
       if (!(std::abs(correction) > largest)) continue;
       largest = std::abs(correction);
-      worst = WrongStop{
-          j, fmt::format("the {} stands {:.3f} degrees from where its angle says, {:.0f} times the stops' "
-                         "sigma: a wrong angle, a lost step, or the board was moved",
-                         kReaches[axis].name, correction * kToDegrees, std::abs(correction) / options.stop_prior_rad)};
+      worst =
+          WrongStop{j, fmt::format("the {} stands {:.3f} degrees from where its angle says, {:.0f} times the stops' "
+                                   "sigma: a wrong angle, a lost step, or the board was moved",
+                                   kReaches[axis].name, correction * kDegreesPerRad,
+                                   std::abs(correction) / options.stop_prior_rad)};
     }
   }
   return worst;

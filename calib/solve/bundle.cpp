@@ -9,6 +9,7 @@
 
 #include "calib/solve/plane_cost.hpp"
 #include "calib/solve/projection.hpp"
+#include "calib/solve/solver_options.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -205,13 +206,8 @@ BundleResult bundle(const std::vector<PoseView>& poses, const TargetDesign& targ
   ceres::Problem problem;
   build(poses, target, options, problem, blocks);
   if (options.with_planes) add_planes(poses, target, options, state, problem, blocks);
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = options.solve_shape ? ceres::SPARSE_NORMAL_CHOLESKY : ceres::DENSE_NORMAL_CHOLESKY;
-  solver.num_threads = 1;
-  solver.max_num_iterations = 60;
-  solver.function_tolerance = 1e-10;
-  solver.parameter_tolerance = 1e-12;
-  solver.logging_type = ceres::SILENT;
+  const ceres::Solver::Options solver =
+      adjustment_options(options.solve_shape ? ceres::SPARSE_NORMAL_CHOLESKY : ceres::DENSE_NORMAL_CHOLESKY);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   store(blocks, state);

@@ -1,7 +1,10 @@
 #include "calib/target/target.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "calib/model/json_object.hpp"
 #include "calib/target/code_map.hpp"
@@ -10,6 +13,10 @@ namespace enamel::calib {
 namespace {
 
 constexpr int kMaxGridSide = 200;
+using TypeName = std::pair<std::string_view, TargetType>;
+constexpr std::array<TypeName, 3> kTypes{{{"circle_grid", TargetType::kCircleGrid},
+                                          {"coded_dots", TargetType::kCodedDots},
+                                          {"chessboard", TargetType::kChessboard}}};
 
 /// Value of a key, or a fault that names it.
 Result<double> number(const nlohmann::json& json, const char* key) {
@@ -82,16 +89,16 @@ Result<TargetDesign> parse_target(std::string_view text) {
   TargetDesign target;
   const auto type = json.find("type");
   if (type == json.end() || !type->is_string()) return fail(ErrorCode::kTargetFile, "key 'type' is missing");
-  if (*type != "circle_grid" && *type != "chessboard" && *type != "coded_dots")
+  const auto known = std::ranges::find(kTypes, type->get<std::string>(), &TypeName::first);
+  if (known == kTypes.end())
     return fail(ErrorCode::kTargetFile, "key 'type' must be circle_grid, coded_dots or chessboard");
   if (json.contains("circles") && !json["circles"].is_string())
     return fail(ErrorCode::kTargetFile, "key 'circles' must be a string");
-  target.type = *type == "chessboard" ? TargetType::kChessboard : TargetType::kCircleGrid;
+  target.type = known->second;
   ENAMEL_TRY_ASSIGN(target.cols, side(json, "cols"));
   ENAMEL_TRY_ASSIGN(target.rows, side(json, "rows"));
   ENAMEL_TRY_ASSIGN(target.pitch_mm, number(json, "pitch_mm"));
   if (!(target.pitch_mm > 0)) return fail(ErrorCode::kTargetFile, "key 'pitch_mm' must be positive");
-  if (*type == "coded_dots") target.type = TargetType::kCodedDots;
   if (target.type != TargetType::kChessboard) ENAMEL_TRY(read_dots(json, target));
   if (target.type == TargetType::kCodedDots) ENAMEL_TRY(read_code(json, target));
   return target;

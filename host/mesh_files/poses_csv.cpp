@@ -20,25 +20,18 @@ tl::unexpected<Error> bad_poses(std::size_t line, const char* reason) {
   return fail(ErrorCode::kExchangeInvalid, "poses.csv line " + std::to_string(line) + ": " + reason);
 }
 
-std::string_view next_field(std::string_view& line) {
-  const std::size_t comma = line.find(',');
-  const std::string_view field = line.substr(0, comma);
-  line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
-  return field;
-}
-
 Result<PoseRow> row_of(std::string_view line, std::size_t number) {
   if (std::count(line.begin(), line.end(), ',') != 8) {
     return bad_poses(number, "not nine fields");
   }
-  const auto id = to_number<std::uint64_t>(next_field(line));
-  const auto t_ns = to_number<std::int64_t>(next_field(line));
+  const auto id = to_number<std::uint64_t>(cut(line, ','));
+  const auto t_ns = to_number<std::int64_t>(cut(line, ','));
   if (!id || !t_ns) {
     return bad_poses(number, "burst_id or t_ns is not a whole number");
   }
   std::array<double, 7> value{};
   for (double& v : value) {
-    const auto field = to_number<double>(next_field(line));
+    const auto field = to_number<double>(cut(line, ','));
     if (!field || !std::isfinite(*field)) {
       return bad_poses(number, "not a finite number");
     }

@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "protocol/base/plain_text.hpp"
+
 namespace enamel::motion {
 namespace {
 
@@ -30,14 +32,6 @@ std::optional<double> finite_number(std::string_view text) {
   const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
   if (ec != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
-}
-
-/// The text up to the separator, which is taken off `rest` with it.
-std::string_view cut(std::string_view& rest, char separator) {
-  const std::size_t at = rest.find(separator);
-  const std::string_view head = rest.substr(0, at);
-  rest = at == std::string_view::npos ? std::string_view{} : rest.substr(at + 1);
-  return head;
 }
 
 bool read_state(std::string_view field, GrblStatus& status) {

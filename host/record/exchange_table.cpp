@@ -1,6 +1,5 @@
 // bursts.csv
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
@@ -16,37 +15,22 @@ constexpr std::size_t kFields = 7;
 constexpr std::array<const char*, 4> kTimeNames{"t0_ns", "t1_ns", "t2_ns", "t3_ns"};
 constexpr std::int64_t kMaxTimeNs = std::int64_t{1} << 61U;
 
-template <class V>
-bool parse(std::string_view text, V& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size();
-}
-
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> fields;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    fields.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return fields;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 // Empty when good, else what is wrong.
 std::string parse_row(std::string_view line, ExchangeRow& row) {
-  const auto fields = split(line);
+  const auto fields = table_fields(line);
   if (fields.size() != kFields) return std::to_string(fields.size()) + " fields, expected 7";
-  if (!parse(fields[0], row.burst_id)) return "burst_id is not a whole number";
+  if (!read_number(fields[0], row.burst_id)) return "burst_id is not a whole number";
   for (std::size_t k = 0; k < 4; ++k) {
     const std::string name = kTimeNames[k];
-    if (!parse(fields[k + 1], row.t_ns[k])) return name + " is not a whole number";
+    if (!read_number(fields[k + 1], row.t_ns[k])) return name + " is not a whole number";
     if (row.t_ns[k] < 0 || row.t_ns[k] > kMaxTimeNs) return name + " is out of range";
     if (k > 0 && row.t_ns[k] <= row.t_ns[k - 1]) return name + " is not after the frame before";
   }
   double exposure = 0;
-  if (!parse(fields[5], exposure) || !(exposure >= 0 && exposure <= 1e9)) return "exposure_us is not a usable number";
+  if (!read_number(fields[5], exposure) || !(exposure >= 0 && exposure <= 1e9))
+    return "exposure_us is not a usable number";
   row.exposure_us = static_cast<std::uint32_t>(std::lround(exposure));
-  if (!parse(fields[6], row.temp_c) || !(std::abs(row.temp_c) < 300)) return "temp_c is not a usable number";
+  if (!read_number(fields[6], row.temp_c) || !(std::abs(row.temp_c) < 300)) return "temp_c is not a usable number";
   return {};
 }
 
@@ -60,9 +44,7 @@ Result<std::vector<ExchangeRow>> parse_bursts_csv(const std::string& text, const
     const auto invalid = [&](const std::string& what) {
       return fail(ErrorCode::kExchangeInvalid, at_line(path, number) + what);
     };
-    const std::size_t end = rest.find('\n');
-    std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+    const std::string_view line = cut(rest, '\n');
     if (number == 1) {
       if (line != kColumns) return invalid("first line must be " + std::string(kColumns));
       continue;

@@ -104,4 +104,20 @@ std::string plain_table(std::string_view bytes) {
   return out == "\n" ? std::string() : out;
 }
 
+std::string_view cut(std::string_view& rest, char separator) noexcept {
+  const std::size_t at = rest.find(separator);
+  const std::string_view head = rest.substr(0, at);
+  rest.remove_prefix(at == std::string_view::npos ? rest.size() : at + 1);
+  return head;
+}
+
+std::vector<std::string_view> table_fields(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (bool more = true; more;) {
+    more = line.find(',') != std::string_view::npos;
+    fields.push_back(cut(line, ','));
+  }
+  return fields;
+}
+
 }  // namespace enamel

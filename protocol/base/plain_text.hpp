@@ -1,8 +1,10 @@
 // Text however other programs save it.
 #pragma once
 
+#include <charconv>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace enamel {
 
@@ -18,5 +20,18 @@ namespace enamel {
 /// inside a number (0,5 between other separators or in quotes) becomes a point; rows of separators alone become empty
 /// lines, and those at the end go. Lines keep their numbers. What is no number is left for the reader to refuse.
 [[nodiscard]] std::string plain_table(std::string_view bytes);
+
+/// The text up to the separator, which is taken off `rest` with it; all of `rest` where there is none.
+[[nodiscard]] std::string_view cut(std::string_view& rest, char separator) noexcept;
+
+/// Fields of a line of plain_table(), empty ones too; at least one.
+[[nodiscard]] std::vector<std::string_view> table_fields(std::string_view line);
+
+/// Whether the whole text is a number; `value` is it then.
+template <class V>
+[[nodiscard]] bool read_number(std::string_view text, V& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
 
 }  // namespace enamel

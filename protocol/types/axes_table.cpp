@@ -15,37 +15,21 @@ constexpr double kMaxAngle_deg = 360;
 
 std::string_view key_name(AxesKey key) { return key == AxesKey::kBurst ? "burst_id" : "pose"; }
 
-template <class V>
-bool is_parsed(std::string_view text, V& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() && !text.empty();
-}
-
-std::vector<std::string_view> fields_of(std::string_view line) {
-  std::vector<std::string_view> fields;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    fields.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return fields;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 /// Empty when good, else what is wrong.
 std::string read_row(std::string_view line, AxesKey key, AxesRow& row) {
-  const auto fields = fields_of(line);
+  const auto fields = table_fields(line);
   if (fields.size() != 5) return std::to_string(fields.size()) + " fields, expected 5";
   row.key = fields[0];
   std::uint64_t number = 0;
   if (row.key.empty()) return std::string(key_name(key)) + " is empty";
-  if (key == AxesKey::kBurst && !is_parsed(fields[0], number)) return "burst_id is not a whole number";
+  if (key == AxesKey::kBurst && !read_number(fields[0], number)) return "burst_id is not a whole number";
   if (key == AxesKey::kBurst) row.key = std::to_string(number);
   for (std::size_t k = 0; k < 4; ++k) {
     const std::string_view text = fields[k + 1];
     double& angle = row.angles_deg[k];
     angle = std::numeric_limits<double>::quiet_NaN();
     if (text.empty() || text == "nan" || text == "NaN") continue;
-    if (!is_parsed(text, angle) || !std::isfinite(angle))
+    if (!read_number(text, angle) || !std::isfinite(angle))
       return std::string(kAngleNames[k]) + " is no number; write degrees, or nan for none";
     if (std::abs(angle) > kMaxAngle_deg)
       return std::string(kAngleNames[k]) + " is beyond -360 to 360 degrees; take full turns off";
@@ -81,9 +65,7 @@ Result<std::vector<AxesRow>> parse_axes_table(std::string_view text, const std::
     const auto invalid = [&](const std::string& what) {
       return fail(code, path + ":" + std::to_string(number) + ": " + what);
     };
-    const std::size_t end = rest.find('\n');
-    const std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+    const std::string_view line = cut(rest, '\n');
     if (number == 1) {
       if (line != header) return invalid("first line must be " + header);
       continue;
@@ -103,7 +85,7 @@ Result<std::vector<AxesReading>> parse_burst_axes(std::string_view text, const s
   std::vector<AxesReading> out;
   for (const AxesRow& row : rows) {
     AxesReading reading{0, row.angles_deg[0], row.angles_deg[1], row.angles_deg[2], row.angles_deg[3]};
-    static_cast<void>(is_parsed(std::string_view(row.key), reading.burst_index));  // read_row saw to it
+    static_cast<void>(read_number(std::string_view(row.key), reading.burst_index));  // read_row saw to it
     out.push_back(reading);
   }
   return out;

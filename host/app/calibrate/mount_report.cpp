@@ -1,7 +1,6 @@
 #include "host/app/calibrate/mount_report.hpp"
 
 #include <cstdio>
-#include <numbers>
 
 #include "calib/model/rig.hpp"
 #include "calib/report/report.hpp"
@@ -12,17 +11,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kToDegrees = 180 / std::numbers::pi;
 constexpr double kMaxDirection_deg = 0.003, kMaxPlace_um = 3;
 constexpr double kReach_mm = 30;  // of an arch from the field's middle
 
 Json axis_json(const calib::AxisLine& line, const calib::LineSigma& sigma, bool is_play_seen) {
-  Json json{{"direction", line.direction},
-            {"point_mm", line.point_mm},
-            {"harmonic_deg", {line.harmonic_rad[0] * kToDegrees, line.harmonic_rad[1] * kToDegrees}},
-            {"direction_sigma_deg", sigma.direction_rad * kToDegrees},
-            {"place_sigma_um", sigma.place_mm * 1000}};
-  json["backlash_deg"] = is_play_seen ? Json(line.backlash_rad * kToDegrees) : Json();
+  Json json{
+      {"direction", line.direction},
+      {"point_mm", line.point_mm},
+      {"harmonic_deg", {line.harmonic_rad[0] * calib::kDegreesPerRad, line.harmonic_rad[1] * calib::kDegreesPerRad}},
+      {"direction_sigma_deg", sigma.direction_rad * calib::kDegreesPerRad},
+      {"place_sigma_um", sigma.place_mm * 1000}};
+  json["backlash_deg"] = is_play_seen ? Json(line.backlash_rad * calib::kDegreesPerRad) : Json();
   return json;
 }
 
@@ -36,7 +35,7 @@ Json reasons_of(const calib::MountSolution& s) {
   Json reasons = Json::array();
   const std::pair<const char*, const calib::LineSigma*> lines[] = {{"rotation", &s.rotation}, {"swing", &s.swing}};
   for (const auto& [name, sigma] : lines) {
-    if (!(sigma->direction_rad * kToDegrees <= kMaxDirection_deg))
+    if (!(sigma->direction_rad * calib::kDegreesPerRad <= kMaxDirection_deg))
       reasons.push_back(std::string(name) +
                         " axis: its direction is not known to 0.003 degrees; take more stops, wider apart");
     if (!(sigma->place_mm * 1000 <= kMaxPlace_um))
@@ -59,15 +58,15 @@ Json mount_json(const calib::MountSolution& s) {
   json["rotation"] = axis_json(s.mount.rotation, s.rotation, s.is_rotation_play_seen);
   json["swing"] = axis_json(s.mount.swing, s.swing, s.is_swing_play_seen);
   json["misfit"] = s.misfit;
-  json["stop_sigma_deg"] = {s.stop_sigma_rad[0] * kToDegrees, s.stop_sigma_rad[1] * kToDegrees};
+  json["stop_sigma_deg"] = {s.stop_sigma_rad[0] * calib::kDegreesPerRad, s.stop_sigma_rad[1] * calib::kDegreesPerRad};
   json["wobble_sigma_um"] = s.wobble_sigma_mm * 1000;
   json["stops_used"] = s.stops.size();
   json["stops_left_out"] = notes_of(s.left_out);
   json["stops"] = Json::array();
   for (const calib::StopResult& r : s.stops) {
     json["stops"].push_back({{"pose", r.pose},
-                             {"rot_deg", r.rotation_rad * kToDegrees},
-                             {"swing_deg", r.swing_rad * kToDegrees},
+                             {"rot_deg", r.rotation_rad * calib::kDegreesPerRad},
+                             {"swing_deg", r.swing_rad * calib::kDegreesPerRad},
                              {"shift_um", r.shift_mm.norm() * 1000},
                              {"dots", r.dots},
                              {"rms_camera_px", r.rms_camera_px},
@@ -136,7 +135,7 @@ Json mount_difference_json(const calib::Mount& a, const calib::Mount& b) {
       {"rotation", calib::compare_lines(a.rotation, b.rotation, middle, kReach_mm)},
       {"swing", calib::compare_lines(a.swing, b.swing, middle, kReach_mm)}};
   for (const auto& [name, d] : lines)
-    json[name] = {{"angle_deg", d.angle_rad * kToDegrees}, {"distance_um", d.distance_mm * 1000}};
+    json[name] = {{"angle_deg", d.angle_rad * calib::kDegreesPerRad}, {"distance_um", d.distance_mm * 1000}};
   return json;
 }
 

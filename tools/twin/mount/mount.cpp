@@ -27,7 +27,7 @@ Vector3d turned(const Vector3d& direction, const Vector3d& turn_rad) {
 
 /// Adds a tilt of up to kDrawnTilt_deg to any side and a first harmonic of any phase.
 void draw_axis(AxisConfig& axis, const CounterRandom& random, std::uint64_t& draw) {
-  const Vector3d along = turned(to_eigen(axis.direction), kRadPerDeg * to_eigen(axis.tilt_deg));
+  const Vector3d along = stated_direction(axis);
   const double tilt_deg = random.uniform(draw++, 0, kDrawnTilt_deg);
   const double azimuth = random.uniform(draw++, 0, 2 * std::numbers::pi);
   const Vector3d across = Eigen::AngleAxisd(azimuth, along) * along.unitOrthogonal();
@@ -43,7 +43,7 @@ void draw_axis(AxisConfig& axis, const CounterRandom& random, std::uint64_t& dra
 
 Axis axis_of(const AxisConfig& c) {
   Axis axis;
-  axis.direction = turned(to_eigen(c.direction), kRadPerDeg * to_eigen(c.tilt_deg));
+  axis.direction = stated_direction(c);
   axis.point_mm = to_eigen(c.point_mm);
   axis.harmonic_rad = {kRadPerDeg * c.harmonic_deg[0], kRadPerDeg * c.harmonic_deg[1]};
   axis.backlash_rad = kRadPerDeg * c.backlash_deg;
@@ -120,6 +120,10 @@ Vector3d run_out(const Mount& m, double rot_rad) {
 }
 
 }  // namespace
+
+Vector3d stated_direction(const AxisConfig& axis) {
+  return turned(to_eigen(axis.direction), kRadPerDeg * to_eigen(axis.tilt_deg));
+}
 
 MountConfig drawn(const MountConfig& config, std::uint64_t seed) {
   MountConfig out = config;

@@ -52,6 +52,9 @@ struct MountRun {
 inline constexpr double kDrawnTilt_deg = 2, kDrawnSkew_mm = 0.3, kDrawnHarmonic_deg = 0.02, kDrawnBacklash_deg = 0.05,
                         kDrawnWobble_um = 3;
 
+/// Unit vector along the axis as the scene states it, tilt included.
+[[nodiscard]] Eigen::Vector3d stated_direction(const AxisConfig& axis);
+
 /// What the scene states, with the errors of one unit on top where `draw` asks for them.
 [[nodiscard]] MountConfig drawn(const MountConfig& config, std::uint64_t seed);
 

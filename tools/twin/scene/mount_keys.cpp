@@ -1,12 +1,12 @@
 #include "tools/twin/scene/mount_keys.hpp"
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "tools/twin/degrees.hpp"
+#include "tools/twin/mount/mount.hpp"
 
 namespace enamel::twin {
 namespace {
@@ -81,12 +81,7 @@ void bind_stops(ConfigReader& r, MountConfig& m) {
 }
 
 void check_axes(ConfigReader& r, const MountConfig& m) {
-  const auto unit = [](const AxisConfig& a) {
-    const Eigen::Vector3d turn = Eigen::Vector3d(a.tilt_deg.data()) * kRadPerDeg;
-    const Eigen::Vector3d along = Eigen::Vector3d(a.direction.data()).normalized();
-    return turn.norm() > 0 ? Eigen::Vector3d(Eigen::AngleAxisd(turn.norm(), turn.normalized()) * along) : along;
-  };
-  const double sine = unit(m.rotation).cross(unit(m.swing)).norm();
+  const double sine = stated_direction(m.rotation).cross(stated_direction(m.swing)).norm();
   if (sine < std::sin(kMinAngle_deg * kRadPerDeg)) {
     r.reject("swing.direction", "is within 10 degrees of the rotation axis: a mount needs two axes");
   }
