@@ -8,6 +8,7 @@
 
 #include "pipeline/model/fuse/view_keeping.hpp"
 #include "pipeline/stages/digest.hpp"
+#include "pipeline/stages/live_image.hpp"
 
 namespace enamel::stage {
 
@@ -31,15 +32,6 @@ double median_depth(const Map<float>& depth) {
   const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
   std::nth_element(some.begin(), middle, some.end());
   return static_cast<double>(*middle);
-}
-
-std::shared_ptr<const Map<std::uint8_t>> grey(const Map<float>& texture) {
-  auto out = std::make_shared<Map<std::uint8_t>>(texture.width(), texture.height());
-  for (std::size_t i = 0; i < texture.size(); ++i) {
-    const float dn = texture[i];
-    (*out)[i] = static_cast<std::uint8_t>(dn > 0.0F ? std::min(dn, 255.0F) : 0.0F);  // NaN: no surface, black
-  }
-  return out;
 }
 
 }  // namespace
@@ -121,7 +113,7 @@ std::shared_ptr<const BurstPreview> FuseStage::make_preview(const flow::Item<Tra
   }
   const SurfacePatch& patch = *item->patch;
   last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
-  last_preview_.live = grey(patch.texture_dn);
+  last_preview_.live = std::make_shared<const Map<std::uint8_t>>(live_image(patch.texture_dn));
   if (config_.preview_model && until_preview_-- == 0) {
     until_preview_ = config_.preview_period - 1;
     last_preview_.model = growing_surface();

@@ -14,7 +14,7 @@ DEVICE = ["firmware/device", "firmware/device/sim", "firmware/device/linux/camer
 FIRMWARE = ["firmware/hal", "firmware/acquire", "firmware/check", "firmware/publish", "firmware/control"] + DEVICE
 HOST = ["host/ingest", "host/record", "host/report", "host/update", "host/session"]
 DECODE = ["pipeline/decode/" + room for room in ("phase", "unwrap", "triangulate", "motion", "steps", "mode_t", "mode_m")]
-REGISTER = ["pipeline/register/" + room for room in ("icp", "feature", "track", "map")]
+REGISTER = ["pipeline/register/" + room for room in ("icp", "feature", "track", "map", "stops")]
 MODEL = ["pipeline/model/" + room for room in ("fuse", "mesh", "guide", "segments")]
 SHARED = BASE + ["calib/model", "pipeline/types"]
 ALGORITHMS = ["pipeline/types", "pipeline/decode"] + DECODE + REGISTER + MODEL
@@ -44,6 +44,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "pipeline/register/feature": (2, SHARED),
     "pipeline/register/track": (2, SHARED + REGISTER[:2]),
     "pipeline/register/map": (2, SHARED + REGISTER[:1]),
+    "pipeline/register/stops": (2, SHARED + ["pipeline/register/icp", "pipeline/register/map"]),
     "pipeline/model/fuse": (2, SHARED),
     "pipeline/model/mesh": (2, SHARED + ["pipeline/model/fuse"]),
     "pipeline/model/guide": (2, SHARED + ["pipeline/decode/phase", "pipeline/decode/triangulate", "pipeline/register/icp"]),

@@ -60,12 +60,14 @@ std::vector<Vec3d> centres_of(const std::vector<Pose>& poses, const std::vector<
 
 class Solver {
  public:
-  Solver(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config, Landmarks landmarks)
+  Solver(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config, Landmarks landmarks,
+         std::vector<PosePrior> priors)
       : poses_(std::move(poses)),
         edges_(edges),
         config_(config),
         switches_(edges.size(), 1.0),
         landmarks_(std::move(landmarks)),
+        priors_(std::move(priors)),
         distance_variances_(landmarks_.asked(), 0.0) {
     for (const MapEdge& edge : edges) information_.push_back(information(edge, config));
   }
@@ -132,6 +134,7 @@ class Solver {
       if (edge.j > 0) out.g.segment<6>(at(edge.j)) += B.transpose() * W * x;
     }
     landmarks_.add_to({entries, out.g}, {poses_, out.centres, config_.rho_mm}, sigma0_ * sigma0_);
+    add_priors(priors_, {entries, out.g, poses_, out.centres}, config_.rho_mm, variance_of_unit_weight());
     out.H.setFromTriplets(entries.begin(), entries.end());
     for (Eigen::Index k = 0; k < unknowns; ++k) out.H.coeffRef(k, k) += kHold;
     return out;
@@ -176,17 +179,18 @@ class Solver {
   std::vector<double> switches_;
   double sigma0_ = 1;
   LandmarkFactors landmarks_;
+  std::vector<PosePrior> priors_;
   std::vector<double> distance_variances_;
 };
 
 }  // namespace
 
 SolvedGraph solve_graph(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config,
-                        Landmarks landmarks) {
+                        Landmarks landmarks, std::vector<PosePrior> priors) {
   if (poses.size() < 2 || edges.empty()) {
     return {std::move(poses), std::vector<double>(edges.size(), 1.0), 1, 0, std::move(landmarks.at), {}, nullptr};
   }
-  return Solver(std::move(poses), edges, config, std::move(landmarks)).run();
+  return Solver(std::move(poses), edges, config, std::move(landmarks), std::move(priors)).run();
 }
 
 }  // namespace enamel::pipeline

@@ -11,6 +11,7 @@
 #include "pipeline/register/icp/normal_system.hpp"
 #include "pipeline/register/map/graph_covariance.hpp"
 #include "pipeline/register/map/landmark_factors.hpp"
+#include "pipeline/register/map/pose_prior.hpp"
 #include "pipeline/types/geometry.hpp"
 
 namespace enamel::pipeline {
@@ -46,8 +47,9 @@ struct SolvedGraph {
 };
 
 /// Node 0 stays. `poses`: where the nodes are believed to be, near enough for one linearisation a round; every node is
-/// connected to node 0. Deterministic.
+/// connected to node 0, or has a prior. Deterministic.
 [[nodiscard]] SolvedGraph solve_graph(std::vector<Pose> poses, const std::vector<MapEdge>& edges,
-                                      const GraphConfig& config, Landmarks landmarks = {});
+                                      const GraphConfig& config, Landmarks landmarks = {},
+                                      std::vector<PosePrior> priors = {});
 
 }  // namespace enamel::pipeline
