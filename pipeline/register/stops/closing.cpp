@@ -11,7 +11,7 @@ namespace enamel::pipeline {
 namespace {
 
 constexpr double kSame_deg = 0.5;  // chosen: of one swing, or of one angle
-constexpr std::size_t kFewest = 4;
+constexpr std::size_t kSmallestRing = 4;
 
 double turn_deg(const Stop& stop) {
   const double deg = std::fmod(stop.angles.rotation() * calib::kDegreesPerRad, 360);
@@ -43,7 +43,7 @@ std::vector<std::vector<std::size_t>> rings(const std::vector<Stop>& stops) {
     const auto same = [&](std::size_t a, std::size_t b) { return turn_deg(stops[b]) - turn_deg(stops[a]) < kSame_deg; };
     ring.erase(std::unique(ring.begin(), ring.end(), same), ring.end());
     if (ring.size() > 1 && turn_deg(stops[ring.back()]) - 360 + kSame_deg > turn_deg(stops[ring.front()])) ring.pop_back();
-    if (ring.size() >= kFewest) out.push_back(ring);
+    if (ring.size() >= kSmallestRing) out.push_back(ring);
   }
   return out;
 }

@@ -11,7 +11,7 @@ namespace {
 constexpr int kLine = 6;              // two tilts, two shifts, two factors of the harmonic
 constexpr int kLines = 2 * kLine;
 constexpr int kUnknowns = kLines + 6;  // … and the model's frame beside the mount's
-constexpr std::size_t kFewest = 3;
+constexpr std::size_t kFewestStops = 3;
 constexpr int kRounds = 6;
 constexpr double kSwitchSigmas = 4;  // as GraphConfig
 constexpr double kStep = 1e-6;       // of the differences, rad and mm: errors of 1e-9 of what they are of
@@ -105,7 +105,7 @@ class Refit {
 
 calib::Mount refit_mount(const calib::Mount& start, const std::vector<StopPose>& stops, const MountSigma& lines,
                          const StopSigma& stop, double rho_mm) {
-  if (stops.size() < kFewest) return start;
+  if (stops.size() < kFewestStops) return start;
   const auto weight = [](double sigma) { return 1 / (sigma * sigma); };
   Unknowns prior = Unknowns::Constant(1e-9);  // the frame is free; so little keeps what nothing determines in place
   for (const int line : {0, kLine}) {
