@@ -107,14 +107,14 @@ inline constexpr std::size_t kMountParameters = 16;
 [[nodiscard]] std::array<const char*, kMountParameters> mount_parameter_names();
 
 /// Reads mount.json (format enamel-mount, schema 1) and the twin's enamel-mount-truth. Keys that this version does not
-/// know are passed over. Error: kRigInvalid, the detail names the key and what it must be; never a partial mount.
+/// know are passed over. Error: kMountInvalid, the detail names the key and what it must be; never a partial mount.
 [[nodiscard]] Result<Mount> parse_mount(std::string_view text);
 
 /// Errors: kFileNotFound, kFileRead, those of parse_mount with the file's name.
 [[nodiscard]] Result<Mount> load_mount(const std::string& path);
 
 /// mount.json, sealed by its own SHA-256 (key sha256, taken with that key empty).
-/// Error: kRigInvalid for what parse_mount would refuse.
+/// Error: kMountInvalid for what parse_mount would refuse.
 [[nodiscard]] Result<std::string> mount_text(const Mount& mount);
 
 /// Whether `text` is of one of the two formats, whatever else is wrong with it.

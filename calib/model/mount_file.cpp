@@ -112,7 +112,7 @@ bool is_mount_text(std::string_view text) {
 }
 
 Result<Mount> parse_mount(std::string_view text) {
-  ENAMEL_TRY_ASSIGN(const auto json, parse_json_object(text, ErrorCode::kRigInvalid));
+  ENAMEL_TRY_ASSIGN(const auto json, parse_json_object(text, ErrorCode::kMountInvalid));
   Faults faults;
   JsonSection top(json, "", faults);
   const std::string format = top.string("format");
@@ -129,7 +129,7 @@ Result<Mount> parse_mount(std::string_view text) {
     read_covariance(json, top, mount, faults);
   }
   if (faults.first().empty()) check_seal(json, text, faults);
-  if (!faults.first().empty()) return fail(ErrorCode::kRigInvalid, "mount: " + faults.first());
+  if (!faults.first().empty()) return fail(ErrorCode::kMountInvalid, "mount: " + faults.first());
   return mount;
 }
 

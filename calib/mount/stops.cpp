@@ -28,8 +28,11 @@ bool is_same(const std::string& pose, const std::string& key) {
 
 Result<std::vector<AxisAngles>> read_pose_axes(const std::string& folder, const std::vector<std::string>& poses) {
   const std::string path = folder + "/axes.csv";
-  ENAMEL_TRY_ASSIGN(const std::string text, read_file(path));
-  ENAMEL_TRY_ASSIGN(const auto rows, proto::parse_axes_table(text, path, proto::AxesKey::kPose));
+  const auto text = read_file(path);
+  if (!text && text.error().code == ErrorCode::kFileNotFound)
+    return fail(ErrorCode::kAxesMissing, path + " is missing");
+  if (!text) return tl::unexpected<Error>(text.error());
+  ENAMEL_TRY_ASSIGN(const auto rows, proto::parse_axes_table(*text, path, proto::AxesKey::kPose));
   std::vector<AxisAngles> out(poses.size());
   std::vector<bool> is_known(poses.size(), false);
   for (const proto::AxesRow& row : rows) {
@@ -46,7 +49,7 @@ Result<std::vector<AxisAngles>> read_pose_axes(const std::string& folder, const 
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!is_known[i]) {
-      return fail(ErrorCode::kCalibrationFolder,
+      return fail(ErrorCode::kAxesMissing,
                   path + ": no row for pose '" + poses[i] + "'; add its angles or remove its pictures");
     }
   }

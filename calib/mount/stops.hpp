@@ -17,8 +17,9 @@ struct MountStop {
 };
 
 /// The table axes.csv of a calibration folder (docs/desktop-calibration.md): angles of every pose of `poses`, in their
-/// order. A pose's key is its folder's name or the same number without leading zeros. Errors: kFileNotFound; those of
-/// parse_axes_table; kCalibrationFolder for a pose without a row, a row without a pose, or two rows for one pose.
+/// order. A pose's key is its folder's name or the same number without leading zeros. Errors: kAxesMissing for no such
+/// table or a pose without a row; kFileRead; those of parse_axes_table; kCalibrationFolder for a row without a pose, or
+/// two rows for one pose.
 [[nodiscard]] Result<std::vector<AxisAngles>> read_pose_axes(const std::string& folder,
                                                              const std::vector<std::string>& poses);
 

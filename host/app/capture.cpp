@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/app/command.hpp"
+#include "host/record/axes_readings.hpp"
 #include "host/record/burst_stream.hpp"
 #include "host/record/capture_tools.hpp"
 #include "host/record/exchange_folder.hpp"
@@ -73,6 +74,8 @@ Result<int> info(const CaptureCommand& o) {
                       "\nbytes        " + std::to_string(i.file_bytes) + "\ntruncated    " +
                       (i.truncated ? "yes" : "no") + "\nprogram      " + i.program + "\ncalibration  " +
                       (stream->rig_text().empty() ? "none" : "rig.json");
+  const std::uint64_t axes = host::count_axes(*stream);
+  if (axes > 0) human += "\nangles       " + std::to_string(axes);
   nlohmann::json metadata = nlohmann::json::object();
   for (const auto& [key, value] : i.metadata) {
     metadata[key] = value;
@@ -87,6 +90,7 @@ Result<int> info(const CaptureCommand& o) {
        {"shed", i.shed},
        {"statuses", i.statuses},
        {"events", i.events},
+       {"axes", axes},
        {"duration_ns", i.duration_ns()},
        {"file_bytes", i.file_bytes},
        {"truncated", i.truncated},

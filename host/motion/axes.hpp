@@ -51,13 +51,14 @@ class Axes {
   /// Targets that move_to takes.
   [[nodiscard]] virtual AxesLimits limits() const = 0;
   [[nodiscard]] virtual AxesState state() const = 0;
-  /// Finds the position anew. kHal; kCancelled. After an error the state is kUnhomed or kLost.
+  /// Finds the position anew. kAxes, kAxesAlarm; kCancelled. After an error the state is kUnhomed or kLost.
   [[nodiscard]] virtual Result<void> home(Nanoseconds within) = 0;
   /// Returns when both axes stand at `target` and have settled, each having come from below, so that backlash is always
-  /// on one side. Nothing is sent for a target that is not finite or outside limits() (kUsage), nor in a state other
-  /// than kReady (kHal). kHal after a fault, kCancelled after request_stop(): the table stands then.
+  /// on one side. Nothing is sent for a target that is not finite or outside limits() (kAxesRange), nor in a state
+  /// other than kReady (kAxes). After a fault kAxes, kAxesAlarm (alarm, door, restart of the controller) or kAxesStep
+  /// (stands elsewhere than told), kCancelled after request_stop(): the table stands then.
   [[nodiscard]] virtual Result<AxesPosition> move_to(const AxesAngles& target, Nanoseconds within) = 0;
-  /// kHal when the position is unknown.
+  /// kAxes when the position is unknown; the faults of move_to.
   [[nodiscard]] virtual Result<AxesPosition> position() = 0;
   /// Brings the table to a stand, whatever it does, and keeps the position where the hardware does. Idempotent.
   [[nodiscard]] virtual Result<void> stop() = 0;

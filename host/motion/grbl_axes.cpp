@@ -52,9 +52,9 @@ Result<void> GrblAxes::require_ready() const {
     case AxesState::kReady:
       return {};
     case AxesState::kLost:
-      return fail(ErrorCode::kHal, "the line to the axes is gone: connect the controller and open it again");
+      return fail(ErrorCode::kAxes, "the line to the axes is gone: connect the controller and open it again");
     default:
-      return fail(ErrorCode::kHal, "the position of the axes is unknown: home first");
+      return fail(ErrorCode::kAxes, "the position of the axes is unknown: home first");
   }
 }
 
@@ -100,7 +100,7 @@ Result<void> GrblAxes::find_home(HostTime deadline) {
   ENAMEL_TRY(link_->command("$H", {.within = deadline - clock_.now(), .cancel = &stop_requested_}));
   ENAMEL_TRY_ASSIGN(const GrblStatus status, link_->status(kAnswer));
   if (status.state != GrblState::kIdle || !status.has_mpos) {
-    return fail(ErrorCode::kHal,
+    return fail(status.state == GrblState::kAlarm ? ErrorCode::kAxesAlarm : ErrorCode::kAxes,
                 fmt::format("after homing the controller is in state {} {}: home again", grbl_state_name(status.state),
                             status.has_mpos ? "" : "and reports no machine position (set $10=1)"));
   }
@@ -138,9 +138,10 @@ Result<AxesAngles> GrblAxes::go(const AxesAngles& target, HostTime deadline) {
 
 Result<void> GrblAxes::check_inside(const GrblStatus& status) const {
   if (status.state == GrblState::kAlarm || status.state == GrblState::kDoor || status.state == GrblState::kSleep) {
-    return fail(ErrorCode::kHal, fmt::format("the controller went into state {} in the move: clear the cause (switch, "
-                                             "door, sleep), home again",
-                                             grbl_state_name(status.state)));
+    return fail(ErrorCode::kAxesAlarm,
+                fmt::format("the controller went into state {} in the move: clear the cause (switch, "
+                            "door, sleep), home again",
+                            grbl_state_name(status.state)));
   }
   if (!status.has_mpos) return {};
   const AxesAngles at = angles_of(status);
@@ -150,7 +151,7 @@ Result<void> GrblAxes::check_inside(const GrblStatus& status) const {
     return deg >= l.min_deg - slack && deg <= l.max_deg + slack;
   };
   if (is_in(at.rot_deg, travel.rot) && is_in(at.swing_deg, travel.swing)) return {};
-  return fail(ErrorCode::kHal,
+  return fail(ErrorCode::kAxes,
               fmt::format("the table left its travel, at rotation {:.3f}, swing {:.3f} deg: a target was "
                           "altered on the line or somebody moved it; check the cable, home again",
                           at.rot_deg, at.swing_deg));
@@ -169,21 +170,21 @@ Result<void> GrblAxes::run_leg(const AxesAngles& from, const AxesAngles& to, Hos
 }
 
 Result<AxesAngles> GrblAxes::resting_angles(const AxesAngles& target, HostTime deadline) {
-  if (clock_.now() >= deadline) return fail(ErrorCode::kHal, "the time for the move is over: allow it longer");
+  if (clock_.now() >= deadline) return fail(ErrorCode::kAxes, "the time for the move is over: allow it longer");
   ENAMEL_TRY_ASSIGN(const GrblStatus status, link_->status(std::min(kAnswer, Nanoseconds{deadline - clock_.now()})));
   ENAMEL_TRY(check_inside(status));
   if (status.state != GrblState::kIdle) {
-    return fail(ErrorCode::kHal,
+    return fail(ErrorCode::kAxes,
                 fmt::format("the controller is in state {} where it should stand: another program or its "
                             "buttons moved it; home again",
                             grbl_state_name(status.state)));
   }
-  if (!status.has_mpos) return fail(ErrorCode::kHal, "the report carries no machine position: set $10=1");
+  if (!status.has_mpos) return fail(ErrorCode::kAxes, "the report carries no machine position: set $10=1");
   const AxesAngles at = angles_of(status);
   const double off = std::max(std::abs(at.rot_deg - target.rot_deg), std::abs(at.swing_deg - target.swing_deg));
   if (off <= same_deg()) return at;
   return fail(
-      ErrorCode::kHal,
+      ErrorCode::kAxesStep,
       fmt::format("the table stands at rotation {:.3f}, swing {:.3f} deg instead of {:.3f}, {:.3f}: steps were lost "
                   "or a target altered; check load, driver current and cable, home again",
                   at.rot_deg, at.swing_deg, target.rot_deg, target.swing_deg));
@@ -191,7 +192,8 @@ Result<AxesAngles> GrblAxes::resting_angles(const AxesAngles& target, HostTime d
 
 Result<AxesAngles> GrblAxes::settle(const AxesAngles& target, HostTime deadline) {
   const HostTime rested = clock_.now() + from_ms(profile_.settle_ms);
-  if (rested > deadline) return fail(ErrorCode::kHal, "no time is left for the table to settle: allow the move longer");
+  if (rested > deadline)
+    return fail(ErrorCode::kAxes, "no time is left for the table to settle: allow the move longer");
   while (clock_.now() < rested) {
     if (stop_requested_) return fail(ErrorCode::kCancelled, "axes");
     clock_.sleep_until(std::min(rested, clock_.now() + milliseconds(20)));

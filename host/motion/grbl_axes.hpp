@@ -18,7 +18,8 @@ namespace enamel::motion {
 /// not show in it. A fault in a move takes the position away: state kUnhomed, and only home() moves.
 class GrblAxes final : public Axes {
  public:
-  /// Speaks to the controller and compares its settings with the profile; nothing moves. kHal, kConfigValue.
+  /// Speaks to the controller and compares its settings with the profile; nothing moves. kAxes, kAxesAlarm,
+  /// kConfigValue.
   [[nodiscard]] static Result<std::unique_ptr<GrblAxes>> open(const std::string& port, const GrblProfile& profile,
                                                               Clock& clock);
 

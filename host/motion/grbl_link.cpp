@@ -19,7 +19,7 @@ constexpr Nanoseconds kRestartWithin = milliseconds(1200);
 constexpr int kMostGarbled = 3;
 constexpr std::string_view kSoftReset = "\x18";
 
-tl::unexpected<Error> hal(std::string text) { return fail(ErrorCode::kHal, std::move(text)); }
+tl::unexpected<Error> unusable(std::string text) { return fail(ErrorCode::kAxes, std::move(text)); }
 
 }  // namespace
 
@@ -58,15 +58,15 @@ Result<void> GrblLink::greet(Nanoseconds banner_within) {
     ENAMEL_TRY_ASSIGN(has_banner, await_banner(kRestartWithin, heard));
   }
   if (!has_banner && !heard.empty()) {
-    return hal(
+    return unusable(
         fmt::format("no GRBL controller: it says '{}': give the port of the axes, or check baud rate (115200) and "
                     "cable",
                     heard));
   }
   if (!has_banner)
-    return hal("the controller does not answer: check its supply, the cable and that GRBL 1.1 is flashed");
+    return unusable("the controller does not answer: check its supply, the cable and that GRBL 1.1 is flashed");
   if (version_.starts_with("1.1")) return drain();
-  return hal(fmt::format("the controller runs Grbl {}, this program speaks 1.1: flash Grbl 1.1h", version_));
+  return unusable(fmt::format("the controller runs Grbl {}, this program speaks 1.1: flash Grbl 1.1h", version_));
 }
 
 Result<void> GrblLink::send(std::string_view bytes) { return port_.write(bytes, clock_.now() + kWriteWithin); }
@@ -75,14 +75,15 @@ Result<std::optional<GrblReply>> GrblLink::next(HostTime until) {
   ENAMEL_TRY_ASSIGN(const auto line, port_.read_line(until));
   if (!line) return std::optional<GrblReply>{};
   GrblReply reply = parse_reply(*line);
-  if (const auto* alarm = std::get_if<GrblAlarm>(&reply)) return hal(alarm_text(alarm->number));
-  if (const auto* error = std::get_if<GrblError>(&reply)) return hal(error_text(error->number));
+  if (const auto* alarm = std::get_if<GrblAlarm>(&reply)) return fail(ErrorCode::kAxesAlarm, alarm_text(alarm->number));
+  if (const auto* error = std::get_if<GrblError>(&reply)) return unusable(error_text(error->number));
   if (std::holds_alternative<GrblBanner>(reply)) {
-    return hal("the controller restarted by itself, the position is lost: check supply and cable, home again");
+    return fail(ErrorCode::kAxesAlarm,
+                "the controller restarted by itself, the position is lost: check supply and cable, home again");
   }
   if (const auto* garbled = std::get_if<GrblGarbled>(&reply); garbled != nullptr && ++garbled_ >= kMostGarbled) {
-    return hal(fmt::format("the line is disturbed, last '{}': shorter or shielded cable, away from the motors' wires",
-                           garbled->text));
+    return unusable(fmt::format(
+        "the line is disturbed, last '{}': shorter or shielded cable, away from the motors' wires", garbled->text));
   }
   return std::optional(std::move(reply));
 }
@@ -94,7 +95,7 @@ Result<void> GrblLink::drain() {
     ENAMEL_TRY_ASSIGN(const auto reply, next(clock_.now() + milliseconds(20)));
     if (!reply) return {};
   }
-  return hal("the controller does not stop talking: another device, or a program running on it");
+  return unusable("the controller does not stop talking: another device, or a program running on it");
 }
 
 Result<void> GrblLink::command(const std::string& line, const GrblWait& wait) {
@@ -117,10 +118,11 @@ Result<void> GrblLink::command(const std::string& line, const GrblWait& wait) {
       if (status != nullptr && wait.watch) ENAMEL_TRY(wait.watch(*status));
     }
     if (wait.silence > Nanoseconds{0} && clock_.now() - heard > wait.silence) {
-      return hal(fmt::format("the controller fell silent after '{}': check supply and cable, home again", line));
+      return unusable(fmt::format("the controller fell silent after '{}': check supply and cable, home again", line));
     }
   }
-  return hal(fmt::format("no `ok` to '{}' in time: the axis moves slower than expected, or an answer was lost", line));
+  return unusable(
+      fmt::format("no `ok` to '{}' in time: the axis moves slower than expected, or an answer was lost", line));
 }
 
 Result<GrblStatus> GrblLink::status(Nanoseconds within) {
@@ -136,7 +138,7 @@ Result<GrblStatus> GrblLink::status(Nanoseconds within) {
       if (status != nullptr) return *status;
     }
   }
-  return hal("the controller answers no status request: check supply and cable, home again");
+  return unusable("the controller answers no status request: check supply and cable, home again");
 }
 
 Result<GrblSettings> GrblLink::settings(Nanoseconds within) {
@@ -150,7 +152,7 @@ Result<GrblSettings> GrblLink::settings(Nanoseconds within) {
     if (std::holds_alternative<GrblOk>(*reply)) return settings;
     if (const auto* s = std::get_if<GrblSetting>(&*reply)) settings[s->number] = s->value;
   }
-  return hal("the controller does not list its settings ($$): check cable and firmware");
+  return unusable("the controller does not list its settings ($$): check cable and firmware");
 }
 
 bool GrblLink::slow_down() {
@@ -186,7 +188,7 @@ Result<void> GrblLink::reset() {
   std::string heard;
   ENAMEL_TRY_ASSIGN(const bool has_banner, await_banner(kRestartWithin, heard));
   if (has_banner) return {};
-  return hal("the controller does not answer the reset: switch the motors' supply off, then home");
+  return unusable("the controller does not answer the reset: switch the motors' supply off, then home");
 }
 
 }  // namespace enamel::motion

@@ -23,7 +23,8 @@ struct GrblWait {
   const std::atomic<bool>* cancel = nullptr;                  ///< kCancelled when it becomes true
 };
 
-/// One thread at a time. Every error of the controller, an alarm, a restart or damaged lines is kHal with its remedy.
+/// One thread at a time. An alarm or a restart of the controller is kAxesAlarm, every other error of it and
+/// damaged lines are kAxes, each with its remedy.
 class GrblLink {
  public:
   /// Waits for the banner, or asks for it by a soft reset when opening the port resets nothing.

@@ -8,11 +8,12 @@ namespace enamel::motion {
 namespace {
 
 Result<void> check_axis(const char* name, double deg, const AxisLimits& limits) {
-  if (!std::isfinite(deg)) return fail(ErrorCode::kUsage, fmt::format("{} angle is no number: give degrees", name));
+  if (!std::isfinite(deg)) return fail(ErrorCode::kAxesRange, fmt::format("{} angle is no number: give degrees", name));
   if (deg >= limits.min_deg && deg <= limits.max_deg) return {};
-  return fail(ErrorCode::kUsage, fmt::format("{} {} deg is outside {}..{} deg: choose an angle inside; the profile's "
-                                             "min_deg, max_deg and overshoot_deg set these limits",
-                                             name, deg, limits.min_deg, limits.max_deg));
+  return fail(ErrorCode::kAxesRange,
+              fmt::format("{} {} deg is outside {}..{} deg: choose an angle inside; the profile's "
+                          "min_deg, max_deg and overshoot_deg set these limits",
+                          name, deg, limits.min_deg, limits.max_deg));
 }
 
 bool needs_detour(double target, const AxisPlace& from, const ApproachRule& rule) {

@@ -23,7 +23,7 @@ struct ApproachRule {
   double same_deg = 0.0;       ///< angles this close are one: half a motor step
 };
 
-/// kUsage, with the axis, the angle and the limits.
+/// kAxesRange, with the axis, the angle and the limits.
 [[nodiscard]] Result<void> check_target(const AxesAngles& target, const AxesLimits& limits);
 
 /// The targets that leave room for the overshoot below them.

@@ -27,7 +27,7 @@ std::string open_advice(int error) {
 
 Result<void> set_up(int fd, const std::string& path) {
   termios t{};
-  if (::tcgetattr(fd, &t) != 0) return fail(ErrorCode::kHal, path + ": is no serial port: give the controller's");
+  if (::tcgetattr(fd, &t) != 0) return fail(ErrorCode::kAxes, path + ": is no serial port: give the controller's");
   ::cfmakeraw(&t);
   t.c_cflag |= static_cast<tcflag_t>(CLOCAL | CREAD);
   // DTR stays up when the port closes, so that opening it again does not reset an Arduino in the middle of a move.
@@ -37,7 +37,7 @@ Result<void> set_up(int fd, const std::string& path) {
   ::cfsetispeed(&t, B115200);
   ::cfsetospeed(&t, B115200);
   if (::tcsetattr(fd, TCSANOW, &t) != 0) {
-    return fail(ErrorCode::kHal, fmt::format("{}: takes no 115200 baud: {}", path, std::strerror(errno)));
+    return fail(ErrorCode::kAxes, fmt::format("{}: takes no 115200 baud: {}", path, std::strerror(errno)));
   }
   ::tcflush(fd, TCIOFLUSH);
   return {};
@@ -49,9 +49,9 @@ bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
 Result<SerialPort> SerialPort::open(const std::string& path, Clock& clock) {
   const int fd = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (fd < 0) return fail(ErrorCode::kHal, path + ": " + open_advice(errno));
+  if (fd < 0) return fail(ErrorCode::kAxes, path + ": " + open_advice(errno));
   SerialPort port(fd, path, clock);
-  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) return fail(ErrorCode::kHal, path + ": " + open_advice(EBUSY));
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) return fail(ErrorCode::kAxes, path + ": " + open_advice(EBUSY));
   ENAMEL_TRY(set_up(fd, path));
   // Programs that do not look at the lock are kept out by this one.
   static_cast<void>(::ioctl(fd, TIOCEXCL));
@@ -75,9 +75,9 @@ SerialPort::~SerialPort() {
 
 tl::unexpected<Error> SerialPort::lost(std::string_view doing) {
   is_lost_ = true;
-  return fail(ErrorCode::kHal, fmt::format("{}: the line is gone while {}: cable pulled or controller switched off; "
-                                           "connect it, start again and home",
-                                           path_, doing));
+  return fail(ErrorCode::kAxes, fmt::format("{}: the line is gone while {}: cable pulled or controller switched off; "
+                                            "connect it, start again and home",
+                                            path_, doing));
 }
 
 Result<bool> SerialPort::wait_for(short events, HostTime until) {
@@ -106,9 +106,9 @@ Result<void> SerialPort::write(std::string_view bytes, HostTime deadline) {
     }
     if (n < 0 && errno != EAGAIN && errno != EINTR) return lost("writing");
     if (clock_.now() >= deadline) {
-      return fail(ErrorCode::kHal, path_ +
-                                       ": takes no more bytes: the controller hangs, or flow control is on; switch "
-                                       "it off and on, then home");
+      return fail(ErrorCode::kAxes, path_ +
+                                        ": takes no more bytes: the controller hangs, or flow control is on; switch "
+                                        "it off and on, then home");
     }
     ENAMEL_TRY(wait_for(POLLOUT, deadline));
   }

@@ -15,17 +15,17 @@ class SerialPort {
  public:
   static constexpr std::size_t kLongestLine = 256;
 
-  /// kHal: no such port, no permission, held by another program, no serial port at all; each with its remedy.
+  /// kAxes: no such port, no permission, held by another program, no serial port at all; each with its remedy.
   [[nodiscard]] static Result<SerialPort> open(const std::string& path, Clock& clock);
   SerialPort(SerialPort&& other) noexcept;
   SerialPort& operator=(SerialPort&&) = delete;
   ~SerialPort();
 
-  /// kHal when the line is gone, or does not take the bytes until the deadline.
+  /// kAxes when the line is gone, or does not take the bytes until the deadline.
   [[nodiscard]] Result<void> write(std::string_view bytes, HostTime deadline);
   /// The next line without its end; empty lines are left out; nothing when none came until then or a signal did.
   /// Bytes beyond
-  /// kLongestLine without a line end come as a line. kHal when the line is gone.
+  /// kLongestLine without a line end come as a line. kAxes when the line is gone.
   [[nodiscard]] Result<std::optional<std::string>> read_line(HostTime until);
   [[nodiscard]] bool is_lost() const { return is_lost_; }
 

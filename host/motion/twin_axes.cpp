@@ -72,7 +72,7 @@ Result<void> TwinAxes::home(Nanoseconds within) {
   state_ = AxesState::kUnhomed;
   const double way_deg = larger_way({rot_.motor_deg, swing_.motor_deg}, {0.0, 0.0});
   if (way_deg / config_.speed_deg_per_s > seconds_of(within)) {
-    return fail(ErrorCode::kHal, "homing takes longer than allowed (simulation)");
+    return fail(ErrorCode::kAxes, "homing takes longer than allowed (simulation)");
   }
   // The switch is on the table: whatever was lost is found again.
   rot_ = swing_ = Mechanics{};
@@ -92,7 +92,7 @@ Result<void> TwinAxes::run(const AxesAngles& target, double within_s) {
     drive(swing_, end.swing_deg, config_.swing);
     if (is_late) {
       place_ = {{rot_.motor_deg, false}, {swing_.motor_deg, false}};
-      return fail(ErrorCode::kHal, "the move takes longer than allowed (simulation)");
+      return fail(ErrorCode::kAxes, "the move takes longer than allowed (simulation)");
     }
     within_s -= needed_s;
     from = point;
@@ -103,21 +103,22 @@ Result<void> TwinAxes::run(const AxesAngles& target, double within_s) {
 
 Result<AxesPosition> TwinAxes::move_to(const AxesAngles& target, Nanoseconds within) {
   ENAMEL_TRY(check_target(target, limits()));
-  if (state_ != AxesState::kReady) return fail(ErrorCode::kHal, "the position of the axes is unknown: home first");
+  if (state_ != AxesState::kReady) return fail(ErrorCode::kAxes, "the position of the axes is unknown: home first");
   if (stop_requested_.exchange(false)) return fail(ErrorCode::kCancelled, "axes");
   ENAMEL_TRY(run(target, seconds_of(within)));
   const AxesAngles read = read_back();
   if (config_.has_encoder && larger_way(read, target) > config_.read_tolerance_deg) {
     state_ = AxesState::kUnhomed;
-    return fail(ErrorCode::kHal, fmt::format("the table stands at rotation {:.3f}, swing {:.3f} deg instead of {:.3f}, "
-                                             "{:.3f}: steps were lost; home again (simulation)",
-                                             read.rot_deg, read.swing_deg, target.rot_deg, target.swing_deg));
+    return fail(ErrorCode::kAxesStep,
+                fmt::format("the table stands at rotation {:.3f}, swing {:.3f} deg instead of {:.3f}, "
+                            "{:.3f}: steps were lost; home again (simulation)",
+                            read.rot_deg, read.swing_deg, target.rot_deg, target.swing_deg));
   }
   return AxesPosition{target, read};
 }
 
 Result<AxesPosition> TwinAxes::position() {
-  if (state_ != AxesState::kReady) return fail(ErrorCode::kHal, "the position of the axes is unknown: home first");
+  if (state_ != AxesState::kReady) return fail(ErrorCode::kAxes, "the position of the axes is unknown: home first");
   return AxesPosition{{place_.rot.at_deg, place_.swing.at_deg}, read_back()};
 }
 

@@ -33,6 +33,7 @@ class FolderStream final : public BurstStream {
     info_.bursts = reader_.rows().size();
     info_.first_log_ns = row_end_ns(reader_.rows().front());
     info_.last_log_ns = row_end_ns(reader_.rows().back());
+    for (std::size_t n = 0; n < reader_.rows().size(); ++n) info_.axes += reader_.axes(n) ? 1U : 0U;
     add_attachment(kRigFile);
     add_attachment(kTableFile);
     for (const std::string& name : reader_.extra_files()) add_attachment(name);
@@ -41,6 +42,11 @@ class FolderStream final : public BurstStream {
   [[nodiscard]] const std::string& rig_text() const noexcept override { return reader_.rig_text(); }
   [[nodiscard]] Result<std::optional<capture::Record>> next() override {
     if (next_ >= reader_.rows().size()) return std::optional<capture::Record>{};
+    if (reader_.axes(next_) && !axes_told_) {
+      axes_told_ = true;
+      return std::optional<capture::Record>(capture::Record{row_end_ns(reader_.rows()[next_]), *reader_.axes(next_)});
+    }
+    axes_told_ = false;
     const std::size_t n = next_++;
     auto burst = reader_.burst(n);
     if (!burst) {
@@ -52,6 +58,7 @@ class FolderStream final : public BurstStream {
   [[nodiscard]] std::uint64_t bursts_lost() const noexcept override { return lost_; }
   void rewind() noexcept override {
     next_ = 0;
+    axes_told_ = false;
     lost_ = 0;
   }
   [[nodiscard]] Result<proto::Burst> burst_with_id(BurstId id) override {
@@ -83,6 +90,7 @@ class FolderStream final : public BurstStream {
   ExchangeReader reader_;
   capture::CaptureInfo info_;
   std::size_t next_ = 0;
+  bool axes_told_ = false;  ///< of the next burst
   std::uint64_t lost_ = 0;
 };
 

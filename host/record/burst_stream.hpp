@@ -16,9 +16,9 @@ class BurstStream {
   /// Of a folder: counts, times and extra files as if it had been imported.
   [[nodiscard]] virtual const capture::CaptureInfo& info() const noexcept = 0;
   [[nodiscard]] virtual const std::string& rig_text() const noexcept = 0;  ///< empty: none recorded
-  /// Next burst or shed note or other record in log order, nullopt at the end. A folder holds bursts only; their log_ns
-  /// is the end of the last exposure. Errors: see CaptureReader::next and ExchangeReader::burst; the next call goes on
-  /// behind.
+  /// Next burst or shed note or other record in log order, nullopt at the end. A folder holds bursts, and in front of
+  /// each its angles where axes.csv has them; their log_ns is the end of the last exposure. Errors: see
+  /// CaptureReader::next and ExchangeReader::burst; the next call goes on behind.
   [[nodiscard]] virtual Result<std::optional<capture::Record>> next() = 0;
   /// Bursts that the errors of next() have taken along so far.
   [[nodiscard]] virtual std::uint64_t bursts_lost() const noexcept = 0;

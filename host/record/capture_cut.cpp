@@ -16,37 +16,54 @@ Result<void> copy_record(capture::CaptureWriter& out, const capture::Record& rec
     Result<void> operator()(const proto::Status& v) const { return out.write_status(v, log_ns); }
     Result<void> operator()(const proto::Event& v) const { return out.write_event(v, log_ns); }
     Result<void> operator()(const proto::DeviceInfo& v) const { return out.write_device_info(v, log_ns); }
+    Result<void> operator()(const proto::AxesReading& v) const { return out.write_axes(v, log_ns); }
   };
   return std::visit(Copy{out, record.log_ns}, record.value);
 }
 
-// Copies from the first to the last burst of the range; what was logged between them goes along.
+// Copies from the first to the last burst of the range; what was logged between them goes along. Angles go with their
+// burst, wherever they were logged.
 class RangeCopy {
  public:
   RangeCopy(capture::CaptureWriter& out, std::uint64_t first, std::uint64_t last)
       : out_(out), first_(first), last_(last) {}
 
   [[nodiscard]] Result<void> take(capture::Record record) {
+    if (const auto* reading = std::get_if<proto::AxesReading>(&record.value)) {
+      if (is_inside(reading->burst_index)) pending_.push_back(std::move(record));
+      return {};
+    }
     const auto* burst = std::get_if<proto::Burst>(&record.value);
     if (burst == nullptr) {
       const bool device = std::holds_alternative<proto::DeviceInfo>(record.value);
       if (copied_ > 0) {
         pending_.push_back(std::move(record));
       } else if (device) {
-        pending_.clear();
+        std::erase_if(pending_, [](const capture::Record& p) { return !is_reading(p); });
         pending_.push_back(std::move(record));  // which probe the bursts are from
       }
       return {};
     }
-    if (burst->burst_index < first_ || burst->burst_index > last_) return {};
+    if (!is_inside(burst->burst_index)) return {};
     for (const capture::Record& p : pending_) ENAMEL_TRY(copy_record(out_, p));
     pending_.clear();
     ++copied_;
     return copy_record(out_, record);
   }
+  [[nodiscard]] Result<void> finish() {
+    for (const capture::Record& p : pending_) {
+      if (is_reading(p)) ENAMEL_TRY(copy_record(out_, p));
+    }
+    return {};
+  }
   [[nodiscard]] std::uint64_t copied() const noexcept { return copied_; }
 
  private:
+  [[nodiscard]] bool is_inside(std::uint64_t burst) const noexcept { return burst >= first_ && burst <= last_; }
+  [[nodiscard]] static bool is_reading(const capture::Record& record) {
+    return std::holds_alternative<proto::AxesReading>(record.value);
+  }
+
   capture::CaptureWriter& out_;
   std::uint64_t first_, last_;
   std::uint64_t copied_ = 0;
@@ -63,6 +80,7 @@ class WholeCopy {
     copied_ += burst ? 1 : 0;
     return copy_record(out_, record);
   }
+  [[nodiscard]] Result<void> finish() const { return {}; }
   [[nodiscard]] std::uint64_t copied() const noexcept { return copied_; }
 
  private:
@@ -97,7 +115,7 @@ Result<void> copy_records(capture::CaptureReader& reader, Copy& copy, CopySummar
     if (whole(**record, summary)) ENAMEL_TRY(copy.take(std::move(**record)));
   }
   summary.missing += reader.bursts_lost();
-  return {};
+  return copy.finish();
 }
 
 Result<void> copy_attachments(capture::CaptureReader& reader, capture::CaptureWriter& writer, CopySummary& summary) {

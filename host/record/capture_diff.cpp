@@ -2,6 +2,7 @@
 
 #include "host/record/burst_stream.hpp"
 #include "host/record/capture_tools.hpp"
+#include "protocol/types/axes_table.hpp"
 
 namespace enamel::host {
 namespace {
@@ -136,7 +137,20 @@ void compare(FieldCompare& c, const proto::DeviceInfo& a, const proto::DeviceInf
   if (!(a == b)) c.note("device_info", a.serial, "another member of the same device");
 }
 
-constexpr const char* kKindNames[] = {"burst", "shed", "status", "event", "device_info"};
+void compare(FieldCompare& c, const proto::AxesReading& a, const proto::AxesReading& b) {
+  c.field("axes.burst_index", a.burst_index, b.burst_index);
+  c.field("axes.stop", a.stop, b.stop);
+  c.field("axes.probe_id", a.probe_id, b.probe_id);
+  c.field("axes.session_id", a.session_id, b.session_id);
+  if (a.has_angles_of(b)) return;
+  const auto row = [](proto::AxesReading r) {
+    const std::string table = proto::axes_table_text({r});
+    return table.substr(table.find('\n') + 1, table.size() - table.find('\n') - 2);
+  };
+  c.note("axes.deg", row(a), row(b));
+}
+
+constexpr const char* kKindNames[] = {"burst", "shed", "status", "event", "device_info", "axes"};
 
 void compare_records(FieldCompare& c, const capture::Record& a, const capture::Record& b, bool with_log_times) {
   if (a.value.index() != b.value.index()) {
@@ -150,6 +164,7 @@ void compare_records(FieldCompare& c, const capture::Record& a, const capture::R
 std::uint64_t burst_index_of(const capture::Record& record) {
   if (const auto* burst = std::get_if<proto::Burst>(&record.value)) return burst->burst_index;
   if (const auto* note = std::get_if<proto::ShedNote>(&record.value)) return note->burst_index;
+  if (const auto* reading = std::get_if<proto::AxesReading>(&record.value)) return reading->burst_index;
   return 0;
 }
 

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMaxProblems = 100;
 /// First difference between two recordings (or exchange folders) in log order.
 struct CaptureDifference {
   std::uint64_t ordinal = 0;      ///< of the record, 0-based
-  std::uint64_t burst_index = 0;  ///< when the record is a burst or shed note
+  std::uint64_t burst_index = 0;  ///< when the record is a burst, shed note or reading of the axes
   std::string field;              ///< "rig", "records", "kind", "t_publish_ns", "meta[2].t_strobe_ns", "payload" …
   std::string left, right;        ///< values; for pixels frame, column, row and value
 };
@@ -32,8 +32,8 @@ struct CopySummary {
 };
 
 /// Copies bursts [first, last] by burst_index, what else was logged from the first to the last of them, and all
-/// attachments, byte for byte. A truncated or damaged source gives a clean file of what is whole. On error no file is
-/// left behind. Errors: kBurstNotFound when the range is empty.
+/// attachments, byte for byte; of the angles of axes those of the bursts. A truncated or damaged source gives a clean
+/// file of what is whole. On error no file is left behind. Errors: kBurstNotFound when the range is empty.
 [[nodiscard]] Result<CopySummary> capture_cut(const std::string& in, const std::string& out, std::uint64_t first,
                                               std::uint64_t last);
 
@@ -49,7 +49,7 @@ struct VerifyReport {
 };
 
 /// Reads everything once: chunk and attachment CRCs, message decoding, burst consistency and payload CRC, rig CRC,
-/// order. Errors only when the file cannot be opened at all.
+/// order, angles of the axes against axes.csv. Errors only when the file cannot be opened at all.
 [[nodiscard]] Result<VerifyReport> capture_verify(const std::string& path);
 
 }  // namespace enamel::host

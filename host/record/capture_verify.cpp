@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "host/record/axes_gather.hpp"
 #include "host/record/burst_stream.hpp"
 #include "host/record/capture_tools.hpp"
 #include "protocol/base/crc32.hpp"
@@ -13,7 +14,7 @@ namespace {
 
 class Verifier {
  public:
-  explicit Verifier(BurstStream& stream) : stream_(stream) {
+  explicit Verifier(BurstStream& stream) : stream_(stream), axes_(stream) {
     report_.truncated = stream.info().truncated;
     for (const std::string& damage : stream.info().problems) problem(damage);
     const std::string& rig = stream.rig_text();
@@ -37,6 +38,7 @@ class Verifier {
       problem("summary counts " + std::to_string(stream_.info().bursts) + " bursts, the file holds " +
               std::to_string(seen_bursts_));
     }
+    if (const auto wrong = axes_.contradiction()) problem(wrong->detail);
     for (const capture::AttachmentInfo& a : stream_.info().attachments) {
       if (const auto bytes = stream_.attachment(a.name); !bytes) problem(bytes.error().detail);
     }
@@ -53,6 +55,7 @@ class Verifier {
       problem("record " + std::to_string(report_.records - 1) + " was logged before the one in front of it");
     }
     last_log_ns_ = record.log_ns;
+    axes_.take(record);
     if (const auto* status = std::get_if<proto::Status>(&record.value)) take(*status);
     if (const auto* burst = std::get_if<proto::Burst>(&record.value)) take(*burst);
   }
@@ -80,6 +83,7 @@ class Verifier {
   }
 
   BurstStream& stream_;
+  AxesGather axes_;
   VerifyReport report_;
   std::uint32_t rig_crc_ = 0;
   std::uint64_t seen_bursts_ = 0;

@@ -31,7 +31,8 @@ struct ExchangeRow {
 class ExchangeReader {
  public:
   /// Checks the table and that every frame file exists, before the first burst is read. Errors: kFileNotFound (no such
-  /// folder), kExchangeInvalid (missing rig.json, bursts.csv or frame; malformed row), kEmptyInput (no rows).
+  /// folder), kExchangeInvalid (missing rig.json, bursts.csv or frame; malformed row; axes.csv with a burst that is
+  /// not there), kEmptyInput (no rows).
   [[nodiscard]] static Result<ExchangeReader> open(const std::string& folder);
 
   [[nodiscard]] const std::string& rig_text() const noexcept { return rig_text_; }
@@ -39,6 +40,8 @@ class ExchangeReader {
   /// Burst of rows()[n]. Errors: kImageInvalid (unreadable, colour, other size or depth than the folder's first frame
   /// or the rig's camera), kExchangeInvalid.
   [[nodiscard]] Result<proto::Burst> burst(std::size_t n) const;
+  /// Where the axes stood at rows()[n], from axes.csv; stops are numbered. nullopt: no such file, or no row.
+  [[nodiscard]] const std::optional<proto::AxesReading>& axes(std::size_t n) const noexcept { return axes_[n]; }
   [[nodiscard]] const std::string& table_text() const noexcept { return table_text_; }
   /// Every other file of the folder, as relative paths in sorted order: truth/, notes.
   [[nodiscard]] const std::vector<std::string>& extra_files() const noexcept { return extra_files_; }
@@ -46,11 +49,13 @@ class ExchangeReader {
 
  private:
   [[nodiscard]] Result<void> check_first_frame();
+  [[nodiscard]] Result<void> read_axes();
 
   std::string folder_;
   std::string rig_text_;
   std::string table_text_;
   std::vector<ExchangeRow> rows_;
+  std::vector<std::optional<proto::AxesReading>> axes_;  ///< one a row
   std::vector<std::string> extra_files_;
   int width_ = 0, height_ = 0;
   int file_bits_ = 0;  ///< of the PNG files: 8 or 16

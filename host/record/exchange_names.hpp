@@ -11,7 +11,7 @@ namespace enamel::host {
 
 inline constexpr const char* kRigFile = "rig.json";
 inline constexpr const char* kTableFile = "bursts.csv";
-inline constexpr const char* kAxesFile = "axes.csv";  ///< of the desktop scanner; an attachment of a recording
+inline constexpr const char* kAxesFile = "axes.csv";  ///< of the desktop scanner; as an attachment it keeps the digits
 inline constexpr const char* kTableHeader = "burst_id,t0_ns,t1_ns,t2_ns,t3_ns,exposure_us,temp_c\n";
 
 /// "frames/000012_3.png"

@@ -9,6 +9,7 @@
 #include "protocol/base/crc32.hpp"
 #include "protocol/base/file.hpp"
 #include "protocol/base/litter.hpp"
+#include "protocol/types/axes_table.hpp"
 
 namespace enamel::host {
 namespace {
@@ -146,7 +147,28 @@ Result<ExchangeReader> ExchangeReader::open(const std::string& folder) {
   std::erase_if(reader.extra_files_,
                 [&](const std::string& name) { return std::binary_search(known.begin(), known.end(), name); });
   ENAMEL_TRY(reader.check_first_frame());
+  ENAMEL_TRY(reader.read_axes());
   return reader;
+}
+
+// Where there is axes.csv its rows are angles of bursts that are there. Bursts without a row are taken.
+Result<void> ExchangeReader::read_axes() {
+  axes_.assign(rows_.size(), std::nullopt);
+  if (std::ranges::find(extra_files_, kAxesFile) == extra_files_.end()) return {};
+  const std::string path = (fs::path(folder_) / kAxesFile).string();
+  ENAMEL_TRY_ASSIGN(const std::string text, read_file(path));
+  ENAMEL_TRY_ASSIGN(auto readings, proto::parse_burst_axes(text, path));
+  std::ranges::sort(readings, {}, &proto::AxesReading::burst_index);
+  proto::number_stops(readings);
+  for (const proto::AxesReading& reading : readings) {
+    const auto at = std::ranges::lower_bound(rows_, reading.burst_index, {}, &ExchangeRow::burst_id);
+    if (at == rows_.end() || at->burst_id != reading.burst_index)
+      return fail(ErrorCode::kExchangeInvalid,
+                  path + ": burst " + std::to_string(reading.burst_index) +
+                      " is not in bursts.csv; it belongs to another scan, or the burst was removed");
+    axes_[static_cast<std::size_t>(at - rows_.begin())] = reading;
+  }
+  return {};
 }
 
 // All frames of a folder have the size and depth of the first, and that has the size of the rig's camera.

@@ -1,13 +1,13 @@
 // Folder to recording and back.
 #include <algorithm>
 
+#include "host/record/axes_gather.hpp"
 #include "host/record/burst_stream.hpp"
 #include "host/record/exchange_folder.hpp"
 #include "host/record/exchange_names.hpp"
 #include "host/record/media_type.hpp"
 #include "host/record/partial_file.hpp"
 #include "protocol/base/file.hpp"
-#include "protocol/types/axes_table.hpp"
 
 namespace enamel::host {
 namespace {
@@ -54,7 +54,15 @@ class OriginalTable {
   bool all_kept_ = true;
 };
 
-Result<void> export_bursts(BurstStream& stream, OriginalTable& table, ExchangeWriter& out, ImportSummary& summary) {
+/// What export_bursts looks at and adds to.
+struct Export {
+  OriginalTable table;
+  AxesGather axes;
+  ImportSummary summary{};
+};
+
+Result<void> export_bursts(BurstStream& stream, Export& run, ExchangeWriter& out) {
+  ImportSummary& summary = run.summary;
   for (;;) {
     const auto record = stream.next();
     if (!record) {
@@ -64,31 +72,20 @@ Result<void> export_bursts(BurstStream& stream, OriginalTable& table, ExchangeWr
     }
     if (!*record) break;
     const auto* burst = std::get_if<proto::Burst>(&(*record)->value);
-    if (burst == nullptr) continue;
+    if (burst == nullptr) {
+      run.axes.take(**record);
+      continue;
+    }
     if (!proto::is_consistent(*burst)) {
       ++summary.missing;
       summary.problems.push_back("burst " + std::to_string(burst->burst_index) + ": its parts do not fit together");
       continue;
     }
-    ENAMEL_TRY(out.write(*burst, table.line_for(*burst)));
+    ENAMEL_TRY(out.write(*burst, run.table.line_for(*burst)));
+    run.axes.take(**record);
     ++summary.bursts;
   }
   summary.missing += stream.bursts_lost();
-  return {};
-}
-
-/// Where there is axes.csv its rows are angles of bursts that are there. Bursts without a row are taken.
-Result<void> check_axes(const ExchangeReader& in, const std::string& folder) {
-  if (std::ranges::find(in.extra_files(), kAxesFile) == in.extra_files().end()) return {};
-  const std::string path = (std::filesystem::path(folder) / kAxesFile).string();
-  ENAMEL_TRY_ASSIGN(const std::string text, read_file(path));
-  ENAMEL_TRY_ASSIGN(const auto readings, proto::parse_burst_axes(text, path));
-  for (const proto::AxesReading& reading : readings) {
-    if (std::ranges::find(in.rows(), reading.burst_index, &ExchangeRow::burst_id) == in.rows().end())
-      return fail(ErrorCode::kExchangeInvalid,
-                  path + ": burst " + std::to_string(reading.burst_index) +
-                      " is not in bursts.csv; it belongs to another scan, or the burst was removed");
-  }
   return {};
 }
 
@@ -97,13 +94,14 @@ Result<void> check_axes(const ExchangeReader& in, const std::string& folder) {
 Result<ImportSummary> import_folder(const std::string& folder, const std::string& capture_path,
                                     const std::string& program) {
   ENAMEL_TRY_ASSIGN(const ExchangeReader in, ExchangeReader::open(folder));
-  ENAMEL_TRY(check_axes(in, folder));
   PartialFile file(capture_path);
   capture::CaptureHeader header{in.rig_text(), program, {{"imported_from", "exchange folder"}}};
   ENAMEL_TRY_ASSIGN(auto out, capture::CaptureWriter::create(file.temporary(), header));
   for (std::size_t n = 0; n < in.rows().size(); ++n) {
     ENAMEL_TRY_ASSIGN(const proto::Burst burst, in.burst(n));
-    ENAMEL_TRY(out.write_burst(burst, row_end_ns(in.rows()[n])));
+    const std::int64_t log_ns = row_end_ns(in.rows()[n]);
+    if (in.axes(n)) ENAMEL_TRY(out.write_axes(*in.axes(n), log_ns));
+    ENAMEL_TRY(out.write_burst(burst, log_ns));
   }
   ENAMEL_TRY(out.attach(kTableFile, "text/csv", as_octets(in.table_text())));
   for (const std::string& name : in.extra_files()) {
@@ -120,8 +118,8 @@ Result<ImportSummary> export_folder(const std::string& capture_path, const std::
   if (stream->info().bursts == 0) return fail(ErrorCode::kEmptyInput, capture_path);
   if (stream->rig_text().empty()) return fail(ErrorCode::kRigMissing, capture_path + ": a folder needs rig.json");
   ENAMEL_TRY_ASSIGN(ExchangeWriter out, ExchangeWriter::create(folder, stream->rig_text()));
-  OriginalTable table(*stream);
-  ImportSummary summary;
+  Export run{.table = OriginalTable(*stream), .axes = AxesGather(*stream)};
+  ImportSummary& summary = run.summary;
   summary.problems = stream->info().problems;
   for (const capture::AttachmentInfo& attachment : stream->info().attachments) {
     ++summary.attachments;
@@ -131,10 +129,13 @@ Result<ImportSummary> export_folder(const std::string& capture_path, const std::
       summary.problems.push_back(bytes.error().detail);
       continue;
     }
-    ENAMEL_TRY(out.write_file(attachment.name, *bytes));
+    // Written from the channel, below.
+    if (attachment.name != kAxesFile) ENAMEL_TRY(out.write_file(attachment.name, *bytes));
   }
-  ENAMEL_TRY(export_bursts(*stream, table, out, summary));
-  ENAMEL_TRY(out.finish(table.whole()));
+  ENAMEL_TRY(export_bursts(*stream, run, out));
+  if (const auto wrong = run.axes.contradiction()) summary.problems.push_back(wrong->detail);
+  if (const auto axes = run.axes.table()) ENAMEL_TRY(out.write_file(kAxesFile, as_octets(*axes)));
+  ENAMEL_TRY(out.finish(run.table.whole()));
   return summary;
 }
 

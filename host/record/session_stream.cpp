@@ -22,6 +22,7 @@ capture::CaptureInfo added_up(const std::vector<std::unique_ptr<BurstStream>>& p
     sum.statuses += part.statuses;
     sum.events += part.events;
     sum.device_infos += part.device_infos;
+    sum.axes += part.axes;
     sum.last_log_ns = std::max(sum.last_log_ns, part.last_log_ns);
     sum.truncated = sum.truncated || part.truncated;
     sum.file_bytes += part.file_bytes;

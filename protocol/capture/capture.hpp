@@ -54,6 +54,8 @@ class CaptureWriter {
   [[nodiscard]] Result<void> write_status(const proto::Status& status, std::int64_t log_ns);
   [[nodiscard]] Result<void> write_event(const proto::Event& event, std::int64_t log_ns);
   [[nodiscard]] Result<void> write_device_info(const proto::DeviceInfo& info, std::int64_t log_ns);
+  /// Best in front of its burst, so that both lie in one chunk. A recording without readings is without their channel.
+  [[nodiscard]] Result<void> write_axes(const proto::AxesReading& reading, std::int64_t log_ns);
   /// Any time before finish(). Names are unique relative paths ("truth/poses.csv").
   [[nodiscard]] Result<void> attach(const std::string& name, const std::string& media_type, proto::ByteView bytes);
   /// Hands what is pending to the system now.
@@ -78,7 +80,7 @@ struct AttachmentInfo {
 
 struct CaptureInfo {
   /// As many as were written, where the summary or the indexes tell; a damaged file delivers fewer.
-  std::uint64_t bursts = 0, shed = 0, statuses = 0, events = 0, device_infos = 0;
+  std::uint64_t bursts = 0, shed = 0, statuses = 0, events = 0, device_infos = 0, axes = 0;
   std::int64_t first_log_ns = 0, last_log_ns = 0;  ///< 0, 0 when empty
   bool truncated = false;  ///< no footer: the writer was killed or the disk filled up; what is whole is readable
   std::uint64_t file_bytes = 0;
@@ -91,7 +93,8 @@ struct CaptureInfo {
 
 struct Record {
   std::int64_t log_ns = 0;
-  std::variant<proto::Burst, proto::ShedNote, proto::Status, proto::Event, proto::DeviceInfo> value{};
+  std::variant<proto::Burst, proto::ShedNote, proto::Status, proto::Event, proto::DeviceInfo, proto::AxesReading>
+      value{};
   friend bool operator==(const Record&, const Record&) = default;
 };
 
@@ -111,7 +114,8 @@ class CaptureReader {
   /// Errors: kFileNotFound (no such attachment), kCaptureCorrupt.
   [[nodiscard]] Result<proto::Bytes> attachment(const std::string& name);
 
-  /// Next record in log order, nullopt at the end. Errors: kCaptureCorrupt (names the chunk), kMessageInvalid; the
+  /// Next record in log order, nullopt at the end. Errors: kCaptureCorrupt (names the chunk), kCaptureInvalid (a
+  /// compression that is not read here), kMessageInvalid; the
   /// record in question is passed over and the next call goes on behind it (behind its chunk when that is damaged).
   /// Bursts that the summary counts and no place accounts for are one error more, at the end.
   [[nodiscard]] Result<std::optional<Record>> next();

@@ -8,8 +8,8 @@
 
 namespace enamel::capture {
 
-enum class Kind : std::uint8_t { kBurst, kShed, kStatus, kEvent, kDeviceInfo };
-inline constexpr std::size_t kKinds = 5;
+enum class Kind : std::uint8_t { kBurst, kShed, kStatus, kEvent, kDeviceInfo, kAxes };
+inline constexpr std::size_t kKinds = 6;
 
 struct ChannelName {
   std::string_view topic;   ///< as on DDS, where it is on DDS
@@ -22,6 +22,7 @@ inline constexpr std::array<ChannelName, kKinds> kChannelNames{{
     {"enamel/v1/status", "enamel::v1::Status"},
     {"enamel/v1/event", "enamel::v1::Event"},
     {"enamel/v1/device_info", "enamel::v1::DeviceInfo"},
+    {"enamel/v1/axes", "enamel::v1::AxesReading"},
 }};
 
 inline constexpr std::string_view kProfile = "enamel";

@@ -31,6 +31,8 @@ Result<Record> decode(Kind kind, const mcap::Message& message) {
       return record_of<proto::Event>(message);
     case Kind::kDeviceInfo:
       return record_of<proto::DeviceInfo>(message);
+    case Kind::kAxes:
+      return record_of<proto::AxesReading>(message);
   }
   return fail(ErrorCode::kInternal, "unknown kind of record");
 }

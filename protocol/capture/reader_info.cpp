@@ -7,8 +7,8 @@
 namespace enamel::capture {
 
 void CaptureReader::Impl::count(Kind kind, std::uint64_t n) {
-  const std::array<std::uint64_t*, kKinds> counters{&info.bursts, &info.shed, &info.statuses, &info.events,
-                                                    &info.device_infos};
+  const std::array<std::uint64_t*, kKinds> counters{&info.bursts, &info.shed,         &info.statuses,
+                                                    &info.events, &info.device_infos, &info.axes};
   *counters[static_cast<std::size_t>(kind)] += n;
 }
 

@@ -38,6 +38,7 @@ struct CaptureWriter::Impl {
   bool reported = false;
 
   explicit Impl(mcap::Writer writer) : out(std::move(writer)) {}
+  Result<void> add_channel(Kind kind);
   Result<void> add_channels();
   Result<void> write(Kind kind, proto::ByteView cdr, std::int64_t log_ns, const Stamp& stamp);
   template <class T>
@@ -45,12 +46,18 @@ struct CaptureWriter::Impl {
   Result<void> once(Result<void> result);
 };
 
+Result<void> CaptureWriter::Impl::add_channel(Kind kind) {
+  const auto k = static_cast<std::size_t>(kind);
+  const ChannelName& name = kChannelNames[k];
+  ENAMEL_TRY_ASSIGN(const auto schema, out.add_schema(name.schema, kSchemaEncoding, proto::idl_text()));
+  ENAMEL_TRY_ASSIGN(channels[k], out.add_channel(schema, name.topic, kMessageEncoding));
+  return {};
+}
+
+// All but that of the axes, which only a desktop scanner has.
 Result<void> CaptureWriter::Impl::add_channels() {
-  for (std::size_t k = 0; k < kKinds; ++k) {
-    const ChannelName& name = kChannelNames[k];
-    ENAMEL_TRY_ASSIGN(const auto schema, out.add_schema(name.schema, kSchemaEncoding, proto::idl_text()));
-    ENAMEL_TRY_ASSIGN(channels[k], out.add_channel(schema, name.topic, kMessageEncoding));
-  }
+  for (const Kind kind : {Kind::kBurst, Kind::kShed, Kind::kStatus, Kind::kEvent, Kind::kDeviceInfo})
+    ENAMEL_TRY(add_channel(kind));
   return {};
 }
 
@@ -131,6 +138,13 @@ Result<void> CaptureWriter::write_event(const proto::Event& event, std::int64_t 
 
 Result<void> CaptureWriter::write_device_info(const proto::DeviceInfo& info, std::int64_t log_ns) {
   return impl_->write_message(Kind::kDeviceInfo, info, log_ns, 0);
+}
+
+Result<void> CaptureWriter::write_axes(const proto::AxesReading& reading, std::int64_t log_ns) {
+  ENAMEL_TRY_ASSIGN(const proto::Bytes cdr, proto::to_cdr(reading));
+  const auto k = static_cast<std::size_t>(Kind::kAxes);
+  if (impl_->channels[k] == 0 && !impl_->out.failed()) ENAMEL_TRY(impl_->once(impl_->add_channel(Kind::kAxes)));
+  return impl_->write(Kind::kAxes, cdr, log_ns, {impl_->sequences[k]++, 0});
 }
 
 Result<void> CaptureWriter::attach(const std::string& name, const std::string& media_type, proto::ByteView bytes) {

@@ -17,7 +17,8 @@ QosPtr make_qos(const TopicQos& row, bool for_writer) {
   dds_qset_durability(qos.get(), row.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), row.history == 0 ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST, row.history);
   if (row.transient_local) {
-    dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, std::max(row.history, 1), DDS_LENGTH_UNLIMITED,
+    const auto kind = row.history == 0 ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST;
+    dds_qset_durability_service(qos.get(), 0, kind, std::max(row.history, 1), DDS_LENGTH_UNLIMITED,
                                 DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
   }
   if (for_writer) {

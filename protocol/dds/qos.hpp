@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "protocol/types/axes.hpp"
 #include "protocol/types/burst.hpp"
 #include "protocol/types/device.hpp"
 
@@ -12,7 +13,7 @@ namespace enamel::dds {
 struct TopicQos {
   std::string_view topic;
   bool reliable;
-  bool transient_local;          ///< a reader that comes later gets the last samples
+  bool transient_local;          ///< a reader that comes later gets the last samples (all of them with KEEP_ALL)
   int history;                   ///< KEEP_LAST depth, 0 = KEEP_ALL
   int reader_max_samples;        ///< with KEEP_ALL: the reader's bound, after which the writer is held back
   std::int64_t max_blocking_ms;  ///< how long a write may wait for room
@@ -38,6 +39,10 @@ template <>
 inline constexpr TopicQos kQos<proto::Status>{"enamel/v1/status", true, true, 1, 0, 100, 0};
 template <>
 inline constexpr TopicQos kQos<proto::Event>{"enamel/v1/event", true, true, 64, 0, 100, 0};
+// One angle missing spoils a scan of the table, so every one is kept and told to whoever comes later; they are small.
+// A reader passes over those of another session_id.
+template <>
+inline constexpr TopicQos kQos<proto::AxesReading>{"enamel/v1/axes", true, true, 0, 0, 100, 0};
 // A command must not be executed by a probe that starts later, nor long after it was given.
 template <>
 inline constexpr TopicQos kQos<proto::Command>{"enamel/v1/command", true, false, 16, 0, 100, 1000};

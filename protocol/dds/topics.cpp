@@ -106,6 +106,7 @@ ENAMEL_TOPIC(CommandReply)
 ENAMEL_TOPIC(Event)
 ENAMEL_TOPIC(TimeSyncReq)
 ENAMEL_TOPIC(TimeSyncRep)
+ENAMEL_TOPIC(AxesReading)
 #undef ENAMEL_TOPIC
 
 }  // namespace enamel::dds

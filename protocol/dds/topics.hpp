@@ -1,5 +1,5 @@
 // Typed ends of the topics. T is one of proto::{Burst, DeviceInfo, Status, Command, CommandReply, Event, TimeSyncReq,
-// TimeSyncRep}; each type has exactly one topic, its quality of service is in qos.hpp.
+// TimeSyncRep, AxesReading}; each type has exactly one topic, its quality of service is in qos.hpp.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,7 @@
 #include "protocol/dds/wire.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 
@@ -151,6 +152,16 @@ Result<void> Wire<proto::TimeSyncReq>::fill(Type& wire, const proto::TimeSyncReq
 
 Result<void> Wire<proto::TimeSyncRep>::fill(Type& wire, const proto::TimeSyncRep& r) {
   wire = {r.probe_id, r.seq, r.client_id, r.t1_host_ns, r.t2_probe_ns, r.t3_probe_ns};
+  return {};
+}
+
+Result<void> Wire<proto::AxesReading>::fill(Type& wire, const proto::AxesReading& r) {
+  for (const double deg : {r.rot_cmd_deg, r.swing_cmd_deg, r.rot_read_deg, r.swing_read_deg}) {
+    if (std::abs(deg) > proto::kMaxAxisAngle_deg)
+      return fail(ErrorCode::kMessageInvalid, "angle beyond the travel of any axis");
+  }
+  wire = {r.probe_id,    r.session_id,    r.burst_index,  r.stop,
+          r.rot_cmd_deg, r.swing_cmd_deg, r.rot_read_deg, r.swing_read_deg};
   return {};
 }
 

@@ -4,6 +4,7 @@
 #include <scanner.h>
 
 #include "protocol/base/result.hpp"
+#include "protocol/types/axes.hpp"
 #include "protocol/types/burst.hpp"
 #include "protocol/types/device.hpp"
 
@@ -28,6 +29,7 @@ ENAMEL_WIRE(CommandReply)
 ENAMEL_WIRE(Event)
 ENAMEL_WIRE(TimeSyncReq)
 ENAMEL_WIRE(TimeSyncRep)
+ENAMEL_WIRE(AxesReading)
 ENAMEL_WIRE(ShedNote)
 #undef ENAMEL_WIRE
 

@@ -18,7 +18,7 @@ struct WriterOptions {
   std::size_t chunk_bytes = std::size_t{1} << 20;  ///< a chunk is closed when it is this long
 };
 
-/// One thread. Order: schemas and channels, then messages, attachments and metadata in any order, then close().
+/// One thread. Order: a schema, its channel, that channel's messages; attachments and metadata anywhere; then close().
 /// Errors of all members: kFileWrite. The first one cuts the file back to its last whole record and closes it; failed()
 /// is true from then on and every later call fails at once.
 class Writer {
@@ -28,7 +28,8 @@ class Writer {
   Writer& operator=(Writer&&) noexcept;
   ~Writer();  ///< without close(): pending chunk is written, no summary
 
-  /// Ids count from 1. Schemas and channels stand in front of all chunks, so that a damaged chunk takes none with it.
+  /// Ids count from 1. Schemas and channels stand between chunks, in front of those that use them, so that a damaged
+  /// chunk takes none with it.
   [[nodiscard]] Result<std::uint16_t> add_schema(std::string_view name, std::string_view encoding,
                                                  std::string_view data);
   [[nodiscard]] Result<std::uint16_t> add_channel(std::uint16_t schema_id, std::string_view topic,

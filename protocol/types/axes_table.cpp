@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::string_view kAngles = "rot_cmd_deg,swing_cmd_deg,rot_read_deg,swing_read_deg";
 constexpr std::array<const char*, 4> kAngleNames{"rot_cmd_deg", "swing_cmd_deg", "rot_read_deg", "swing_read_deg"};
-constexpr double kMaxAngle_deg = 360;
 
 std::string_view key_name(AxesKey key) { return key == AxesKey::kBurst ? "burst_id" : "pose"; }
 
@@ -31,8 +30,8 @@ std::string read_row(std::string_view line, AxesKey key, AxesRow& row) {
     if (text.empty() || text == "nan" || text == "NaN") continue;
     if (!read_number(text, angle) || !std::isfinite(angle))
       return std::string(kAngleNames[k]) + " is no number; write degrees, or nan for none";
-    if (std::abs(angle) > kMaxAngle_deg)
-      return std::string(kAngleNames[k]) + " is beyond -360 to 360 degrees; take full turns off";
+    if (std::abs(angle) > kMaxAxisAngle_deg)
+      return std::string(kAngleNames[k]) + " is beyond -370 to 370 degrees; take full turns off";
   }
   for (std::size_t k = 0; k < 2; ++k) {
     if (std::isnan(row.angles_deg[k]) && std::isnan(row.angles_deg[k + 2]))
@@ -84,11 +83,27 @@ Result<std::vector<AxesReading>> parse_burst_axes(std::string_view text, const s
   ENAMEL_TRY_ASSIGN(const auto rows, parse_axes_table(text, path, AxesKey::kBurst));
   std::vector<AxesReading> out;
   for (const AxesRow& row : rows) {
-    AxesReading reading{0, row.angles_deg[0], row.angles_deg[1], row.angles_deg[2], row.angles_deg[3]};
+    AxesReading reading{.rot_cmd_deg = row.angles_deg[0],
+                        .swing_cmd_deg = row.angles_deg[1],
+                        .rot_read_deg = row.angles_deg[2],
+                        .swing_read_deg = row.angles_deg[3]};
     static_cast<void>(read_number(std::string_view(row.key), reading.burst_index));  // read_row saw to it
     out.push_back(reading);
   }
   return out;
+}
+
+void number_stops(std::vector<AxesReading>& readings) {
+  const auto place = [](double cmd, double read) { return std::isnan(cmd) ? read : cmd; };
+  const auto stands_as = [&](const AxesReading& a, const AxesReading& b) {
+    return place(a.rot_cmd_deg, a.rot_read_deg) == place(b.rot_cmd_deg, b.rot_read_deg) &&
+           place(a.swing_cmd_deg, a.swing_read_deg) == place(b.swing_cmd_deg, b.swing_read_deg);
+  };
+  std::uint32_t stop = 0;
+  for (std::size_t n = 0; n < readings.size(); ++n) {
+    if (n > 0 && !stands_as(readings[n - 1], readings[n])) ++stop;
+    readings[n].stop = stop;
+  }
 }
 
 std::string axes_table_text(const std::vector<AxesReading>& readings) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <string>
 
@@ -37,6 +38,10 @@ class Encoder {
     value(static_cast<std::uint32_t>(s.size() + 1));
     out_.insert(out_.end(), s.begin(), s.end());
     out_.push_back(0);
+  }
+  void angle(double deg) {
+    if (std::abs(deg) > kMaxAxisAngle_deg) note("angle beyond the travel of any axis");
+    value(deg);
   }
   void octets(const Bytes& b, std::size_t bound) {
     if (b.size() > std::min<std::size_t>(bound, 0xFFFFFFFFU)) note("sequence longer than its bound");
@@ -111,6 +116,10 @@ class Decoder {
       return;
     }
     s.assign(raw.substr(0, n - 1));
+  }
+  void angle(double& deg) {
+    value(deg);
+    if (std::abs(deg) > kMaxAxisAngle_deg) in_.invalidate();
   }
   void octets(Bytes& b, std::size_t bound) {
     std::uint32_t n = 0;
@@ -206,6 +215,7 @@ ENAMEL_CDR_TYPE(CommandReply)
 ENAMEL_CDR_TYPE(Event)
 ENAMEL_CDR_TYPE(TimeSyncReq)
 ENAMEL_CDR_TYPE(TimeSyncRep)
+ENAMEL_CDR_TYPE(AxesReading)
 ENAMEL_CDR_TYPE(ShedNote)
 #undef ENAMEL_CDR_TYPE
 

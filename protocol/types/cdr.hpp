@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "protocol/base/result.hpp"
+#include "protocol/types/axes.hpp"
 #include "protocol/types/burst.hpp"
 #include "protocol/types/device.hpp"
 
@@ -17,8 +18,8 @@ namespace enamel::proto {
 using Bytes = std::vector<std::uint8_t>;
 using ByteView = std::span<const std::uint8_t>;
 
-/// T: Burst, DeviceInfo, Status, Command, CommandReply, Event, TimeSyncReq, TimeSyncRep, ShedNote.
-/// Errors: kMessageInvalid when a string or sequence is longer than its bound.
+/// T: Burst, DeviceInfo, Status, Command, CommandReply, Event, TimeSyncReq, TimeSyncRep, AxesReading, ShedNote.
+/// Errors: kMessageInvalid when a string or sequence is longer than its bound, an angle beyond its own.
 template <class T>
 [[nodiscard]] Result<Bytes> to_cdr(const T& value);
 

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <type_traits>
 
+#include "protocol/types/axes.hpp"
 #include "protocol/types/burst.hpp"
 #include "protocol/types/device.hpp"
 
@@ -92,6 +93,12 @@ void visit(Ar& ar, M& m) {
   ar.text(m.fw_version, 32);
   ar.values(m.fw_manifest_sha256, m.protocol_version, m.calib_crc32, m.recovery);
   ar.octets(m.calibration_blob, kMaxCalibration);
+}
+
+template <class Ar, Is<AxesReading> M>
+void visit(Ar& ar, M& m) {
+  ar.values(m.probe_id, m.session_id, m.burst_index, m.stop);
+  for (auto* deg : {&m.rot_cmd_deg, &m.swing_cmd_deg, &m.rot_read_deg, &m.swing_read_deg}) ar.angle(*deg);
 }
 
 template <class Ar, Is<ShedNote> M>

@@ -62,8 +62,8 @@ TEST_F(DesktopAxes, home_and_stop_end_well) {
 TEST_F(DesktopAxes, what_goes_wrong_has_an_exit_code_and_a_remedy) {
   {
     const GrblModel model;
-    EXPECT_EQ(axes(model, {"move", "--rot", "400", "--swing", "0"}).code, 1);
-    EXPECT_EQ(axes(model, {"move", "--rot", "nan", "--swing", "0"}).code, 1);
+    EXPECT_EQ(axes(model, {"move", "--rot", "400", "--swing", "0"}).code, 2);
+    EXPECT_EQ(axes(model, {"move", "--rot", "nan", "--swing", "0"}).code, 2);
     EXPECT_EQ(axes(model, {"move", "--rot", "10"}).code, 1) << "the swing is missing";
     EXPECT_EQ(model.moves(), 0);
   }
@@ -75,7 +75,9 @@ TEST_F(DesktopAxes, what_goes_wrong_has_an_exit_code_and_a_remedy) {
   const Ran failed = axes(stuck, {"home", "--json"});
   EXPECT_EQ(failed.code, 3);
   EXPECT_NE(failed.err.find("no switch found"), std::string::npos) << failed.err;
-  EXPECT_EQ(nlohmann::json::parse(failed.out)["error"], "kHal");
+  EXPECT_NE(failed.err.find("axes stopped with an alarm"), std::string::npos)
+      << "not in words of the probe: " << failed.err;
+  EXPECT_EQ(nlohmann::json::parse(failed.out)["error"], "kAxesAlarm");
 }
 
 TEST_F(DesktopAxes, ctrl_c_brings_the_table_to_a_stand) {

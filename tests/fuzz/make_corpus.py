@@ -128,7 +128,8 @@ def table_seeds():
     poses = "burst_id,t_ns,tx,ty,tz,qx,qy,qz,qw\n0,5,0.5,-1.25,48,0,0,0,1\n3,9,1e-3,0,0,0.6,0,0,0.8\n"
     bursts = "burst_id,t0_ns,t1_ns,t2_ns,t3_ns,exposure_us,temp_c\n0,1,2,3,4,3700,32.0\n3,11,12,13,14,3700,-0.5\n"
     stages = "burst_id,input,decode,track,fuse,verdict\n0,00000000000000ab,0000000000000001,0,0,fused\n"
-    for kind, (name, text) in enumerate((("poses", poses), ("bursts", bursts), ("stages", stages))):
+    axes = "burst_id,rot_cmd_deg,swing_cmd_deg,rot_read_deg,swing_read_deg\n0,15,-20,14.998,nan\n3,,2.5,360.5,\n"
+    for kind, (name, text) in enumerate((("poses", poses), ("bursts", bursts), ("stages", stages), ("axes", axes))):
         german = text.replace(",", ";").replace(".", ",").replace("\n", "\r\n")
         yield name, bytes([kind]) + text.encode()
         yield f"{name}_german", bytes([kind]) + b"\xef\xbb\xbfsep=;\r\n" + german.encode() + b";;;;\r\n"
@@ -155,9 +156,12 @@ def recording_seeds():
 
 def message_seeds():
     plain = b"\0\1\0\0"
-    for kind in range(9):
+    for kind in range(10):
         yield f"zeros_{kind}", bytes([kind]) + plain + bytes(400)
         yield f"delimited_{kind}", bytes([kind]) + b"\0\x09\0\0" + struct.pack("<I", 300) + bytes(300)
+    axes = struct.pack("<IIQI4d", 7, 3, 12, 4, 90.0, -15.0, float("nan"), -14.998)
+    for name, body in (("whole", axes), ("cut", axes[:-3]), ("beyond", axes[:-8] + struct.pack("<d", 1e9)), ("later", axes + bytes(8))):
+        yield f"axes_{name}", b"\x09\0\x09\0\0" + struct.pack("<I", len(body)) + body
     yield "long_sequence", b"\0" + plain + bytes(112) + struct.pack("<I", 0xFFFFFFFF) + bytes(64)
 
 

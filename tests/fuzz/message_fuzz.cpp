@@ -36,7 +36,7 @@ constexpr std::array kTypes{demand_round_trip<proto::Burst>,        demand_round
                             demand_round_trip<proto::Status>,       demand_round_trip<proto::Event>,
                             demand_round_trip<proto::DeviceInfo>,   demand_round_trip<proto::Command>,
                             demand_round_trip<proto::CommandReply>, demand_round_trip<proto::TimeSyncReq>,
-                            demand_round_trip<proto::TimeSyncRep>};
+                            demand_round_trip<proto::TimeSyncRep>,  demand_round_trip<proto::AxesReading>};
 
 }  // namespace
 

@@ -62,6 +62,12 @@ Original make(bool compress) {
     test::randomize(random, status);
     demand(out->write_status(status, ++t).has_value(), "a status is written");
     original.records.push_back({t, status});
+    proto::AxesReading reading;
+    test::randomize(random, reading);
+    if (i > 0) {
+      demand(out->write_axes(reading, ++t).has_value(), "a reading is written");
+      original.records.push_back({t, reading});
+    }
     const proto::Burst burst = test::camera_burst(i, 8, 6);
     demand(out->write_burst(burst, ++t).has_value(), "a burst is written");
     original.records.push_back({t, burst});

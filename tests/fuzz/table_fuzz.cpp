@@ -1,5 +1,5 @@
-// Any bytes as a table (the first byte chooses poses, bursts or stages): rewritten once, it stays as it is; what is let
-// in holds; no more rows come out than lines went in.
+// Any bytes as a table (the first byte chooses poses, bursts, stages or angles): rewritten once, it stays as it is;
+// what is let in holds; no more rows come out than lines went in.
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -9,6 +9,8 @@
 #include "host/record/exchange_folder.hpp"
 #include "host/report/stage_trace.hpp"
 #include "protocol/base/plain_text.hpp"
+#include "protocol/types/axes_table.hpp"
+#include "protocol/types/cdr.hpp"
 #include "tests/fuzz/demand.hpp"
 
 namespace {
@@ -45,6 +47,18 @@ void demand_stages(const std::string& bytes) {
   demand(trace->rows().size() <= bytes.size(), "a row is a line");
 }
 
+void demand_axes(const std::string& bytes) {
+  const auto readings = proto::parse_burst_axes(bytes, "axes.csv");
+  if (!readings) return;
+  demand(readings->size() <= bytes.size(), "a row is a line");
+  for (const proto::AxesReading& reading : *readings) {
+    demand(reading.is_whole(), "both axes stand somewhere");
+    demand(proto::to_cdr(reading).has_value(), "a row is a message");
+  }
+  const auto back = proto::parse_burst_axes(proto::axes_table_text(*readings), "again");
+  demand(back && *back == *readings, "what is written is read");
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -52,15 +66,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   const std::string plain = plain_table(bytes);
   demand(plain.size() <= bytes.size() + 1, "rewriting adds the last line's end at most");
-  switch (data[0] % 3) {
+  switch (data[0] % 4) {
     case 0:
       demand_poses(bytes);
       break;
     case 1:
       demand_bursts(bytes);
       break;
-    default:
+    case 2:
       demand_stages(bytes);
+      break;
+    default:
+      demand_axes(bytes);
   }
   return 0;
 }

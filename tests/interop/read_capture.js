@@ -18,7 +18,7 @@ const decompressHandlers = { zstd: (bytes, size) => fzstd.decompress(bytes, new 
 
 // 64-bit numbers as decimal text, octets as hexadecimal: what JSON can hold without loss.
 function plain(value) {
-  if (typeof value === "bigint") return value.toString();
+  if (typeof value === "bigint" || Number.isNaN(value)) return value.toString();
   if (value instanceof Uint8Array) return Buffer.from(value).toString("hex");
   if (ArrayBuffer.isView(value) || Array.isArray(value)) return Array.from(value, plain);
   if (value !== null && typeof value === "object") {

@@ -1,5 +1,6 @@
 // Makes a recording with every kind of message and, straight from the values, the JSON that a reader must arrive at.
 // usage: interop_write zstd|plain capture.mcap expected.json
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -102,6 +103,19 @@ json of(const proto::Event& e) {
           {"text", e.text}};
 }
 
+// JSON has no NaN; the reader is given what its own numbers print.
+json of(const proto::AxesReading& a) {
+  const auto angle = [](double deg) { return std::isnan(deg) ? json("NaN") : json(deg); };
+  return {{"probe_id", a.probe_id},
+          {"session_id", a.session_id},
+          {"burst_index", big(a.burst_index)},
+          {"stop", a.stop},
+          {"rot_cmd_deg", angle(a.rot_cmd_deg)},
+          {"swing_cmd_deg", angle(a.swing_cmd_deg)},
+          {"rot_read_deg", angle(a.rot_read_deg)},
+          {"swing_read_deg", angle(a.swing_read_deg)}};
+}
+
 json of(const proto::DeviceInfo& d) {
   return {{"probe_id", d.probe_id},
           {"serial", d.serial},
@@ -162,6 +176,7 @@ int run(bool compress, const std::string& path, const std::string& expected_path
     both.put("enamel/v1/status", random_value<proto::Status>(random), &Writer::write_status);
     both.put("enamel/v1/shed", random_value<proto::ShedNote>(random), &Writer::write_shed);
     both.put("enamel/v1/event", random_value<proto::Event>(random), &Writer::write_event);
+    if (i > 2) both.put("enamel/v1/axes", random_value<proto::AxesReading>(random), &Writer::write_axes);
   }
   const proto::Bytes truth = random.octets(500);
   if (!both.ok() || !out->attach("truth/poses.csv", "text/csv", truth) || !out->finish()) return 1;

@@ -136,10 +136,7 @@ Result<int> run_axes(const AxesOptions& o, Work work) {
   }
   const Error& error = done.error();
   if (o.json) std::puts(json_text(Json{{"error", describe(error.code).name}, {"detail", error.detail}}, 1).c_str());
-  // The table's words for a failed device speak of the probe; here the detail has cause and remedy.
-  if (error.code != ErrorCode::kHal) return tl::unexpected<Error>(error);
-  std::fprintf(stderr, "axes: %s\n", error.detail.c_str());
-  return exit_code(error.code);
+  return tl::unexpected<Error>(error);
 }
 
 CLI::App* add_common(CLI::App& app, const char* name, const char* what, AxesOptions& o) {

@@ -82,8 +82,9 @@ TEST(MountFile, refuses_what_was_changed_or_is_no_mount) {
   EXPECT_THAT(with("\"schema\": 1", "\"schema\": 2").error().detail, HasSubstr("schema"));
   EXPECT_THAT(with("\"positive\"", "\"upward\"").error().detail, HasSubstr("approach"));
   EXPECT_THAT(with("\"direction\": [", "\"direction\": [5,").error().detail, HasSubstr("rotation.direction"));
-  EXPECT_FALSE(parse_mount("{}"));
-  EXPECT_FALSE(parse_mount("[1"));
+  for (const char* foreign : {"{}", "[1", ""}) EXPECT_EQ(parse_mount(foreign).error().code, ErrorCode::kMountInvalid);
+  EXPECT_EQ(with("D-7", "D-8").error().code, ErrorCode::kMountInvalid);
+  EXPECT_TRUE(parse_mount(text)) << "negative control";
 }
 
 TEST(AxesTable, reads_rows_and_names_what_is_wrong) {

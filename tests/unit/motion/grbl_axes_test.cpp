@@ -66,7 +66,7 @@ TEST(GrblAxes, targets_outside_the_limits_send_nothing) {
        {AxesAngles{kNan, 0.0}, AxesAngles{361.1, 0.0}, AxesAngles{-0.6, 0.0}, AxesAngles{0.0, 31.1}}) {
     const auto moved = bench.axes->move_to(bad, kMove);
     ASSERT_FALSE(moved);
-    EXPECT_EQ(moved.error().code, ErrorCode::kUsage);
+    EXPECT_EQ(moved.error().code, ErrorCode::kAxesRange);
   }
   EXPECT_EQ(bench.model.moves(), 0);
   EXPECT_EQ(bench.axes->state(), AxesState::kReady) << "a refusal costs no position";

@@ -31,6 +31,7 @@ Struck strike(GrblBench& bench, GrblFault fault) {
 struct Expected {
   GrblFault fault;
   const char* text;
+  ErrorCode code = ErrorCode::kAxes;
   AxesState state = AxesState::kUnhomed;
 };
 
@@ -39,7 +40,7 @@ class GrblFaults : public ::testing::TestWithParam<Expected> {};
 TEST_P(GrblFaults, end_the_move_with_a_reason) {
   GrblBench bench;
   const Struck s = strike(bench, GetParam().fault);
-  EXPECT_EQ(s.error.code, ErrorCode::kHal);
+  EXPECT_EQ(s.error.code, GetParam().code);
   EXPECT_NE(s.error.detail.find(GetParam().text), std::string::npos) << s.error.detail;
   EXPECT_EQ(s.state, GetParam().state);
   EXPECT_TRUE(s.is_over_in_time);
@@ -48,18 +49,18 @@ TEST_P(GrblFaults, end_the_move_with_a_reason) {
   EXPECT_EQ(bench.model.moves(), moves);
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, GrblFaults,
-                         ::testing::Values(Expected{GrblFault::kHardLimit, "ALARM:1"},
-                                           Expected{GrblFault::kRestart, "restarted by itself"},
-                                           Expected{GrblFault::kPowerOff, "fell silent"},
-                                           Expected{GrblFault::kUnplug, "cable pulled", AxesState::kLost},
-                                           Expected{GrblFault::kHang, "fell silent"},
-                                           Expected{GrblFault::kNoise, "disturbed"},
-                                           Expected{GrblFault::kShort, "instead of 60.000"},
-                                           Expected{GrblFault::kWander, "instead of 60.000"},
-                                           Expected{GrblFault::kOtherTarget, "instead of 60.000"},
-                                           Expected{GrblFault::kOkInMove, "state Run where it should stand"},
-                                           Expected{GrblFault::kDoor, "state Door"}));
+INSTANTIATE_TEST_SUITE_P(
+    Each, GrblFaults,
+    ::testing::Values(Expected{GrblFault::kHardLimit, "ALARM:1", ErrorCode::kAxesAlarm},
+                      Expected{GrblFault::kRestart, "restarted by itself", ErrorCode::kAxesAlarm},
+                      Expected{GrblFault::kPowerOff, "fell silent"},
+                      Expected{GrblFault::kUnplug, "cable pulled", ErrorCode::kAxes, AxesState::kLost},
+                      Expected{GrblFault::kHang, "fell silent"}, Expected{GrblFault::kNoise, "disturbed"},
+                      Expected{GrblFault::kShort, "instead of 60.000", ErrorCode::kAxesStep},
+                      Expected{GrblFault::kWander, "instead of 60.000", ErrorCode::kAxesStep},
+                      Expected{GrblFault::kOtherTarget, "instead of 60.000", ErrorCode::kAxesStep},
+                      Expected{GrblFault::kOkInMove, "state Run where it should stand"},
+                      Expected{GrblFault::kDoor, "state Door", ErrorCode::kAxesAlarm}));
 
 TEST(GrblFaultsAlone, a_lie_about_standing_and_one_bad_byte_do_no_harm) {
   for (const GrblFault fault : {GrblFault::kIdleInMove, GrblFault::kOneBadByte}) {
@@ -99,6 +100,7 @@ TEST(GrblFaultsAlone, homing_that_fails_says_why_and_leaves_the_axes_unhomed) {
   GrblBench bench({.homing_alarm = 9}, quick_profile(), false);
   const auto homed = bench.axes->home(kMove);
   ASSERT_FALSE(homed);
+  EXPECT_EQ(homed.error().code, ErrorCode::kAxesAlarm);
   EXPECT_NE(homed.error().detail.find("ALARM:9"), std::string::npos);
   EXPECT_NE(homed.error().detail.find("no switch found"), std::string::npos);
   EXPECT_EQ(bench.axes->state(), AxesState::kUnhomed);

@@ -11,7 +11,7 @@ std::string open_error(test::GrblModelSetup setup) {
   const test::GrblModel model(std::move(setup));
   const auto axes = GrblAxes::open(model.port(), quick_profile(), clock);
   if (axes) return {};
-  EXPECT_TRUE(axes.error().code == ErrorCode::kHal || axes.error().code == ErrorCode::kConfigValue);
+  EXPECT_TRUE(axes.error().code == ErrorCode::kAxes || axes.error().code == ErrorCode::kConfigValue);
   EXPECT_FALSE(model.was_told_to_move_before_home());
   return axes.error().detail;
 }

@@ -21,7 +21,7 @@ TEST(MovePlan, targets_outside_or_without_value_are_refused) {
         AxesAngles{360.001, 0.0}, AxesAngles{-0.001, 0.0}, AxesAngles{0.0, 30.001}}) {
     const auto checked = check_target(bad, kLimits);
     ASSERT_FALSE(checked) << bad.rot_deg << " " << bad.swing_deg;
-    EXPECT_EQ(checked.error().code, ErrorCode::kUsage);
+    EXPECT_EQ(checked.error().code, ErrorCode::kAxesRange);
   }
   EXPECT_TRUE(check_target({0.0, -30.0}, kLimits));
   EXPECT_TRUE(check_target({360.0, 30.0}, kLimits));

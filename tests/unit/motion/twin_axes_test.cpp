@@ -63,6 +63,7 @@ TEST(TwinAxes, a_lost_step_is_seen_by_an_encoder_only) {
     EXPECT_NEAR(axes.true_angles().rot_deg, 90.0 - 1.8, 0.001);
     EXPECT_EQ(axes.state(), has_encoder ? AxesState::kUnhomed : AxesState::kReady);
     if (!at) {
+      EXPECT_EQ(at.error().code, ErrorCode::kAxesStep);
       EXPECT_NE(at.error().detail.find("steps were lost"), std::string::npos);
     }
     ASSERT_TRUE(axes.home(kLong));
@@ -85,9 +86,9 @@ TEST(TwinAxes, read_back_is_the_table_or_nothing) {
 
 TEST(TwinAxes, obeys_the_rules_of_axes) {
   TwinAxes axes({});
-  EXPECT_FALSE(axes.move_to({10.0, 0.0}, kLong)) << "not homed";
+  EXPECT_EQ(axes.move_to({10.0, 0.0}, kLong).error().code, ErrorCode::kAxes) << "not homed";
   ASSERT_TRUE(axes.home(kLong));
-  EXPECT_EQ(axes.move_to({400.0, 0.0}, kLong).error().code, ErrorCode::kUsage);
+  EXPECT_EQ(axes.move_to({400.0, 0.0}, kLong).error().code, ErrorCode::kAxesRange);
   EXPECT_FALSE(axes.move_to({150.0, 0.0}, std::chrono::seconds(5))) << "takes ten";
   EXPECT_NEAR(axes.true_angles().rot_deg, 74.5, 0.01)
       << "half way, and stands; the swing's overshoot took half a degree";

@@ -64,6 +64,12 @@ TEST_P(Damage, a_truncated_file_opens_up_to_its_last_whole_chunk) {
   EXPECT_LT(seen, 5U);
 }
 
+/// A bit in the name of a chunk's compression makes another one, which no reader can tell from a later writer's.
+bool is_damage(const Error& e) {
+  return e.code == ErrorCode::kCaptureCorrupt ||
+         (e.code == ErrorCode::kCaptureInvalid && e.detail.find("compression '") != std::string::npos);
+}
+
 // Every flipped bit is noticed by at least one check, and never gives a record that was not written.
 TEST_P(Damage, a_flipped_bit_is_found_wherever_it_is) {
   test::Random random(3);
@@ -77,7 +83,7 @@ TEST_P(Damage, a_flipped_bit_is_found_wherever_it_is) {
       for (const Record& r : all.records) {
         ASSERT_NE(std::find(records_.begin(), records_.end(), r), records_.end()) << "byte " << at;
       }
-      for (const Error& e : all.errors) EXPECT_EQ(e.code, ErrorCode::kCaptureCorrupt);
+      for (const Error& e : all.errors) EXPECT_TRUE(is_damage(e)) << "byte " << at << ": " << e.message();
       corrupt += all.errors.empty() ? 0 : 1;
       const auto mcap = mcap::Reader::open(path_);
       found = !all.errors.empty() || in->info().truncated || !in->info().problems.empty() ||

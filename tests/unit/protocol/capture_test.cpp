@@ -117,6 +117,69 @@ TEST(CaptureFiles, foreign_ones_are_refused) {
   EXPECT_EQ(CaptureWriter::create(folder / "no/such/folder.mcap", {}).error().code, ErrorCode::kFileWrite);
 }
 
+proto::AxesReading drawn_reading(test::Random& random, std::uint64_t burst) {
+  proto::AxesReading reading;
+  test::randomize(random, reading);
+  reading.burst_index = burst;
+  return reading;
+}
+
+TEST_P(Capture, angles_of_the_axes_come_back_among_the_rest) {
+  auto out = CaptureWriter::create(path_, test::sample_header(), options());
+  test::Random random(31);
+  auto records = test::write_sample(*out, 2);
+  const std::int64_t t = records.back().log_ns;
+  for (std::uint64_t n = 20; n < 24; ++n) {
+    const auto reading = drawn_reading(random, n);
+    ASSERT_TRUE(out->write_axes(reading, t));
+    records.push_back({t, reading});
+    ASSERT_TRUE(out->write_burst(test::camera_burst(n, 16, 12), t));
+    records.push_back({t, test::camera_burst(n, 16, 12)});
+  }
+  const proto::AxesReading beyond{.rot_read_deg = 1e9};
+  EXPECT_EQ(out->write_axes(beyond, t).error().code, ErrorCode::kMessageInvalid);
+  ASSERT_TRUE(out->finish());
+  auto in = CaptureReader::open(path_);
+  ASSERT_TRUE(in) << in.error().message();
+  EXPECT_EQ(in->info().axes, 4U);
+  EXPECT_EQ(in->info().bursts, 6U);
+  EXPECT_TRUE(in->info().problems.empty());
+  EXPECT_EQ(collect(*in).records, records);
+  in->rewind();
+  for (int n = 0; n < 6; ++n) ASSERT_TRUE(in->next_burst().value()) << n;
+  EXPECT_FALSE(in->next_burst().value()) << "angles are no bursts";
+}
+
+TEST_P(Capture, angles_of_a_recording_without_an_end_come_back_as_far_as_its_bursts) {
+  test::Random random(32);
+  const auto reading = drawn_reading(random, 1);
+  {
+    auto out = CaptureWriter::create(path_, test::sample_header(), options());
+    ASSERT_TRUE(out->write_burst(test::camera_burst(0, 16, 12), 1));
+    ASSERT_TRUE(out->write_axes(reading, 2));
+    ASSERT_TRUE(out->write_burst(test::camera_burst(1, 16, 12), 2));
+  }
+  auto in = CaptureReader::open(path_);
+  ASSERT_TRUE(in) << in.error().message();
+  EXPECT_TRUE(in->info().truncated);
+  EXPECT_EQ(in->info().axes, 1U);
+  EXPECT_EQ(std::get<proto::AxesReading>(collect(*in).records.at(1).value), reading);
+}
+
+// Negative control: one reading makes the difference.
+TEST_P(Capture, a_recording_without_angles_is_without_their_channel) {
+  const auto bytes_of = [&](int readings) {
+    auto out = CaptureWriter::create(path_, test::sample_header(), options());
+    EXPECT_EQ(out->write_axes({.rot_cmd_deg = 1e9}, 1).error().code, ErrorCode::kMessageInvalid);
+    for (int n = 0; n < readings; ++n) EXPECT_TRUE(out->write_axes({.rot_cmd_deg = 1}, 1));
+    EXPECT_TRUE(out->finish());
+    const auto bytes = test::slurp(path_);
+    return std::string(bytes.begin(), bytes.end());
+  };
+  EXPECT_EQ(bytes_of(0).find(std::string(dds::kQos<proto::AxesReading>.topic)), std::string::npos);
+  EXPECT_NE(bytes_of(1).find(std::string(dds::kQos<proto::AxesReading>.topic)), std::string::npos);
+}
+
 TEST(CaptureFiles, channels_are_named_as_the_topics) {
   const TempFolder folder;
   auto out = CaptureWriter::create(folder / "c.mcap", {}, {.compress = false});

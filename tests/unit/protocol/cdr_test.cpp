@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+
 #include "tests/unit/protocol/random_messages.hpp"
 
 namespace enamel::proto {
@@ -11,8 +16,8 @@ using test::Random;
 
 template <class T>
 class Cdr : public ::testing::Test {};
-using Messages =
-    ::testing::Types<Burst, DeviceInfo, Status, Command, CommandReply, Event, TimeSyncReq, TimeSyncRep, ShedNote>;
+using Messages = ::testing::Types<Burst, DeviceInfo, Status, Command, CommandReply, Event, TimeSyncReq, TimeSyncRep,
+                                  AxesReading, ShedNote>;
 TYPED_TEST_SUITE(Cdr, Messages);
 
 TYPED_TEST(Cdr, comes_back_equal) {
@@ -106,6 +111,49 @@ TEST(CdrBounds, a_state_out_of_range_is_an_error) {
   EXPECT_TRUE(from_cdr<Status>(bytes));
   bytes[state] = 11;
   EXPECT_FALSE(from_cdr<Status>(bytes));
+}
+
+TEST(CdrBounds, an_angle_that_no_axis_reaches_is_refused_written_and_read) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  for (auto member : {&AxesReading::rot_cmd_deg, &AxesReading::swing_cmd_deg, &AxesReading::rot_read_deg,
+                      &AxesReading::swing_read_deg}) {
+    AxesReading reading{.burst_index = 3, .probe_id = 9};
+    reading.*member = -kMaxAxisAngle_deg;
+    const Bytes good = to_cdr(reading).value();
+    EXPECT_EQ(from_cdr<AxesReading>(good).value(), reading);
+    for (const double bad : {kMaxAxisAngle_deg * (1 + 1e-15), -400.0, kInf, -kInf}) {
+      reading.*member = bad;
+      EXPECT_EQ(to_cdr(reading).error().code, ErrorCode::kMessageInvalid) << bad;
+      Bytes altered = good;
+      const double written = -kMaxAxisAngle_deg;
+      std::array<std::uint8_t, sizeof written> from{};
+      std::memcpy(from.data(), &written, sizeof written);
+      const auto at = std::search(altered.begin(), altered.end(), from.begin(), from.end());
+      ASSERT_NE(at, altered.end());
+      std::memcpy(&*at, &bad, sizeof bad);
+      EXPECT_FALSE(from_cdr<AxesReading>(altered)) << bad;
+    }
+  }
+}
+
+TEST(AxesReadings, are_the_same_by_bits_of_every_member) {
+  Random random(8);
+  AxesReading reading;
+  test::randomize(random, reading);
+  AxesReading none;
+  EXPECT_EQ(none, AxesReading{}) << "absent in both";
+  EXPECT_EQ(reading, AxesReading(reading));
+  none.rot_cmd_deg = 0.0;
+  AxesReading minus = none;
+  minus.rot_cmd_deg = -0.0;
+  EXPECT_NE(none, minus);
+  AxesReading other = reading;
+  other.stop ^= 1U;
+  EXPECT_NE(other, reading);
+  EXPECT_TRUE(other.has_angles_of(reading));
+  other = reading;
+  other.session_id ^= 1U;
+  EXPECT_NE(other, reading);
 }
 
 TEST(Texts, are_clipped_at_a_character) {

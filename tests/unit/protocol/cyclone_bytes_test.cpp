@@ -12,8 +12,9 @@ namespace {
 
 template <class T>
 class CycloneBytes : public ::testing::Test {};
-using Messages = ::testing::Types<proto::Burst, proto::DeviceInfo, proto::Status, proto::Command, proto::CommandReply,
-                                  proto::Event, proto::TimeSyncReq, proto::TimeSyncRep, proto::ShedNote>;
+using Messages =
+    ::testing::Types<proto::Burst, proto::DeviceInfo, proto::Status, proto::Command, proto::CommandReply, proto::Event,
+                     proto::TimeSyncReq, proto::TimeSyncRep, proto::AxesReading, proto::ShedNote>;
 TYPED_TEST_SUITE(CycloneBytes, Messages);
 
 constexpr TopicQos kTestQos{"enamel/test/bytes", true, false, 0, 512, 1000, 0};

@@ -191,6 +191,7 @@ TEST_F(DdsInProcess, every_topic_carries_its_type) {
   check(proto::Event{});
   check(proto::TimeSyncReq{});
   check(proto::TimeSyncRep{});
+  check(proto::AxesReading{});
 }
 
 TEST_F(DdsInProcess, a_later_reader_gets_the_last_status_but_no_old_command) {
@@ -206,6 +207,30 @@ TEST_F(DdsInProcess, a_later_reader_gets_the_last_status_but_no_old_command) {
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0].value.seq, 2U);
   EXPECT_EQ(command_reader.wait(200ms), Wake::kTimeout);
+}
+
+// Negative control: events, of which as many are written, are kept to the depth of their history.
+TEST_F(DdsInProcess, a_later_reader_gets_every_angle_in_order) {
+  constexpr std::uint32_t kWritten = 300;
+  auto axes = Writer<proto::AxesReading>::create(left_).value();
+  auto events = Writer<proto::Event>::create(left_).value();
+  for (std::uint32_t n = 0; n < kWritten; ++n) {
+    ASSERT_TRUE(axes.write({.burst_index = n, .rot_cmd_deg = 0.5 * n, .probe_id = 5, .stop = n / 3}));
+    ASSERT_TRUE(events.write({.probe_id = 5, .seq = n}));
+  }
+  auto late_axes = Reader<proto::AxesReading>::create(right_).value();
+  auto late_events = Reader<proto::Event>::create(right_).value();
+  std::vector<proto::AxesReading> got;
+  while (got.size() < kWritten && late_axes.wait(20s) == Wake::kData) {
+    for (const auto& received : late_axes.take(64).value()) got.push_back(received.value);
+  }
+  ASSERT_EQ(got.size(), kWritten);
+  for (std::uint32_t n = 0; n < kWritten; ++n) {
+    EXPECT_EQ(got[n].burst_index, n);
+    EXPECT_EQ(got[n].stop, n / 3);
+  }
+  EXPECT_EQ(next_sample(late_events).seq, kWritten - static_cast<std::uint32_t>(kQos<proto::Event>.history));
+  EXPECT_EQ(axes.write({.rot_cmd_deg = 1000.0}).error().code, ErrorCode::kMessageInvalid);
 }
 
 TEST_F(DdsInProcess, a_wake_ends_the_wait) {

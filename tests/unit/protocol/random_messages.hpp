@@ -3,9 +3,11 @@
 
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <random>
 
 #include "protocol/base/crc32.hpp"
+#include "protocol/types/axes.hpp"
 #include "protocol/types/burst.hpp"
 #include "protocol/types/device.hpp"
 
@@ -105,6 +107,14 @@ inline void randomize(Random& r, proto::Event& e) {
 inline void randomize(Random& r, proto::TimeSyncReq& t) { r.set(t.probe_id, t.seq, t.client_id, t.t1_host_ns); }
 inline void randomize(Random& r, proto::TimeSyncRep& t) {
   r.set(t.probe_id, t.seq, t.client_id, t.t1_host_ns, t.t2_probe_ns, t.t3_probe_ns);
+}
+/// Any angle from end to end, one in four absent; where an axis has neither command nor reading is left to chance.
+inline void randomize(Random& r, proto::AxesReading& a) {
+  r.set(a.probe_id, a.session_id, a.burst_index, a.stop);
+  for (double* deg : {&a.rot_cmd_deg, &a.swing_cmd_deg, &a.rot_read_deg, &a.swing_read_deg}) {
+    const double share = static_cast<double>(r.below(2'000'001)) * 1e-6 - 1;
+    *deg = r.below(4) == 0 ? std::numeric_limits<double>::quiet_NaN() : share * proto::kMaxAxisAngle_deg;
+  }
 }
 inline void randomize(Random& r, proto::ShedNote& s) {
   r.set(s.burst_index, s.burst_seq, s.t_host_ns);

@@ -75,12 +75,12 @@ Result<twin::SceneConfig> scene_of(const Options& o) {
   return twin::load_scene(o.scene, overrides);
 }
 
-/// `bursts` in all, so many at each stop.
+/// Before the first burst: `bursts` in all, so many at each stop.
 Result<void> write_mount(twin::RenderSink& sink, const twin::SceneConfig& scene, std::uint64_t bursts,
                          int bursts_a_stop) {
   const twin::MountRun run = twin::drive(scene.mount, scene.seed);
   const twin::AxesTable table{.key = "burst_id", .rows = bursts, .rows_a_stop = bursts_a_stop};
-  ENAMEL_TRY(sink.file("axes.csv", twin::axes_csv(run, scene.mount, scene.seed, table)));
+  ENAMEL_TRY(sink.axes(twin::axes_csv(run, scene.mount, scene.seed, table), bursts_a_stop));
   return sink.file("truth/mount_true.json", twin::mount_true_json(run, bursts_a_stop));
 }
 
@@ -95,6 +95,7 @@ Result<void> render(const Options& o) {
   }
   ENAMEL_TRY_ASSIGN(const auto sink, twin::open_sink(o.out, source->rig_text()));
   const std::uint64_t total = source->count().value_or(0);
+  if (scene.path == twin::PathKind::kMount) ENAMEL_TRY(write_mount(*sink, scene, total, scene.mount.bursts));
   enamel::Progress progress(clock, "render bursts", total);
   std::string poses = twin::poses_header(), movers = twin::movers_header();
   for (std::uint64_t n = 0; n < total; ++n) {
@@ -109,7 +110,6 @@ Result<void> render(const Options& o) {
   progress.finish();
   ENAMEL_TRY(sink->file("truth/poses.csv", poses));
   ENAMEL_TRY(sink->file("truth/surface.ply", twin::write_ply(source->surface(), source->seen())));
-  if (scene.path == twin::PathKind::kMount) ENAMEL_TRY(write_mount(*sink, scene, total, scene.mount.bursts));
   if (!scene.movers.empty()) ENAMEL_TRY(sink->file("truth/movers.csv", movers));
   ENAMEL_TRY(sink->file("truth/scene.json", source->scene_json()));
   if (!source->certificate_json().empty()) ENAMEL_TRY(sink->file("artefact.json", source->certificate_json()));
@@ -145,6 +145,10 @@ Result<void> record_board(const twin::SceneConfig& scene, const std::string& out
   ENAMEL_TRY_ASSIGN(const auto source, twin::BoardSource::create(scene));
   ENAMEL_TRY_ASSIGN(const auto sink, twin::open_sink(out, source->rig_text()));
   ENAMEL_TRY_ASSIGN(const enamel::calib::Rig nominal, enamel::calib::parse_rig(source->rig_text()));
+  if (scene.path == twin::PathKind::kMount) {
+    const int bursts_a_stop = source->stage().patterns().sets() * scene.calibration.sweeps;
+    ENAMEL_TRY(write_mount(*sink, scene, source->count().value_or(0), bursts_a_stop));
+  }
   enamel::Progress progress(clock, "render bursts", source->count().value_or(0));
   for (;;) {
     ENAMEL_TRY_ASSIGN(const auto burst, source->next());
@@ -154,10 +158,6 @@ Result<void> record_board(const twin::SceneConfig& scene, const std::string& out
   }
   progress.finish();
   ENAMEL_TRY(sink->file("target.json", twin::target_json(scene.board)));
-  if (scene.path == twin::PathKind::kMount) {
-    const int bursts_a_stop = source->stage().patterns().sets() * scene.calibration.sweeps;
-    ENAMEL_TRY(write_mount(*sink, scene, source->count().value_or(0), bursts_a_stop));
-  }
   ENAMEL_TRY(sink->file("truth/rig.json", source->stage().rig().text));
   return sink->finish();
 }

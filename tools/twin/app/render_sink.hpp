@@ -12,6 +12,8 @@ namespace enamel::twin {
 class RenderSink {
  public:
   virtual ~RenderSink() = default;
+  /// Where the axes stand at each burst, before the first one: axes.csv, and how many bursts see one pose.
+  [[nodiscard]] virtual Result<void> axes(const std::string& table, int bursts_a_stop) = 0;
   [[nodiscard]] virtual Result<void> burst(const proto::Burst& burst) = 0;
   /// Extra file by relative path ("truth/poses.csv").
   [[nodiscard]] virtual Result<void> file(const std::string& name, const std::string& bytes) = 0;
