@@ -148,6 +148,7 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   if (!scan.clock_went_back.empty()) report.notes["clock"] = clock_note(scan.clock_went_back);
   if (scan.map) report.map_json = map_json(scan);
   if (scan.map) report.tissue_json = tissue_json(*scan.map);
+  report.desktop_json = scan.desktop_json;
   report.known_line = known_line(scan);
   report.stage_ms = scan.stage_ms;
   report.latency_ms = scan.latency_ms;

@@ -143,6 +143,9 @@ std::string to_json(const Report& r) {
   if (!r.map_json.empty()) {
     out["map"] = nlohmann::json::parse(r.map_json, nullptr, /*allow_exceptions=*/false);
   }
+  if (!r.desktop_json.empty()) {
+    out["desktop"] = nlohmann::json::parse(r.desktop_json, nullptr, /*allow_exceptions=*/false);
+  }
   if (!r.tissue_json.empty()) {
     out["tissue"] = nlohmann::json::parse(r.tissue_json, nullptr, /*allow_exceptions=*/false);
   }

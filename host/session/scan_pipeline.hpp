@@ -83,6 +83,8 @@ struct ScanResult {
   std::optional<std::array<double, 2>> temp_c;  ///< coldest and warmest burst, degrees C; empty without bursts
   PipelineFigures figures;                      ///< of the whole run, wall time …
   std::string graph_json;                       ///< … and everything that the graph knows of it
+  std::string desktop_json;                     ///< of a scan by stops: how they were laid; else empty
+  std::vector<std::string> slips;               ///< of its table or model, a line each
 };
 
 struct ScanPipelineOptions {

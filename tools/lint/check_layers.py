@@ -82,6 +82,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "host/flash": (5, IMAGE + ["host/update"]),
     "tools/sign": (5, IMAGE),
     "host/session": (4, PROTOCOL + ["calib/model", "pipeline/flow", "pipeline/stages"] + ALGORITHMS + HOST),
+    "host/desktop": (4, PROTOCOL + ["calib/model", "pipeline/flow", "pipeline/stages", "host/motion"] + ALGORITHMS + HOST),
     "host/app": (5, None),
     "firmware/app": (5, PROTOCOL + FIRMWARE + ["firmware/storage", "calib/model", "tools/twin"]),
     # The program, not the renderer, writes exchange folders with the recorder's code.

@@ -1,0 +1,21 @@
+// What a desktop scan can be told beside what every scan can.
+#pragma once
+
+#include <optional>
+
+#include "host/session/pipeline_config.hpp"
+#include "pipeline/decode/triangulate/mean_patch.hpp"
+#include "pipeline/register/stops/lay_stops.hpp"
+#include "pipeline/register/stops/table_relief.hpp"
+
+namespace enamel::host {
+
+struct DesktopConfig {
+  PipelineConfig pipeline;  ///< decoder, ICP, fusion, mesh of every scan
+  pipeline::MeanConfig mean;
+  pipeline::LayConfig lay;
+  pipeline::ReliefConfig relief;
+  std::optional<double> above_mm;  ///< TableRelief: what lies lower goes
+};
+
+}  // namespace enamel::host

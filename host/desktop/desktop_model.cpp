@@ -1,0 +1,173 @@
+#include "host/desktop/desktop_model.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "pipeline/flow/parallel.hpp"
+#include "pipeline/stages/decode_burst.hpp"
+#include "pipeline/stages/digest.hpp"
+#include "pipeline/stages/live_image.hpp"
+
+namespace enamel::host {
+namespace {
+
+constexpr std::size_t kFewestSamples = 200;  // as IcpConfig::min_matches: fewer cannot be laid on anything
+constexpr double kVisibleMove_mm = 0.005;    // a preview need not follow every micron
+
+}  // namespace
+
+Result<DesktopModel> DesktopModel::make(const calib::Rig& rig, const calib::Mount& mount, const DesktopConfig& config,
+                                        std::size_t threads) {
+  if (!mount.serial.empty() && !rig.serial.empty() && mount.serial != rig.serial) {
+    return fail(ErrorCode::kMountForeign, "mount.json is of " + mount.serial + ", the bursts of " + rig.serial);
+  }
+  ENAMEL_TRY_ASSIGN(auto decoder, pipeline::BurstDecoder::make(rig, config.pipeline.decode));
+  return DesktopModel(rig, mount, config, threads,
+                      std::make_shared<const pipeline::BurstDecoder>(std::move(decoder)));
+}
+
+DesktopModel::DesktopModel(const calib::Rig& rig, const calib::Mount& mount, const DesktopConfig& config,
+                           std::size_t threads, std::shared_ptr<const pipeline::BurstDecoder> decoder)
+    : rig_(rig),
+      mount_(mount),
+      config_(config),
+      threads_(std::max<std::size_t>(threads, 1)),
+      decoder_(std::move(decoder)),
+      unpack_(decoder_->shared_rays(), decoder_->config().normals),
+      relief_(mount, config.relief, config.above_mm),
+      growing_(rig, config.pipeline.fuse),
+      mesher_(config.pipeline.mesh) {}
+
+/// Bursts of one stop side by side. What they tell of the projector is learned in their order, so that it never
+/// depends on which was decoded first.
+SurfacePatch DesktopModel::measure(const StopBursts& stop, std::vector<StopBurst>& bursts) {
+  std::vector<stage::DecodedOrNot> decoded(stop.bursts.size());
+  flow::for_each_index(stop.bursts.size(), threads_, [&](std::size_t n) {
+    pipeline::DecodeWorkspace workspace;
+    decoded[n] = stage::decode_burst(*decoder_, *stop.bursts[n], rig_.crc32, wave_, workspace);
+  });
+  std::vector<SurfacePatch> patches;
+  for (std::size_t n = 0; n < decoded.size(); ++n) {
+    const proto::Burst& burst = *stop.bursts[n];
+    bursts.push_back({burst.id(), proto::mid_burst(burst), {}, {}});
+    if (!decoded[n].decoded) {
+      bursts.back().rejected = decoded[n].rejected;
+      continue;
+    }
+    bursts.back().digests = decoded[n].decoded->digests;
+    if (decoded[n].decoded->wave_shown) pipeline::learn(*decoded[n].decoded->wave_shown, wave_);
+    patches.push_back(std::move(decoded[n].decoded->patch));
+  }
+  return pipeline::mean_patch(patches, decoder_->rays(), decoder_->config().normals, config_.mean);
+}
+
+void DesktopModel::add_empty(const StopBursts& stop) {
+  std::vector<StopBurst> bursts;
+  const SurfacePatch patch = measure(stop, bursts);
+  relief_.add(patch, pipeline::pose_by_axes(mount_, stop.angles));
+}
+
+const MeasuredStop& DesktopModel::add(const StopBursts& stop) {
+  MeasuredStop out{.angles = stop.angles};
+  SurfacePatch patch = measure(stop, out.bursts);
+  is_averaged_ = is_averaged_ || stop.bursts.size() > 1;
+  const Pose T_model_cam = pipeline::pose_by_axes(mount_, stop.angles);
+  if (!patch.texture_dn.empty()) live_ = std::make_shared<const Map<std::uint8_t>>(stage::live_image(patch.texture_dn));
+  if (!patch.depth_mm.empty()) {
+    out.valid_share = static_cast<double>(patch.valid_px) / static_cast<double>(patch.depth_mm.size());
+    out.table_px = relief_.take_out(T_model_cam, patch);
+  }
+  out.seen_px = patch.valid_px;
+  out.stop = pipeline::make_stop(patch, stop.angles, rig_, config_.pipeline.track.icp, config_.lay);
+  out.saw_model = out.stop.node.samples.size() >= kFewestSamples;
+  if (out.saw_model) {
+    out.patch = pipeline::pack(patch, pipeline::Texture::kDropped);
+    growing_.integrate(out.bursts.front().id, patch, T_model_cam);
+  } else {
+    out.stop = {};
+    for (StopBurst& burst : out.bursts) {
+      if (burst.rejected.empty()) burst.rejected = "no_model";
+    }
+  }
+  stops_.push_back(std::move(out));
+  return stops_.back();
+}
+
+ModelSnapshot DesktopModel::snapshot() {
+  mesher_.update(growing_, growing_.take_changed(kVisibleMove_mm));
+  return mesher_.snapshot();
+}
+
+/// What several bursts of a stop agree on has been seen more than once already.
+pipeline::FuseConfig DesktopModel::fuse_config() const {
+  pipeline::FuseConfig fuse = config_.pipeline.fuse;
+  if (is_averaged_) fuse.min_bursts = 1;
+  return fuse;
+}
+
+Result<pipeline::LaidStops> DesktopModel::finish(ScanResult& scan) {
+  std::vector<pipeline::Stop> seen;
+  std::vector<std::size_t> of;  // stops_ of each
+  for (std::size_t k = 0; k < stops_.size(); ++k) {
+    if (!stops_[k].saw_model) continue;
+    seen.push_back(std::move(stops_[k].stop));
+    of.push_back(k);
+  }
+  if (seen.empty()) {
+    return fail(ErrorCode::kModelNotSeen, std::to_string(stops_.size()) + " stops, and none of them saw a model");
+  }
+  const auto for_each = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
+    flow::for_each_index(count, threads_, work);
+  };
+  pipeline::LaidStops laid =
+      pipeline::lay_stops({seen, mount_, rig_, config_.pipeline.track.icp, for_each}, config_.lay);
+  for (std::size_t n = 0; n < seen.size(); ++n) {
+    const bool is_laid = laid.laid[n] != pipeline::Laid::kNot;
+    for (StopBurst& burst : stops_[of[n]].bursts) {
+      if (!burst.rejected.empty()) continue;
+      if (!is_laid) burst.rejected = "not_laid";
+      if (is_laid) scan.poses.push_back({burst.id, burst.t_mid, laid.T_model_cam[n]});
+    }
+  }
+  fuse(of, laid, scan);
+  conclude(scan);
+  return laid;
+}
+
+/// In the order of the stops; their patches are not needed afterwards.
+void DesktopModel::fuse(const std::vector<std::size_t>& of, const pipeline::LaidStops& laid, ScanResult& scan) {
+  pipeline::TsdfModel model(rig_, fuse_config());
+  for (std::size_t n = 0; n < of.size(); ++n) {
+    MeasuredStop& stop = stops_[of[n]];
+    if (laid.laid[n] != pipeline::Laid::kNot) {
+      const pipeline::FuseStats stats =
+          model.integrate(stop.bursts.front().id, unpack_(stop.patch), laid.T_model_cam[n]);
+      for (StopBurst& burst : stop.bursts) {
+        if (!burst.rejected.empty()) continue;
+        burst.digests.track = stage::Digest().add(laid.T_model_cam[n]).value();
+        burst.digests.fuse =
+            stage::Digest().add(stats.surfels_used).add(stats.voxels_updated).add(stats.blocks_new).value();
+      }
+    }
+    stop.patch = {};
+  }
+  growing_ = std::move(model);
+  mesher_ = pipeline::IncrementalMesher(config_.pipeline.mesh);
+  mesher_.update(growing_, growing_.take_changed());
+  scan.mesh = mesher_.extract();
+}
+
+void DesktopModel::conclude(ScanResult& scan) const {
+  for (const MeasuredStop& stop : stops_) {
+    for (const StopBurst& burst : stop.bursts) {
+      const stage::Digests& d = burst.digests;
+      const bool is_fused = burst.rejected.empty();
+      scan.trace.add({burst.id.value, {d.input, d.decode, d.track, d.fuse}, is_fused ? "fused" : burst.rejected});
+      ++scan.accepted;
+      ++(is_fused ? scan.fused : scan.rejected[burst.rejected]);
+    }
+  }
+}
+
+}  // namespace enamel::host

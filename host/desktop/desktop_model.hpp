@@ -1,0 +1,92 @@
+// What a desktop scan has measured so far, stop by stop, and the model made of it in the end.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib/model/mount.hpp"
+#include "calib/model/rig.hpp"
+#include "host/desktop/desktop_config.hpp"
+#include "host/desktop/stop_bursts.hpp"
+#include "host/session/scan_pipeline.hpp"
+#include "pipeline/decode/burst_decoder.hpp"
+#include "pipeline/model/mesh/incremental_mesher.hpp"
+#include "pipeline/model/segments/packed_patch.hpp"
+#include "pipeline/register/stops/lay_stops.hpp"
+#include "pipeline/register/stops/table_relief.hpp"
+#include "pipeline/stages/items.hpp"
+
+namespace enamel::host {
+
+/// A burst's way, whatever became of it.
+struct StopBurst {
+  BurstId id;
+  DeviceTime t_mid{};
+  stage::Digests digests;
+  std::string rejected;  ///< empty: it is part of its stop's patch
+};
+
+struct MeasuredStop {
+  std::vector<StopBurst> bursts;
+  calib::AxisAngles angles;
+  bool saw_model = false;          ///< enough to be laid on others; else what follows is empty
+  pipeline::Stop stop;             ///< until the scan is laid
+  pipeline::PackedPatch patch;     ///< the mean of its bursts, table taken out
+  std::size_t seen_px = 0;         ///< of that patch …
+  std::size_t table_px = 0;        ///< … and taken out
+  double valid_share = 0;          ///< of the picture, table included
+};
+
+/// Results depend on the sequence of stops alone, never on threads. One owner.
+class DesktopModel {
+ public:
+  /// Errors: of BurstDecoder::make; kMountForeign when mount and rig name different scanners.
+  [[nodiscard]] static Result<DesktopModel> make(const calib::Rig& rig, const calib::Mount& mount,
+                                                 const DesktopConfig& config, std::size_t threads);
+
+  /// Of the empty table, before the first stop that is kept: its surface is taken out of all that follow.
+  void add_empty(const StopBursts& stop);
+  /// Decodes and keeps a stop, and adds it to the growing model where the axes put it.
+  const MeasuredStop& add(const StopBursts& stop);
+
+  [[nodiscard]] const std::vector<MeasuredStop>& stops() const noexcept { return stops_; }
+  [[nodiscard]] const calib::Rig& rig() const noexcept { return rig_; }
+  [[nodiscard]] const calib::Mount& mount() const noexcept { return mount_; }
+  /// As the axes alone lay it.
+  [[nodiscard]] const pipeline::TsdfModel& growing() const noexcept { return growing_; }
+  /// For a window: the growing surface.
+  [[nodiscard]] ModelSnapshot snapshot();
+  [[nodiscard]] std::shared_ptr<const Map<std::uint8_t>> live_image() const noexcept { return live_; }
+
+  /// Lays all stops on each other and fuses them anew: fills mesh, poses, trace and counts of `scan`. Once. Error: kModelNotSeen when no stop saw anything.
+  [[nodiscard]] Result<pipeline::LaidStops> finish(ScanResult& scan);
+
+ private:
+  DesktopModel(const calib::Rig& rig, const calib::Mount& mount, const DesktopConfig& config, std::size_t threads,
+               std::shared_ptr<const pipeline::BurstDecoder> decoder);
+  [[nodiscard]] SurfacePatch measure(const StopBursts& stop, std::vector<StopBurst>& bursts);
+  [[nodiscard]] pipeline::FuseConfig fuse_config() const;
+  void fuse(const std::vector<std::size_t>& of, const pipeline::LaidStops& laid, ScanResult& scan);
+  void conclude(ScanResult& scan) const;
+
+  calib::Rig rig_;
+  calib::Mount mount_;
+  DesktopConfig config_;
+  std::size_t threads_;
+  std::shared_ptr<const pipeline::BurstDecoder> decoder_;
+  pipeline::Unpacker unpack_;
+  pipeline::TableRelief relief_;
+  pipeline::WaveKnowledge wave_;
+  std::vector<MeasuredStop> stops_;
+  pipeline::TsdfModel growing_;
+  pipeline::IncrementalMesher mesher_;
+  std::shared_ptr<const Map<std::uint8_t>> live_;
+  bool is_averaged_ = false;  ///< some stop has more than one burst
+};
+
+}  // namespace enamel::host

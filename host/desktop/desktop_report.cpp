@@ -1,0 +1,125 @@
+#include "host/desktop/desktop_report.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "protocol/base/json_text.hpp"
+
+namespace enamel::host {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kMicron = 1e3;  // in a millimetre
+
+const char* name_of(pipeline::Laid laid) {
+  switch (laid) {
+    case pipeline::Laid::kLaid:
+      return "laid";
+    case pipeline::Laid::kAlone:
+      return "alone";
+    case pipeline::Laid::kNot:
+      break;
+  }
+  return "not_laid";
+}
+
+const char* name_of(pipeline::Slip::Kind kind) {
+  switch (kind) {
+    case pipeline::Slip::Kind::kRotation:
+      return "rotation";
+    case pipeline::Slip::Kind::kSwing:
+      return "swing";
+    case pipeline::Slip::Kind::kModel:
+      return "model";
+    case pipeline::Slip::Kind::kTable:
+      return "table";
+    case pipeline::Slip::Kind::kOnce:
+      break;
+  }
+  return "once";
+}
+
+/// Of the lines as fitted from those of the calibration, within a field's width of what was seen.
+Json line_change(const calib::AxisLine& before, const calib::AxisLine& after, const calib::Triple& about) {
+  constexpr double kReach_mm = 9;
+  const calib::LineDifference d = calib::compare_lines(before, after, about, kReach_mm);
+  return {{"direction_deg", d.angle_rad * calib::kDegreesPerRad}, {"place_um", kMicron * d.distance_mm}};
+}
+
+Json stops_json(const DesktopModel& model, const pipeline::LaidStops& laid) {
+  Json out = Json::array();
+  std::size_t n = 0;
+  for (const MeasuredStop& stop : model.stops()) {
+    const calib::AxisAngles& at = stop.angles;
+    Json row{{"rotation_deg", at.rotation() * calib::kDegreesPerRad},
+             {"swing_deg", at.swing() * calib::kDegreesPerRad},
+             {"bursts", stop.bursts.size()},
+             {"seen_px", stop.seen_px},
+             {"table_px", stop.table_px}};
+    if (stop.saw_model) {
+      const pipeline::StopDeviation& by = laid.corrections[n];
+      row["laid"] = name_of(laid.laid[n]);
+      row["rotation_off_deg"] = by.rotation_rad * calib::kDegreesPerRad;
+      row["swing_off_deg"] = by.swing_rad * calib::kDegreesPerRad;
+      row["rest_um"] = kMicron * by.rest_mm;
+      ++n;
+    } else {
+      row["laid"] = "saw_nothing";
+    }
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
+Json slips_json(const DesktopModel& model, const pipeline::LaidStops& laid) {
+  std::vector<std::size_t> seen;  // stops are numbered as they were taken
+  for (std::size_t k = 0; k < model.stops().size(); ++k) {
+    if (model.stops()[k].saw_model) seen.push_back(k);
+  }
+  Json out = Json::array();
+  for (const pipeline::Slip& slip : laid.slips) {
+    out.push_back({{"stop", seen[slip.stop]},
+                   {"kind", name_of(slip.kind)},
+                   {"rotation_deg", slip.rotation_deg},
+                   {"swing_deg", slip.swing_deg},
+                   {"rest_um", kMicron * slip.rest_mm},
+                   {"text", slip.text()}});
+  }
+  return out;
+}
+
+Json circles_json(const pipeline::LaidStops& laid) {
+  Json out = Json::array();
+  for (const pipeline::Circle& c : laid.circles) {
+    out.push_back({{"swing_deg", c.swing_deg},
+                   {"stops", c.stops},
+                   {"chain_um", kMicron * c.chain_mm},
+                   {"chain_deg", c.chain_deg},
+                   {"by_axes_um", kMicron * c.by_axes_mm},
+                   {"after_um", kMicron * c.after_mm}});
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string desktop_json(const DesktopModel& model, const pipeline::LaidStops& laid, const DesktopSeconds& seconds) {
+  const calib::Triple about{0, 0, calib::middle_depth_mm(model.rig())};
+  const Json out{{"stops", stops_json(model, laid)},
+                 {"slips", slips_json(model, laid)},
+                 {"pairs", laid.pairs},
+                 {"edges", laid.edges},
+                 {"switched_off", laid.switched_off},
+                 {"sigma0", laid.sigma0},
+                 {"by_axes_rms_um", kMicron * laid.coarse_rms_mm},
+                 {"fine_rms_um", kMicron * laid.fine_rms_mm},
+                 {"circles", circles_json(laid)},
+                 {"mount",
+                  {{"serial", model.mount().serial},
+                   {"rotation_fitted", line_change(model.mount().rotation, laid.mount.rotation, about)},
+                   {"swing_fitted", line_change(model.mount().swing, laid.mount.swing, about)}}},
+                 {"seconds", {{"stops", seconds.stops}, {"laying", seconds.laying}}}};
+  return json_text(out);
+}
+
+}  // namespace enamel::host

@@ -1,0 +1,107 @@
+#include "host/desktop/desktop_session.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "host/desktop/desktop_report.hpp"
+#include "protocol/base/log.hpp"
+
+namespace enamel::host {
+
+DesktopSession::DesktopSession(DesktopModel model, std::unique_ptr<StopSource> source, DesktopRun run, Clock& clock)
+    : model_(std::move(model)), source_(std::move(source)), run_(std::move(run)), clock_(clock), rig_(model_.rig()) {}
+
+DesktopSession::~DesktopSession() { stop(); }
+
+void DesktopSession::start() {
+  thread_ = std::jthread([this] { run(); });
+}
+
+void DesktopSession::set_scanning(bool wanted) {
+  wanted_.store(wanted, std::memory_order_release);
+  source_->set_paused(!wanted);
+}
+
+void DesktopSession::run() {
+  const HostTime begun = clock_.now();
+  if (const auto taken = take_stops(); !taken) failed_ = taken.error();
+  laying_.store(true, std::memory_order_release);
+  const HostTime taken_at = clock_.now();
+  const auto seconds = [](HostTime from, HostTime to) { return std::chrono::duration<double>(to - from).count(); };
+  if (auto laid = model_.finish(scan_)) {
+    scan_.desktop_json = desktop_json(model_, *laid, {seconds(begun, taken_at), seconds(taken_at, clock_.now())});
+    for (const pipeline::Slip& slip : laid->slips) scan_.slips.push_back(slip.text());
+    shown_.model = std::make_shared<const ModelSnapshot>(model_.snapshot());
+    preview_.put(std::make_shared<const BurstPreview>(shown_));
+  } else {
+    finished_ = tl::unexpected<Error>(failed_.value_or(laid.error()));
+  }
+  scan_.seconds = seconds(begun, clock_.now());
+  ended_.store(true, std::memory_order_release);
+}
+
+Result<void> DesktopSession::take_stops() {
+  for (;;) {
+    ENAMEL_TRY_ASSIGN(const auto stop, source_->next(model_));
+    if (!stop) return {};
+    for (const auto& burst : stop->bursts) {
+      const double temp_c = burst->temp_centi_c / 100.0;
+      auto& range = scan_.temp_c;
+      range = range ? std::array{std::min((*range)[0], temp_c), std::max((*range)[1], temp_c)}
+                    : std::array{temp_c, temp_c};
+    }
+    show(model_.add(*stop));
+  }
+}
+
+void DesktopSession::show(const MeasuredStop& stop) {
+  const auto bad = static_cast<std::uint64_t>(
+      std::ranges::count_if(stop.bursts, [](const StopBurst& burst) { return !burst.rejected.empty(); }));
+  taken_.fetch_add(stop.bursts.size() - bad, std::memory_order_relaxed);
+  turned_away_.fetch_add(bad, std::memory_order_relaxed);
+  shown_.burst = stop.bursts.back().id;
+  shown_.placed = true;
+  shown_.track = bad == stop.bursts.size() ? TrackState::kLost : TrackState::kTracking;
+  shown_.T_model_cam = pipeline::pose_by_axes(model_.mount(), stop.angles);
+  shown_.rejected = stop.bursts.back().rejected;
+  shown_.live = model_.live_image();
+  if (run_.preview_model) shown_.model = std::make_shared<const ModelSnapshot>(model_.snapshot());
+  preview_.put(std::make_shared<const BurstPreview>(shown_));
+}
+
+PreviewFrame DesktopSession::view() const {
+  PreviewFrame out;
+  out.state = laying_.load(std::memory_order_acquire) ? ScanState::kRefining
+              : scanning_wanted()                     ? ScanState::kScanning
+                                                      : ScanState::kPaused;
+  out.simulated = run_.simulated;
+  out.message = source_->progress();
+  out.counters = counters_of(source_->counts());
+  out.counters.fused = taken_.load(std::memory_order_relaxed);
+  out.counters.rejected = turned_away_.load(std::memory_order_relaxed);
+  return out;
+}
+
+Result<Outcome> DesktopSession::finish() {
+  if (thread_.joinable()) thread_.join();
+  ENAMEL_TRY(finished_);
+  Outcome out;
+  out.scan = std::move(scan_);
+  out.counts = source_->counts();
+  out.counts.fused = out.scan.fused;
+  out.counts.rejected = out.scan.rejected;
+  out.simulated = run_.simulated;
+  out.device_serial = run_.device_serial;
+  out.scanned_at = run_.scanned_at;
+  out.damages = source_->damages();
+  out.broken_off = failed_;
+  if (!out.broken_off && !out.scan.slips.empty()) {
+    std::string all;
+    for (const std::string& slip : out.scan.slips) all += (all.empty() ? "" : "; ") + slip;
+    out.broken_off = Error{ErrorCode::kAxesStep, all};
+  }
+  return out;
+}
+
+}  // namespace enamel::host
