@@ -5,6 +5,7 @@
 
 #include "host/app/calibration.hpp"
 #include "host/app/command.hpp"
+#include "host/app/desktop/desktop_options.hpp"
 #include "host/app/input.hpp"
 #include "host/app/out_folder.hpp"
 #include "host/app/run_session.hpp"
@@ -20,6 +21,7 @@ struct Options {
   RunOptions run;
   std::string input;
   std::string rig;
+  DesktopOptions desktop;
   bool paced = false;
   bool view = false;
 };
@@ -53,6 +55,8 @@ Result<int> run_replay(const Options& o) {
       .truth = {attached_text(*stream, "truth/surface.ply"), attached_text(*stream, "truth/poses.csv")},
       .notes = {{"source", o.input},
                 {"pace", o.paced ? "recorded speed, live shedding rules" : "lossless, as fast as possible"}}};
+  ENAMEL_TRY_ASSIGN(const auto by_stops, recorded_desktop(*stream, rig, config, o.desktop, o.run, clock));
+  if (by_stops) return run_session(*by_stops, run, clock);
   ENAMEL_TRY_ASSIGN(const auto session, host::ReplaySession::create(std::move(stream), rig, replay, clock));
   return run_session(*session, run, clock);
 }
@@ -66,6 +70,8 @@ Run add_replay(CLI::App& app) {
   app.add_option("--out", o->run.out, "folder for the results")->required();
   app.add_option("--rig", o->rig, "another calibration than the recorded one");
   app.add_flag("--paced", o->paced, "at recorded speed, shedding as live");
+  add_desktop_options(app, o->desktop);
+  app.add_flag("--free-hand", o->desktop.free_hand, "do not look at the angles of a desktop scanner's axes");
   app.add_flag("--view", o->view, "show it in a window");
   return [o]() -> Result<int> { return run_replay(*o); };
 }

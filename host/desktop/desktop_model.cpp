@@ -23,8 +23,7 @@ Result<DesktopModel> DesktopModel::make(const calib::Rig& rig, const calib::Moun
     return fail(ErrorCode::kMountForeign, "mount.json is of " + mount.serial + ", the bursts of " + rig.serial);
   }
   ENAMEL_TRY_ASSIGN(auto decoder, pipeline::BurstDecoder::make(rig, config.pipeline.decode));
-  return DesktopModel(rig, mount, config, threads,
-                      std::make_shared<const pipeline::BurstDecoder>(std::move(decoder)));
+  return DesktopModel(rig, mount, config, threads, std::make_shared<const pipeline::BurstDecoder>(std::move(decoder)));
 }
 
 DesktopModel::DesktopModel(const calib::Rig& rig, const calib::Mount& mount, const DesktopConfig& config,
@@ -69,7 +68,8 @@ void DesktopModel::add_empty(const StopBursts& stop) {
 }
 
 const MeasuredStop& DesktopModel::add(const StopBursts& stop) {
-  MeasuredStop out{.angles = stop.angles};
+  MeasuredStop out;
+  out.angles = stop.angles;
   SurfacePatch patch = measure(stop, out.bursts);
   is_averaged_ = is_averaged_ || stop.bursts.size() > 1;
   const Pose T_model_cam = pipeline::pose_by_axes(mount_, stop.angles);

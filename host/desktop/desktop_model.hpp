@@ -34,12 +34,12 @@ struct StopBurst {
 struct MeasuredStop {
   std::vector<StopBurst> bursts;
   calib::AxisAngles angles;
-  bool saw_model = false;          ///< enough to be laid on others; else what follows is empty
-  pipeline::Stop stop;             ///< until the scan is laid
-  pipeline::PackedPatch patch;     ///< the mean of its bursts, table taken out
-  std::size_t seen_px = 0;         ///< of that patch …
-  std::size_t table_px = 0;        ///< … and taken out
-  double valid_share = 0;          ///< of the picture, table included
+  bool saw_model = false;       ///< enough to be laid on others; else what follows is empty
+  pipeline::Stop stop;          ///< until the scan is laid
+  pipeline::PackedPatch patch;  ///< the mean of its bursts, table taken out
+  std::size_t seen_px = 0;      ///< of that patch …
+  std::size_t table_px = 0;     ///< … and taken out
+  double valid_share = 0;       ///< of the picture, table included
 };
 
 /// Results depend on the sequence of stops alone, never on threads. One owner.
@@ -63,7 +63,8 @@ class DesktopModel {
   [[nodiscard]] ModelSnapshot snapshot();
   [[nodiscard]] std::shared_ptr<const Map<std::uint8_t>> live_image() const noexcept { return live_; }
 
-  /// Lays all stops on each other and fuses them anew: fills mesh, poses, trace and counts of `scan`. Once. Error: kModelNotSeen when no stop saw anything.
+  /// Lays all stops on each other and fuses them anew: fills mesh, poses, trace and counts of `scan`. Once. Error:
+  /// kModelNotSeen when no stop saw anything.
   [[nodiscard]] Result<pipeline::LaidStops> finish(ScanResult& scan);
 
  private:

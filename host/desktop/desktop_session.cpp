@@ -48,8 +48,8 @@ Result<void> DesktopSession::take_stops() {
     for (const auto& burst : stop->bursts) {
       const double temp_c = burst->temp_centi_c / 100.0;
       auto& range = scan_.temp_c;
-      range = range ? std::array{std::min((*range)[0], temp_c), std::max((*range)[1], temp_c)}
-                    : std::array{temp_c, temp_c};
+      range =
+          range ? std::array{std::min((*range)[0], temp_c), std::max((*range)[1], temp_c)} : std::array{temp_c, temp_c};
     }
     show(model_.add(*stop));
   }

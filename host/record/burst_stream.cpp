@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "host/record/calibration_attachment.hpp"
 #include "host/record/exchange_folder.hpp"
 #include "host/record/exchange_names.hpp"
 #include "host/record/media_type.hpp"
@@ -106,6 +107,12 @@ Result<std::unique_ptr<BurstStream>> open_bursts(const std::string& path) {
   }
   ENAMEL_TRY_ASSIGN(capture::CaptureReader reader, capture::CaptureReader::open(path));
   return std::unique_ptr<BurstStream>(std::make_unique<CaptureStream>(std::move(reader)));
+}
+
+std::string recorded_at(const capture::CaptureInfo& info) {
+  for (const auto& [key, value] : info.metadata)
+    if (key == kRecordedAt) return value;
+  return {};
 }
 
 bool says_simulated(const capture::CaptureInfo& info) {

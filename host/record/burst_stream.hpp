@@ -35,4 +35,7 @@ class BurstStream {
 /// What is in it was rendered, not seen by a probe.
 [[nodiscard]] bool says_simulated(const capture::CaptureInfo& info);
 
+/// When a live recording began, UTC; empty for one that does not say.
+[[nodiscard]] std::string recorded_at(const capture::CaptureInfo& info);
+
 }  // namespace enamel::host

@@ -4,21 +4,9 @@
 #include <utility>
 #include <variant>
 
-#include "host/record/calibration_attachment.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::host {
-
-namespace {
-
-/// When a live recording began, UTC; empty for one that does not say.
-std::string recorded_at(const capture::CaptureInfo& info) {
-  for (const auto& [key, value] : info.metadata)
-    if (key == kRecordedAt) return value;
-  return {};
-}
-
-}  // namespace
 
 Result<std::unique_ptr<ReplaySession>> ReplaySession::create(std::unique_ptr<BurstStream> stream, const calib::Rig& rig,
                                                              const ReplayConfig& config, Clock& clock) {

@@ -18,7 +18,8 @@ struct Measured {
 Measured mean_of(std::vector<Measured>& at, float gate_sigmas, std::size_t min_agreeing) {
   if (at.size() < min_agreeing) return {kNoDepth, kNoDepth};
   const auto middle = at.begin() + static_cast<std::ptrdiff_t>(at.size() / 2);
-  std::nth_element(at.begin(), middle, at.end(), [](const Measured& a, const Measured& b) { return a.depth_mm < b.depth_mm; });
+  std::nth_element(at.begin(), middle, at.end(),
+                   [](const Measured& a, const Measured& b) { return a.depth_mm < b.depth_mm; });
   const Measured median = *middle;
   double sum = 0, weight = 0;
   std::size_t agreeing = 0;
@@ -59,8 +60,7 @@ SurfacePatch mean_patch(std::span<const SurfacePatch> patches, const RayDepth& r
       if (!std::isnan(patch->depth_mm[i])) at.push_back({patch->depth_mm[i], patch->sigma_mm[i]});
     }
     if (at.empty()) continue;
-    const Measured mean =
-        mean_of(at, static_cast<float>(config.gate_sigmas), std::min(min_agreeing, usable.size()));
+    const Measured mean = mean_of(at, static_cast<float>(config.gate_sigmas), std::min(min_agreeing, usable.size()));
     if (std::isnan(mean.depth_mm)) continue;
     out.depth_mm[i] = mean.depth_mm;
     out.sigma_mm[i] = mean.sigma_mm;

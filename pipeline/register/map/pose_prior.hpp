@@ -1,4 +1,5 @@
-// What is known of single nodes' poses beside all edges, as terms of the pose graph: axes that carried the camera there.
+// What is known of single nodes' poses beside all edges, as terms of the pose graph: axes that carried the camera
+// there.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -13,7 +14,7 @@ namespace enamel::pipeline {
 struct PosePrior {
   std::size_t node = 0;
   Pose T_model_node = Pose::Identity();
-  Vec3d centre = Vec3d::Zero();                ///< model frame
+  Vec3d centre = Vec3d::Zero();               ///< model frame
   Matrix6 information = Matrix6::Identity();  ///< of a motion (rho*omega, tau) about `centre`, mm^-2
 };
 

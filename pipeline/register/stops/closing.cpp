@@ -42,7 +42,8 @@ std::vector<std::vector<std::size_t>> rings(const std::vector<Stop>& stops) {
     std::ranges::stable_sort(ring, {}, [&](std::size_t k) { return turn_deg(stops[k]); });
     const auto same = [&](std::size_t a, std::size_t b) { return turn_deg(stops[b]) - turn_deg(stops[a]) < kSame_deg; };
     ring.erase(std::unique(ring.begin(), ring.end(), same), ring.end());
-    if (ring.size() > 1 && turn_deg(stops[ring.back()]) - 360 + kSame_deg > turn_deg(stops[ring.front()])) ring.pop_back();
+    if (ring.size() > 1 && turn_deg(stops[ring.back()]) - 360 + kSame_deg > turn_deg(stops[ring.front()]))
+      ring.pop_back();
     if (ring.size() >= kSmallestRing) out.push_back(ring);
   }
   return out;
@@ -80,7 +81,8 @@ std::vector<Circle> find_circles(const std::vector<Stop>& stops, const std::vect
     const Vec3d& centre = stops[first].centre;
     out.push_back({stops[first].angles.swing() * calib::kDegreesPerRad, ring.size(), (chain * centre - centre).norm(),
                    Eigen::AngleAxisd(chain.linear()).angle() * calib::kDegreesPerRad,
-                   gap_mm(T_last_first, centre, by_axes, last, first), gap_mm(T_last_first, centre, solved, last, first)});
+                   gap_mm(T_last_first, centre, by_axes, last, first),
+                   gap_mm(T_last_first, centre, solved, last, first)});
   }
   return out;
 }

@@ -15,11 +15,11 @@
 namespace enamel::pipeline {
 
 struct LayConfig {
-  double min_overlap = 0.2;        ///< of a pair, as EdgeConfig::min_overlap
-  double overlap_gate_mm = 0.3;    ///< of its foretelling
-  int rounds = 3;                  ///< of graph and lines by turns; 1: the lines stay as calibrated
-  int sample_stride_px = 2;        ///< of a stop's patch: few stops, so all that it has
-  int view_stride_px = 2;          ///< as MapConfig
+  double min_overlap = 0.2;      ///< of a pair, as EdgeConfig::min_overlap
+  double overlap_gate_mm = 0.3;  ///< of its foretelling
+  int rounds = 3;                ///< of graph and lines by turns; 1: the lines stay as calibrated
+  int sample_stride_px = 2;      ///< of a stop's patch: few stops, so all that it has
+  int view_stride_px = 2;        ///< as MapConfig
   StopSigma stop;
   MountSigma lines;
   SlipConfig slip;

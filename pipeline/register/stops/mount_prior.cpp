@@ -46,7 +46,8 @@ AxisMotions axis_motions(const calib::Mount& mount, const calib::AxisAngles& ang
   calib::AxisAngles turned = angles;
   turned.swing_command = turned.swing_read = 0;
   const Pose T_model_cradle = motion_of(mount, turned).inverse();
-  return {-turn_about(r, p_r, centre, rho_mm), -turn_about(T_model_cradle.linear() * s, T_model_cradle * p_s, centre, rho_mm)};
+  return {-turn_about(r, p_r, centre, rho_mm),
+          -turn_about(T_model_cradle.linear() * s, T_model_cradle * p_s, centre, rho_mm)};
 }
 
 Matrix6 pose_covariance(const AxisMotions& motions, const StopSigma& sigma, double rho_mm) {

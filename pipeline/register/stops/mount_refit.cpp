@@ -8,7 +8,7 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kLine = 6;              // two tilts, two shifts, two factors of the harmonic
+constexpr int kLine = 6;  // two tilts, two shifts, two factors of the harmonic
 constexpr int kLines = 2 * kLine;
 constexpr int kUnknowns = kLines + 6;  // … and the model's frame beside the mount's
 constexpr std::size_t kFewestStops = 3;

@@ -75,7 +75,8 @@ class Follower {
   }
 
   /// The nearest of what those stops say; none where none of them can be laid from there.
-  [[nodiscard]] std::optional<Word> best_word(const std::vector<std::size_t>& others, std::size_t i, const Pose& T) const {
+  [[nodiscard]] std::optional<Word> best_word(const std::vector<std::size_t>& others, std::size_t i,
+                                              const Pose& T) const {
     std::optional<Word> best;
     for (const std::size_t j : others) {
       const auto word = word_of(j, i, T);
@@ -173,11 +174,16 @@ std::string Slip::text() const {
   const auto by = fmt::format("{:+.3f} deg of rotation, {:+.3f} deg of swing, rest {:.0f} um", rotation_deg, swing_deg,
                               1e3 * rest_mm);
   switch (kind) {
-    case Kind::kRotation: return fmt::format("from stop {} on the rotation is off: a lost step ({})", stop, by);
-    case Kind::kSwing: return fmt::format("from stop {} on the swing is off: a lost step ({})", stop, by);
-    case Kind::kModel: return fmt::format("at stop {} the model has slipped on the table ({})", stop, by);
-    case Kind::kTable: return fmt::format("at stop {} table or head was bumped ({})", stop, by);
-    case Kind::kOnce: return fmt::format("stop {} alone is off: bumped while it was taken ({})", stop, by);
+    case Kind::kRotation:
+      return fmt::format("from stop {} on the rotation is off: a lost step ({})", stop, by);
+    case Kind::kSwing:
+      return fmt::format("from stop {} on the swing is off: a lost step ({})", stop, by);
+    case Kind::kModel:
+      return fmt::format("at stop {} the model has slipped on the table ({})", stop, by);
+    case Kind::kTable:
+      return fmt::format("at stop {} table or head was bumped ({})", stop, by);
+    case Kind::kOnce:
+      return fmt::format("stop {} alone is off: bumped while it was taken ({})", stop, by);
   }
   return {};
 }

@@ -35,7 +35,7 @@ enum class Laid : std::uint8_t {
 };
 
 struct FollowedStops {
-  std::vector<Pose> T_model_cam;     ///< where each stop begins: by the axes, slips allowed for
+  std::vector<Pose> T_model_cam;  ///< where each stop begins: by the axes, slips allowed for
   std::vector<AxesOffset> offsets;
   std::vector<Laid> laid;
   std::vector<double> deviation_mm;  ///< of each stop's surface from where the axes put it, as laid on those before

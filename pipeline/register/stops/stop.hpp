@@ -12,7 +12,7 @@ namespace enamel::pipeline {
 struct Stop {
   calib::AxisAngles angles;
   MapNode node;
-  PatchPyramid pyramid;           ///< for laying from afar
+  PatchPyramid pyramid;          ///< for laying from afar
   Vec3d centre = Vec3d::Zero();  ///< of what is seen
 };
 

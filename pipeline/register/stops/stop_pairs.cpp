@@ -26,8 +26,8 @@ double overlap_of(const MapNode& i, const MapNode& j, const ViewCamera& camera, 
     const Vec2f at = camera.project(p) * reference.pixels_per_camera_pixel();
     const int u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));
     if (u < 0 || v < 0 || u >= reference.width() || v >= reference.height()) continue;
-    const Reference::Pixel& q = reference.pixel(static_cast<std::size_t>(v) * static_cast<std::size_t>(reference.width()) +
-                                                static_cast<std::size_t>(u));
+    const Reference::Pixel& q = reference.pixel(
+        static_cast<std::size_t>(v) * static_cast<std::size_t>(reference.width()) + static_cast<std::size_t>(u));
     if (std::isnan(q.point.x())) continue;
     const Vec3f normal = R * Vec3f(samples.nx[n], samples.ny[n], samples.nz[n]);
     if (normal.dot(q.normal) < 0.7F || std::abs(q.normal.dot(p - q.point)) > gate) continue;

@@ -63,7 +63,8 @@ std::size_t TableRelief::take_out(const Pose& T_model_cam, SurfacePatch& patch) 
     const double height = height_mm(p_model);
     const auto cell = cell_of(p_model);
     const bool is_low = above_mm_ && height < *above_mm_;
-    const bool is_table = cell && top_mm_[*cell] != kUnseen && height < static_cast<double>(top_mm_[*cell]) + config_.margin_mm;
+    const bool is_table =
+        cell && top_mm_[*cell] != kUnseen && height < static_cast<double>(top_mm_[*cell]) + config_.margin_mm;
     if (!is_low && !is_table) continue;
     patch.depth_mm[i] = patch.sigma_mm[i] = nothing.x();
     patch.points[i] = patch.normals[i] = nothing;

@@ -12,8 +12,8 @@
 namespace enamel::pipeline {
 
 struct ReliefConfig {
-  double reach_mm = 45;   ///< from the rotation axis
-  double cell_mm = 0.5;   ///< of the relief
+  double reach_mm = 45;    ///< from the rotation axis
+  double cell_mm = 0.5;    ///< of the relief
   double margin_mm = 0.3;  ///< above it, everything goes: chosen, what a slope rises within half a cell
 };
 

@@ -1,0 +1,77 @@
+#include "host/app/desktop/desktop_options.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "host/app/input.hpp"
+#include "host/desktop/desktop_session.hpp"
+#include "host/desktop/recorded_stops.hpp"
+#include "host/record/axes_readings.hpp"
+
+namespace enamel::app {
+namespace {
+
+Result<void> take_empty_table(const std::string& path, host::DesktopModel& model) {
+  ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(path));
+  ENAMEL_TRY_ASSIGN(const auto stops, host::RecordedStops::open(*stream));
+  for (;;) {
+    ENAMEL_TRY_ASSIGN(const auto stop, stops->next(model));
+    if (!stop) return {};
+    model.add_empty(*stop);
+  }
+}
+
+}  // namespace
+
+void add_desktop_options(CLI::App& app, DesktopOptions& o) {
+  app.add_option("--mount", o.mount, "mount.json of the desktop scanner's axes (default: what the recording carries)");
+  app.add_option("--empty", o.empty, "recording of the empty table and holder: they are taken out of the scan");
+  app.add_option("--above", o.above_mm, "take out what lies lower than this above the axes' crossing, mm")
+      ->check(CLI::Range(-100.0, 100.0));
+}
+
+Result<calib::Mount> mount_for(const std::string& path, host::BurstStream* stream) {
+  if (!path.empty()) return calib::load_mount(path);
+  const std::string text = stream != nullptr ? attached_text(*stream, "mount.json") : std::string();
+  if (text.empty())
+    return fail(ErrorCode::kMountInvalid, "none: pass --mount mount.json, as `enamel calibrate axes` wrote it");
+  return calib::parse_mount(text);
+}
+
+Result<host::DesktopModel> desktop_model(const calib::Rig& rig, const calib::Mount& mount, const LoadedConfig& config,
+                                         const DesktopOptions& options, int workers) {
+  host::DesktopConfig desktop;
+  desktop.pipeline = config.pipeline;
+  desktop.above_mm = options.above_mm;
+  ENAMEL_TRY_ASSIGN(auto model,
+                    host::DesktopModel::make(rig, mount, desktop, static_cast<std::size_t>(std::max(workers, 1))));
+  if (!options.empty.empty()) ENAMEL_TRY(take_empty_table(options.empty, model));
+  return model;
+}
+
+Result<std::unique_ptr<host::Session>> recorded_desktop(host::BurstStream& stream, const calib::Rig& rig,
+                                                        const LoadedConfig& config, const DesktopOptions& options,
+                                                        const RunOptions& run, Clock& clock) {
+  if (options.free_hand) return nullptr;
+  const bool has_axes = host::count_axes(stream) > 0;
+  if (!has_axes && options.mount.empty()) return nullptr;
+  auto mount = mount_for(options.mount, &stream);
+  if (!mount && options.mount.empty()) {
+    std::fputs(
+        "note: the recording has angles of two axes; --mount mount.json lays it by them. Taken for a free-hand scan.\n",
+        stderr);
+    return nullptr;
+  }
+  if (!mount) return tl::unexpected<Error>(mount.error());
+  ENAMEL_TRY_ASSIGN(auto source, host::RecordedStops::open(stream));
+  ENAMEL_TRY_ASSIGN(auto model, desktop_model(rig, *mount, config, options, run.workers));
+  const auto recorded_rig = calib::parse_rig(stream.rig_text());
+  host::DesktopRun about{.simulated = host::says_simulated(stream.info()),
+                         .device_serial = recorded_rig ? recorded_rig->serial : std::string(),
+                         .scanned_at = host::recorded_at(stream.info()),
+                         .preview_model = !run.headless};
+  return std::make_unique<host::DesktopSession>(std::move(model), std::move(source), std::move(about), clock);
+}
+
+}  // namespace enamel::app
