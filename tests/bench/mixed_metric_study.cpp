@@ -42,7 +42,7 @@ Method layered(const char* name, const pipeline::LayeredConfig& config) {
 
 std::vector<Method> methods() {
   const pipeline::LayeredConfig mixed;
-  pipeline::LayeredConfig paper = mixed, on_ray = mixed, rim = mixed;
+  pipeline::LayeredConfig on_ray = mixed, rim = mixed;
   on_ray.match.closest = false;
   rim.match.rim = true;
   return {layered("mixed metric", mixed),

@@ -16,12 +16,12 @@ constexpr MatchGate kGate{1, 1, 0.7F, 0.5F};
 constexpr RobustKernel kNoKernel{false, 0};
 
 /// The analytic surface, or the plane, from straight above; columns beyond `columns` are cut off.
-struct Scene {
+struct MetricScene {
   calib::LensValues lens = ts::test_rig().camera;
   ViewCamera camera{lens};
   Reference reference;
 
-  explicit Scene(double relief, int columns = 1 << 20) {
+  explicit MetricScene(double relief, int columns = 1 << 20) {
     ModelView view = ts::make_view(ts::SyntheticSurface(7, relief), lens, ts::looking_down(0, 0));
     for (int v = 0; v < view.points.height(); ++v) {
       for (int u = columns; u < view.points.width(); ++u) view.points(u, v).setConstant(std::nanf(""));
@@ -60,7 +60,7 @@ Vector6 drawn_motion(std::uint64_t seed, double turn_rad, double shift_mm) {
 }
 
 TEST(MixedMetric, closest_points_are_those_of_brute_force) {
-  const Scene scene(1);
+  const MetricScene scene(1);
   const Reference& reference = scene.reference;
   const ClosestPoints closest(reference, scene.camera, {true, true});
   const Pose T_cam_model = reference.T_model_cam().inverse();
@@ -95,7 +95,7 @@ TEST(MixedMetric, closest_points_are_those_of_brute_force) {
 /// Points that lie on pixels, moved by less than they are apart: the point term finds the whole motion in one step,
 /// even on a plane, which leaves the plane term three directions free.
 TEST(MixedMetric, the_point_term_finds_motions_that_a_plane_leaves_free) {
-  const Scene plane(0);
+  const MetricScene plane(0);
   const ClosestPoints closest(plane.reference, plane.camera, {});
   const Pose truth = plane.reference.T_model_cam();
   const auto inner = [&](int u, int v) {
@@ -122,7 +122,7 @@ TEST(MixedMetric, the_point_term_finds_motions_that_a_plane_leaves_free) {
 }
 
 TEST(MixedMetric, is_the_weighted_mean_of_both_terms) {
-  const Scene scene(1);
+  const MetricScene scene(1);
   const ClosestPoints closest(scene.reference, scene.camera, {});
   const Pose truth = scene.reference.T_model_cam();
   const SampleSet samples = samples_of(scene.reference, truth, [](int u, int v) { return u % 4 == 0 && v % 4 == 0; });
@@ -145,7 +145,7 @@ TEST(MixedMetric, is_the_weighted_mean_of_both_terms) {
 
 /// Half of the plane is known. What lies beyond has its closest point on the rim and would pull the patch over.
 TEST(MixedMetric, matches_on_the_rim_are_left_out) {
-  const Scene whole(0), half(0, 160);
+  const MetricScene whole(0), half(0, 160);
   const Pose truth = half.reference.T_model_cam();
   const SampleSet samples = samples_of(whole.reference, truth, [](int, int) { return true; });
   const Alignment of{samples, half.reference, half.camera, kRho_mm};
