@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -41,18 +40,22 @@ Method layered(const char* name, const pipeline::LayeredConfig& config) {
 }
 
 std::vector<Method> methods() {
-  const pipeline::LayeredConfig mixed;
-  pipeline::LayeredConfig on_ray = mixed, rim = mixed;
+  const pipeline::LayeredConfig mixed, published = pipeline::published_layers();
+  pipeline::LayeredConfig on_ray = mixed, rim = mixed, to_the_end = mixed;
   on_ray.match.closest = false;
   rim.match.rim = true;
+  to_the_end.layers.back().lambda = to_the_end.layers[1].lambda;
   return {layered("mixed metric", mixed),
           layered("plain point to plane", pipeline::plain_point_to_plane(mixed)),
-          {"projective point to plane",
+          layered("mixed metric, published layers", published),
+          layered("plain, published layers", pipeline::plain_point_to_plane(published)),
+          {"the tracker's: projective, plain",
            [](const Prepared& p, const Pose& start) {
              return pipeline::align(p.patch, p.reference, p.camera, start, start, {});
            }},
-          layered("mixed, matches on the ray", on_ray),
-          layered("mixed, rim kept", rim)};
+          layered("mixed metric, matches on the ray", on_ray),
+          layered("mixed metric, rim kept", rim),
+          layered("mixed metric to the end, lambda 0.7", to_the_end)};
 }
 
 struct Tally {
@@ -173,7 +176,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: %s [--starts A_PAIR] [--json FILE]\n", argv[0]);
     return 1;
   }
-  const std::vector<StartError> errors{{0.3, 2}, {0.6, 4}, {1.0, 8}};
+  const std::vector<StartError> errors{{0.3, 2}, {1.0, 8}, {1.5, 12}};
   Json rows = study(enamel::test::Molars::kCusped, "cusped", errors, starts);
   for (const Json& row : study(enamel::test::Molars::kSmooth, "smooth", errors, starts)) rows.push_back(row);
   print(rows);

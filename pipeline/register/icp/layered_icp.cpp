@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace enamel::pipeline {
@@ -15,9 +16,12 @@ MatchGate gate_of(const MixedLayer& layer, const LayeredConfig& config) {
 
 /// Layered stop. last_rms 0: there is none yet.
 bool layer_ends(const Vector6& step, double rms, double last_rms, const LayeredConfig& config) {
-  if (std::abs(rms - last_rms) < config.rms_change * rms) return true;
-  return step.tail<3>().norm() < config.end_translation_mm &&
-         step.head<3>().norm() < config.end_rotation_rad * config.rho_mm;
+  const auto below = [&](double translation_mm, double rotation_rad) {
+    return step.tail<3>().norm() < translation_mm && step.head<3>().norm() < rotation_rad * config.rho_mm;
+  };
+  if (below(config.end_translation_mm, config.end_rotation_rad)) return true;
+  return std::abs(rms - last_rms) < config.rms_change * rms &&
+         below(config.small_step_mm, config.small_step_mm / config.rho_mm);
 }
 
 void note(const AlignPass& pass, const Solution& step, std::size_t samples, IcpResult& out) {
@@ -31,6 +35,13 @@ void note(const AlignPass& pass, const Solution& step, std::size_t samples, IcpR
 }
 
 }  // namespace
+
+LayeredConfig published_layers() {
+  LayeredConfig out;
+  out.layers = {MixedLayer{8, 1.0, 45, 0.3, 10}, MixedLayer{4, 0.4, 35, 0.7, 8}, MixedLayer{2, 0.15, 30, 1, 6}};
+  out.small_step_mm = std::numeric_limits<double>::infinity();
+  return out;
+}
 
 LayeredConfig plain_point_to_plane(LayeredConfig config) {
   for (MixedLayer& layer : config.layers) layer.lambda = 1;
