@@ -125,6 +125,8 @@ TEST(DesktopScan, a_recording_carries_its_angles_and_a_seed_its_own_mount) {
                                       "object.plate.bumps=0"};
   ASSERT_EQ(twin("render", "desktop_bar.toml", tmp / "a.mcap", form).code, 0);
   ASSERT_EQ(run({program("enamel"), "capture", "export", tmp / "a.mcap", tmp / "a"}).code, 0);
+  const Ran info = run({program("enamel"), "capture", "info", tmp / "a.mcap", "--json"});
+  EXPECT_EQ(Json::parse(info.out, nullptr, false)["axes"], 4);
   const auto axes = lines_of(tmp / "a/axes.csv");
   ASSERT_EQ(axes.size(), 5U);
   EXPECT_EQ(axes[0], "burst_id,rot_cmd_deg,swing_cmd_deg,rot_read_deg,swing_read_deg");

@@ -6,10 +6,13 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "calib/mount/stops.hpp"
 #include "calib/target/code_map.hpp"
 #include "calib/target/coded_grid.hpp"
 #include "protocol/base/rng.hpp"
 #include "protocol/types/axes_table.hpp"
+#include "tests/support/file_bytes.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -85,6 +88,21 @@ TEST(MountFile, refuses_what_was_changed_or_is_no_mount) {
   for (const char* foreign : {"{}", "[1", ""}) EXPECT_EQ(parse_mount(foreign).error().code, ErrorCode::kMountInvalid);
   EXPECT_EQ(with("D-7", "D-8").error().code, ErrorCode::kMountInvalid);
   EXPECT_TRUE(parse_mount(text)) << "negative control";
+}
+
+TEST(AxesTable, of_poses_lacks_neither_file_nor_row) {
+  const test::TempFolder folder;
+  const std::vector<std::string> poses{"00", "01"};
+  const std::string head = "pose,rot_cmd_deg,swing_cmd_deg,rot_read_deg,swing_read_deg\n";
+  const auto read = [&](const std::string& rows) {
+    test::spill(folder / "axes.csv", head + rows);
+    return read_pose_axes(folder / ".", poses);
+  };
+  EXPECT_EQ(read_pose_axes(folder / ".", poses).error().code, ErrorCode::kAxesMissing);
+  EXPECT_EQ(read("0,10,5,,\n").error().code, ErrorCode::kAxesMissing);
+  EXPECT_THAT(read("0,10,5,,\n").error().detail, HasSubstr("no row for pose '01'"));
+  EXPECT_EQ(read("0,10,5,,\n1,1,1,,\n2,1,1,,\n").error().code, ErrorCode::kCalibrationFolder);
+  EXPECT_TRUE(read("1,10,5,,\n00,1,1,,\n")) << "negative control";
 }
 
 TEST(AxesTable, reads_rows_and_names_what_is_wrong) {

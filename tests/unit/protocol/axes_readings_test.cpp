@@ -103,7 +103,8 @@ TEST_F(AxesReadings, come_from_the_channel_or_the_table_wherever_they_were_logge
 TEST_F(AxesReadings, stops_of_a_table_are_counted_by_what_was_commanded) {
   write(6, {}, kHead + "0,15,0,15.01,\n1,15,0,14.99,\n2,15,-20,,\n3,,-20,15,\n4,,-20,16,\n5,15,-20,,\n");
   std::vector<std::uint32_t> stops;
-  for (const AxesReading& reading : read().value()) stops.push_back(reading.stop);
+  const Readings rows = read().value();
+  for (const AxesReading& reading : rows) stops.push_back(reading.stop);
   EXPECT_EQ(stops, (std::vector<std::uint32_t>{0, 0, 1, 1, 2, 3}));
 }
 

@@ -222,7 +222,8 @@ TEST_F(DdsInProcess, a_later_reader_gets_every_angle_in_order) {
   auto late_events = Reader<proto::Event>::create(right_).value();
   std::vector<proto::AxesReading> got;
   while (got.size() < kWritten && late_axes.wait(20s) == Wake::kData) {
-    for (const auto& received : late_axes.take(64).value()) got.push_back(received.value);
+    const auto taken = late_axes.take(64).value();
+    for (const auto& received : taken) got.push_back(received.value);
   }
   ASSERT_EQ(got.size(), kWritten);
   for (std::uint32_t n = 0; n < kWritten; ++n) {
