@@ -68,7 +68,8 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
                      ALGORITHMS),
     "calib/guide": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] + ALGORITHMS),
     # Readers of mesh files are no algorithm that the twin has to be a second opinion on.
-    "tools/twin": (4, PROTOCOL + FIRMWARE + ["calib/model", "host/mesh_files"]),
+    "tools/twin": (4, PROTOCOL + FIRMWARE + ["calib/model", "host/mesh_files", "tools/twin/axes"]),
+    "tools/twin/axes": (4, BASE),
     "viewer/scene": (4, BASE + ["pipeline/types"]),
     "viewer/gl": (4, BASE + ["pipeline/types", "viewer/scene"]),
     "host/ingest": (4, PROTOCOL + ["pipeline/flow", "calib/model", "host/report"]),
@@ -77,6 +78,8 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "host/mesh_files": (4, BASE + ["pipeline/types"]),
     "host/compare": (4, BASE + ["pipeline/types", "host/mesh_files"]),
     "host/motion": (4, BASE),
+    "host/desktop": (4, PROTOCOL + ["calib/model", "host/ingest", "host/motion", "host/record", "host/report",
+                                 "host/session"]),
     "host/update": (4, IMAGE),
     "host/flash": (5, IMAGE + ["host/update"]),
     "tools/sign": (5, IMAGE),
