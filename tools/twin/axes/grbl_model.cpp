@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include <string_view>
 #include <utility>
 
 namespace enamel::twin {
@@ -95,7 +96,11 @@ void GrblModel::say(std::string line) {
   }
   if (bad_lines_ > 0) {
     --bad_lines_;
-    const std::size_t at = random_.below(static_cast<std::uint32_t>(line.size()));
+    // A sign that becomes another of a number makes another number: without a checksum nobody sees that.
+    std::size_t at = 0;
+    do {
+      at = random_.below(static_cast<std::uint32_t>(line.size()));
+    } while (std::string_view("-,89").find(line[at]) != std::string_view::npos);
     line[at] = static_cast<char>(line[at] ^ 0x15);
   }
   line += "\r\n";
