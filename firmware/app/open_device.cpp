@@ -11,6 +11,7 @@
 #include "firmware/device/sim/sim_device.hpp"
 #endif
 #ifdef ENAMEL_HAS_TWIN
+#include "tools/twin/live_table.hpp"
 #include "tools/twin/twin_source.hpp"
 #endif
 
@@ -29,12 +30,17 @@ Result<std::unique_ptr<Device>> only_a_camera(const std::string& name) {
 }
 
 #ifdef ENAMEL_HAS_SIM
-Result<std::unique_ptr<BurstSource>> open_source(const ProbeOptions& options) {
+Result<std::unique_ptr<BurstSource>> open_source(const ProbeOptions& options, [[maybe_unused]] Clock& clock) {
   if (!options.capture.empty()) {
     ENAMEL_TRY_ASSIGN(auto capture, CaptureSource::open(options.capture, options.loops));
     return std::unique_ptr<BurstSource>(std::move(capture));
   }
 #ifdef ENAMEL_HAS_TWIN
+  if (!options.twin_axes.empty()) {
+    ENAMEL_TRY_ASSIGN(const auto fault, twin::parse_table_fault(options.twin_axes_fault));
+    return twin::open_live_table({options.twin_scene, options.seed, options.twin_axes, fault, options.twin_truth},
+                                 clock);
+  }
   return twin::open_twin_source(options.twin_scene, options.seed);
 #else
   return fail(ErrorCode::kHal, "--twin: this build has no twin (ENAMEL_WITH_TWIN is off)");
@@ -56,7 +62,7 @@ Result<std::unique_ptr<Device>> open_device(const ProbeOptions& options, Clock& 
 #endif
   }
 #ifdef ENAMEL_HAS_SIM
-  ENAMEL_TRY_ASSIGN(auto source, open_source(options));
+  ENAMEL_TRY_ASSIGN(auto source, open_source(options, clock));
   SimConfig sim;
   sim.speed = options.speed;
   sim.model = options.capture.empty() ? "enamel twin" : "enamel player";

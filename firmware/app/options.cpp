@@ -25,10 +25,27 @@ void add_sources(CLI::App& app, ProbeOptions& o) {
   source->require_option(1);
 }
 
+void add_axes(CLI::App& app, ProbeOptions& o) {
+  app.add_option(
+         "--twin-axes", o.twin_axes,
+         "with --twin of a desktop scene: make a serial port of this name, on which a simulated GRBL controller "
+         "drives the table")
+      ->type_name("PORT");
+  app.add_option("--twin-axes-fault", o.twin_axes_fault,
+                 "with --twin-axes: lose-step, hard-limit, restart, power-off, unplug or hang in the N-th movement")
+      ->type_name("FAULT@N");
+  app.add_option("--twin-truth", o.twin_truth, "with --twin-axes: write where the table stood in every burst")
+      ->type_name("FILE.csv");
+}
+
 /// What goes with what.
 Result<void> check_together(const ProbeOptions& o) {
   if (o.serial.size() > 32) return fail(ErrorCode::kUsage, "--serial: at most 32 bytes");
   if (o.seed && o.twin_scene.empty()) return fail(ErrorCode::kUsage, "--seed goes with --twin");
+  if (!o.twin_axes.empty() && o.twin_scene.empty()) return fail(ErrorCode::kUsage, "--twin-axes goes with --twin");
+  if (o.twin_axes.empty() && !(o.twin_axes_fault.empty() && o.twin_truth.empty())) {
+    return fail(ErrorCode::kUsage, "--twin-axes-fault and --twin-truth go with --twin-axes");
+  }
   if (o.loops != 1 && o.capture.empty()) return fail(ErrorCode::kUsage, "--loops goes with --play");
   if (!o.picture.empty() && !o.check) return fail(ErrorCode::kUsage, "--picture goes with --check");
   if (o.dark && o.profile.empty()) return fail(ErrorCode::kUsage, "--dark goes with --profile");
@@ -51,6 +68,7 @@ Result<std::optional<ProbeOptions>> parse_options(int argc, const char* const* a
       "enamel-probe");
   app.footer("enamel-probe projector --help: the projector's controller by itself");
   add_sources(app, o);
+  add_axes(app, o);
   app.add_flag("--check", o.check, "prove it part by part with twenty bursts, then end; exit code 0 when all is good");
   app.add_option("--picture", o.picture, "with --check: write a burst's four frames, side by side")
       ->type_name("FILE.pgm");

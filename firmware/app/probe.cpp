@@ -40,7 +40,8 @@ ControllerConfig controller_config(Device& device) {
   ControllerConfig config;
   config.max_silence = device.max_silence();
   config.has_heater = device.heater() != nullptr;
-  config.drain_timeout = std::clamp(mode.frame_period * 8, Nanoseconds{150'000'000}, Nanoseconds{200'000'000});
+  config.drain_timeout =
+      std::clamp(mode.frame_period * 8, Nanoseconds{150'000'000}, Nanoseconds{200'000'000}) + device.lateness();
   return config;
 }
 

@@ -35,6 +35,8 @@ class Device {
   /// Null: this device has none.
   [[nodiscard]] virtual Heater* heater() noexcept { return nullptr; }
   [[nodiscard]] virtual Watchdog* watchdog() noexcept { return nullptr; }
+  /// How much later than a camera's its frames come, at most; a pause waits for the burst under way so much longer.
+  [[nodiscard]] virtual Nanoseconds lateness() const { return Nanoseconds{0}; }
   /// An acquisition that waits longer for a frame hangs.
   [[nodiscard]] virtual Nanoseconds max_silence() const { return Nanoseconds{2'000'000'000}; }
   /// Hardware is never stretched.

@@ -14,7 +14,6 @@ constexpr Nanoseconds kStatusTimeout{2'000'000'000};   ///< ten times as long as
 constexpr Nanoseconds kLeaseOfAnother{4'000'000'000};  ///< a probe's lease is 2.5 s
 constexpr Nanoseconds kAskForLease{250'000'000};
 constexpr Nanoseconds kAskAgain{1'000'000'000};
-constexpr Nanoseconds kLongestClose{1'000'000'000};  ///< more than twice what a probe takes to finish a burst
 
 std::string words(const Error& error) { return error.message(); }
 
@@ -116,7 +115,7 @@ Result<void> LiveFeed::open_session(const std::stop_token& stop) {
   if (ever_started_ && (status.session_id != config_.session_id || status.seq < seq_before)) sink_.on_restart();
   if (!ready(status.state)) ENAMEL_TRY(wait_ready(stop));
   // Counters of the session before ours, of a host that was killed, are told as they end: nothing of it is under way.
-  const HostTime deadline = clock_.now() + kLongestClose;
+  const HostTime deadline = clock_.now() + config_.close_within;
   while (link_.last_status()->session_id != config_.session_id && !at_rest(*link_.last_status()) &&
          clock_.now() < deadline) {
     link_.wait_data(config_.poll_period);
@@ -160,7 +159,7 @@ void LiveFeed::close_session() {
     if (const auto reply = link_.command(proto::Opcode::kScanStop); !reply)
       log::warn(kModule, "{}", reply.error().detail);
   }
-  const HostTime deadline = clock_.now() + kLongestClose;
+  const HostTime deadline = clock_.now() + config_.close_within;
   int quiet = 0;
   while (clock_.now() < deadline && quiet < 8) {
     link_.wait_data(config_.poll_period * 2);

@@ -35,7 +35,8 @@ struct FeedConfig {
   Nanoseconds lost_timeout{120'000'000'000};  ///< for a lost probe to come back; then the session ends with what it has
   Nanoseconds settle{300'000'000};            ///< two probes take this long to show themselves both
   Nanoseconds poll_period{10'000'000};
-  Nanoseconds left_scanning{500'000'000};  ///< a probe that says so long that it does not scan is asked to again
+  Nanoseconds left_scanning{500'000'000};   ///< a probe that says so long that it does not scan is asked to again
+  Nanoseconds close_within{1'000'000'000};  ///< more than twice what a probe takes to finish a burst
 };
 
 class LiveFeed {

@@ -69,7 +69,8 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
                      ALGORITHMS),
     "calib/guide": (4, BASE + ["calib/model", "calib/target", "calib/fringe", "calib/io", "calib/solve"] + ALGORITHMS),
     # Readers of mesh files are no algorithm that the twin has to be a second opinion on.
-    "tools/twin": (4, PROTOCOL + FIRMWARE + ["calib/model", "host/mesh_files"]),
+    "tools/twin": (4, PROTOCOL + FIRMWARE + ["calib/model", "host/mesh_files", "tools/twin/axes"]),
+    "tools/twin/axes": (4, BASE),
     "viewer/scene": (4, BASE + ["pipeline/types"]),
     "viewer/gl": (4, BASE + ["pipeline/types", "viewer/scene"]),
     "host/ingest": (4, PROTOCOL + ["pipeline/flow", "calib/model", "host/report"]),

@@ -120,6 +120,19 @@ struct TwinSource::Impl {
     for (auto& image : out) apply_psf(image, camera.width, camera.height, sensor.psf_sigma_px);
     return out;
   }
+
+  [[nodiscard]] fw::SimFrames digital(std::array<std::vector<float>, 4> mean, std::uint64_t n) const {
+    // Light is told as full-well fraction at the scene's exposure.
+    const double share_of_exposure = exposure_ms(config.timing, n) / config.timing.exposure_ms;
+    const auto full_well = static_cast<float>(sensor.full_well_e * share_of_exposure);
+    fw::SimFrames out;
+    for (int k = 0; k < 4; ++k) {
+      auto& image = mean[static_cast<std::size_t>(k)];
+      for (float& e : image) e *= full_well;
+      out[static_cast<std::size_t>(k)] = digitise(image, sensor, {config.seed, n, k});
+    }
+    return out;
+  }
 };
 
 TwinSource::TwinSource(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -174,13 +187,8 @@ std::array<std::vector<float>, 4> TwinSource::mean_light(std::uint64_t n) const 
   return impl_->light(poses(n), n, impl_->passing(n));
 }
 
-Result<std::optional<fw::SimBurst>> TwinSource::next() {
-  Impl& m = *impl_;
-  if (m.next >= m.total) return std::optional<fw::SimBurst>();
-  const std::uint64_t n = m.next++;
-  const Passing passing = m.passing(n);
-  const BurstPoses at = poses(n);
-  auto light = m.light(at, n, passing);
+fw::SimBurst TwinSource::planned(std::uint64_t n) const {
+  const Impl& m = *impl_;
   fw::SimBurst burst;
   burst.burst_index = n;
   burst.exposure_us = static_cast<std::uint32_t>(std::lround(1e3 * exposure_ms(m.config.timing, n)));
@@ -188,15 +196,24 @@ Result<std::optional<fw::SimBurst>> TwinSource::next() {
   burst.width = m.instrument.rig.camera.width;
   burst.height = m.instrument.rig.camera.height;
   burst.bit_depth = m.sensor.bits;
-  // Light is told as full-well fraction at the scene's exposure.
-  const double share_of_exposure = exposure_ms(m.config.timing, n) / m.config.timing.exposure_ms;
-  const auto full_well = static_cast<float>(m.sensor.full_well_e * share_of_exposure);
   for (int k = 0; k < 4; ++k) {
-    auto& image = light[static_cast<std::size_t>(k)];
-    for (float& e : image) e *= full_well;
     burst.t_exposure_ns[static_cast<std::size_t>(k)] = exposure_start_ns(m.config.timing, m.path->slot(n), k);
-    burst.frames[static_cast<std::size_t>(k)] = digitise(image, m.sensor, {m.config.seed, n, k});
   }
+  return burst;
+}
+
+fw::SimFrames TwinSource::frames(std::uint64_t n, const BurstPoses& poses) const {
+  return impl_->digital(impl_->light(poses, n, impl_->passing(n)), n);
+}
+
+Result<std::optional<fw::SimBurst>> TwinSource::next() {
+  Impl& m = *impl_;
+  if (m.next >= m.total) return std::optional<fw::SimBurst>();
+  const std::uint64_t n = m.next++;
+  const Passing passing = m.passing(n);
+  const BurstPoses at = poses(n);
+  fw::SimBurst burst = planned(n);
+  burst.frames = m.digital(m.light(at, n, passing), n);
   m.truth.burst_index = n;
   m.truth.t_mid_ns = t_mid_ns(n);
   m.truth.T_model_cam = at.mid;

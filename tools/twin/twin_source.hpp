@@ -42,6 +42,11 @@ class TwinSource final : public fw::BurstSource {
   [[nodiscard]] std::optional<std::uint64_t> count() const override;
   [[nodiscard]] Result<std::optional<fw::SimBurst>> next() override;
 
+  /// Burst n as far as it is known before it is exposed: times and sizes, no frames.
+  [[nodiscard]] fw::SimBurst planned(std::uint64_t n) const;
+  /// The four frames of burst n as seen from these poses, whatever the path says.
+  [[nodiscard]] fw::SimFrames frames(std::uint64_t n, const BurstPoses& poses) const;
+
   /// Poses of burst n, whether rendered or not.
   [[nodiscard]] BurstPoses poses(std::uint64_t n) const;
   [[nodiscard]] std::int64_t t_mid_ns(std::uint64_t n) const;

@@ -7,7 +7,11 @@
 namespace enamel::fw {
 
 BurstFeed::BurstFeed(std::unique_ptr<BurstSource> source, std::size_t depth)
-    : source_(std::move(source)), depth_(depth), rig_text_(source_->rig_text()), simulated_(source_->simulated()) {}
+    : source_(std::move(source)),
+      depth_(depth),
+      rig_text_(source_->rig_text()),
+      simulated_(source_->simulated()),
+      lateness_(source_->lateness()) {}
 
 BurstFeed::~BurstFeed() {
   thread_.request_stop();

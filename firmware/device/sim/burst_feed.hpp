@@ -34,6 +34,7 @@ class BurstFeed {
   [[nodiscard]] const SimBurst& first() const noexcept { return *first_; }
   [[nodiscard]] const std::string& rig_text() const noexcept { return rig_text_; }
   [[nodiscard]] bool simulated() const noexcept { return simulated_; }
+  [[nodiscard]] Nanoseconds lateness() const noexcept { return lateness_; }
 
  private:
   void read_ahead(const std::stop_token& stop);
@@ -42,6 +43,7 @@ class BurstFeed {
   const std::size_t depth_;
   const std::string rig_text_;
   const bool simulated_;
+  const Nanoseconds lateness_;
   std::optional<SimBurst> first_;
   bool first_taken_ = false;
   std::mutex mutex_;

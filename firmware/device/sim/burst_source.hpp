@@ -3,13 +3,23 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "protocol/base/result.hpp"
+#include "protocol/base/time.hpp"
 
 namespace enamel::fw {
+
+using SimFrames = std::array<std::vector<std::uint8_t>, 4>;  ///< rows top-down, no padding, little endian
+
+/// When a burst was exposed, device clock.
+struct SimExposure {
+  DeviceTime first{};  ///< start of the first exposure
+  DeviceTime mid{};    ///< middle between its start and the end of the last
+};
 
 /// What the sensor would see during one burst. Times are device clock, ns, of the source's own time base (a capture's
 /// original stamps or the twin's trajectory time); the player shifts them to now and keeps their differences.
@@ -22,7 +32,10 @@ struct SimBurst {
   int width = 0;
   int height = 0;
   int bit_depth = 8;
-  std::array<std::vector<std::uint8_t>, 4> frames;  ///< rows top-down, no padding, little endian
+  SimFrames frames;
+  /// Light that depends on when it is exposed: called once the burst's last exposure is over, takes its time (its
+  /// frames come that much later, stamped as exposed) and makes `frames`. Empty: they are there already.
+  std::function<SimFrames(const SimExposure&)> expose = {};
 };
 
 class BurstSource {
@@ -32,6 +45,8 @@ class BurstSource {
   [[nodiscard]] virtual const std::string& rig_text() const = 0;
   /// The light never was: a twin's, or the recording of one. Pictures and exports then say SIMULATED.
   [[nodiscard]] virtual bool simulated() const { return true; }
+  /// How much later than a camera's a burst's frames come, at most: that of SimBurst::expose.
+  [[nodiscard]] virtual Nanoseconds lateness() const { return Nanoseconds{0}; }
   /// Number of bursts when known in advance.
   [[nodiscard]] virtual std::optional<std::uint64_t> count() const = 0;
   /// Next burst in order, nullopt at the end.

@@ -5,37 +5,14 @@
 #include <string>
 #include <utility>
 
+#include "firmware/device/sim/sim_frame.hpp"
+
 namespace enamel::fw {
 namespace {
 
 constexpr Nanoseconds kWaitSlice{20'000'000};  // how long stop() may go unnoticed
 constexpr int kLedMa = 400;
 constexpr std::uint8_t kLeakDn = 90;  // what a stuck LED does to a dark frame
-
-std::size_t pixel_bytes(int width, int height, int bit_depth) {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * (bit_depth > 8 ? 2U : 1U);
-}
-
-std::vector<std::uint8_t> blank_frame(const CameraMode& mode, std::uint8_t dn8) {
-  std::vector<std::uint8_t> pixels(pixel_bytes(mode.width, mode.height, mode.bit_depth), dn8);
-  if (mode.bit_depth <= 8) return pixels;
-  const unsigned level = unsigned{dn8} << static_cast<unsigned>(mode.bit_depth - 8);
-  for (std::size_t i = 0; i + 1 < pixels.size(); i += 2) {
-    pixels[i] = static_cast<std::uint8_t>(level & 0xFFU);
-    pixels[i + 1] = static_cast<std::uint8_t>(level >> 8U);
-  }
-  return pixels;
-}
-
-std::int64_t frame_period_ns(const SimBurst& burst) { return (burst.t_exposure_ns[3] - burst.t_exposure_ns[0]) / 3; }
-
-Result<void> check_exposure(const SimBurst& burst) {
-  const std::int64_t period = frame_period_ns(burst), exposure = std::int64_t{burst.exposure_us} * 1000;
-  if (period > 0 && period <= 1'000'000'000 && exposure > 0 && exposure <= period) return {};
-  return fail(ErrorCode::kConfigValue, "burst " + std::to_string(burst.burst_index) + ": frame period " +
-                                           std::to_string(period) + " ns, exposure " + std::to_string(exposure) +
-                                           " ns");
-}
 
 }  // namespace
 
@@ -114,10 +91,23 @@ Result<CameraFrame> SimDevice::next_frame() {
       }
       ENAMEL_TRY_ASSIGN(step, plan());
     }
+    if (step.expose && !expose_late(step)) continue;
     if (!wait_until(step.t + exposure_ + config_.stamp_delay)) continue;
     const std::lock_guard lock(mutex_);
     if (running_) perform(step);
   }
+}
+
+/// Frames that are made after their exposure: the first one waits for all four. False when stopped meanwhile.
+bool SimDevice::expose_late(const Plan& step) {
+  const DeviceTime last = step.t + 3 * mode_.frame_period;
+  if (!wait_until(last + exposure_)) return false;
+  SimFrames frames = step.expose({step.t, step.t + (last + exposure_ - step.t) / 2});
+  const std::lock_guard lock(mutex_);
+  if (!running_ || !burst_ || next_position_ != 0) return false;
+  burst_->frames = std::move(frames);
+  burst_->expose = {};
+  return true;
 }
 
 /// False when stopped meanwhile.
@@ -134,7 +124,11 @@ bool SimDevice::wait_until(DeviceTime t) {
 
 Result<SimDevice::Plan> SimDevice::plan() {
   const auto k = static_cast<std::size_t>(std::max(0, next_position_));
-  if (next_position_ >= 0) return Plan{timeline_.map(burst_->t_exposure_ns[k]), next_position_};
+  if (next_position_ >= 0) {
+    Plan step{timeline_.map(burst_->t_exposure_ns[k]), next_position_, {}};
+    if (k == 0) step.expose = burst_->expose;
+    return step;
+  }
   // A machine that slept does not make the camera deliver the missed frames one by one.
   const DeviceTime next = std::max(last_start_ + mode_.frame_period, device_now(clock_) - config_.max_lag);
   if (armed_ && !burst_) {
@@ -157,9 +151,9 @@ Result<SimDevice::Plan> SimDevice::plan() {
   }
   if (armed_ && burst_) {
     const DeviceTime sentinel = burst_start(next + mode_.frame_period) - mode_.frame_period;
-    if (sentinel <= next + mode_.frame_period / 2) return Plan{sentinel, SimStep::kSentinel};
+    if (sentinel <= next + mode_.frame_period / 2) return Plan{sentinel, SimStep::kSentinel, {}};
   }
-  return Plan{next, SimStep::kFreeRunning};
+  return Plan{next, SimStep::kFreeRunning, {}};
 }
 
 /// Start of the loaded burst's first exposure, not before `earliest`.

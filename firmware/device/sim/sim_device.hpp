@@ -70,6 +70,7 @@ class SimDevice final : public Device,
   [[nodiscard]] std::string model() const override { return config_.model + (feed_->simulated() ? ", SIMULATED" : ""); }
   [[nodiscard]] const std::string& rig_text() const noexcept override { return feed_->rig_text(); }
   [[nodiscard]] StretchCount stretched() const override;
+  [[nodiscard]] Nanoseconds lateness() const override { return feed_->lateness(); }
   /// A picture may take its time.
   [[nodiscard]] Nanoseconds max_silence() const override { return Nanoseconds{60'000'000'000}; }
   /// Thread-safe; takes effect with the next frame.
@@ -103,6 +104,7 @@ class SimDevice final : public Device,
   struct Plan {
     DeviceTime t{};
     int position = SimStep::kFreeRunning;
+    std::function<SimFrames(const SimExposure&)> expose = {};  ///< of the burst's first frame, where it is made late
   };
 
   SimDevice(std::unique_ptr<BurstFeed> feed, Clock& clock, const SimConfig& config);
@@ -110,6 +112,7 @@ class SimDevice final : public Device,
   [[nodiscard]] Result<Plan> plan();
   [[nodiscard]] DeviceTime burst_start(DeviceTime earliest);
   [[nodiscard]] bool wait_until(DeviceTime t);
+  [[nodiscard]] bool expose_late(const Plan& step);
   void set_exposure(std::uint32_t source_us);
   void perform(const Plan& plan);
   void expose(const Plan& plan, SimStep& step);

@@ -85,8 +85,8 @@ double with_harmonic(const Axis& axis, double shaft_rad) {
 /// One drive on its way from stop to stop.
 class Shaft {
  public:
-  Shaft(const Axis& axis, double stop_error_deg, std::uint64_t seed, std::uint64_t stream)
-      : axis_(axis), error_rad_(kRadPerDeg * stop_error_deg), random_(seed, stream) {}
+  Shaft(const Axis& axis, bool is_swing, double stop_error_deg, std::uint64_t seed)
+      : axis_(axis), is_swing_(is_swing), error_deg_(stop_error_deg), seed_(seed) {}
 
   double go_to(double command_rad) {
     const bool moves = !has_stopped_ || command_rad != command_rad_;
@@ -94,7 +94,7 @@ class Shaft {
       // The first stop is reached from the end switch below.
       const bool falls = has_stopped_ && command_rad < command_rad_;
       const double lag = falls && axis_.approach == Approach::kNearest ? axis_.backlash_rad : 0;
-      off_rad_ = lag + error_rad_ * random_.normals(moves_++).a;
+      off_rad_ = lag + stop_error_rad(is_swing_, error_deg_, seed_, moves_++);
     }
     has_stopped_ = true;
     command_rad_ = command_rad;
@@ -103,8 +103,9 @@ class Shaft {
 
  private:
   const Axis& axis_;
-  double error_rad_;
-  CounterRandom random_;
+  bool is_swing_;
+  double error_deg_;
+  std::uint64_t seed_;
   std::uint64_t moves_ = 0;
   bool has_stopped_ = false;
   double command_rad_ = 0, off_rad_ = 0;
@@ -137,21 +138,32 @@ MountConfig drawn(const MountConfig& config, std::uint64_t seed) {
   return out;
 }
 
+double stop_error_rad(bool is_swing, double rms_deg, std::uint64_t seed, std::uint64_t movement) {
+  const CounterRandom random(seed, is_swing ? kSwingStopStream : kRotStopStream);
+  return kRadPerDeg * rms_deg * random.normals(movement).a;
+}
+
+StopTruth table_at(const Mount& mount, const std::array<double, 2>& shaft_rad) {
+  StopTruth t;
+  t.rot_shaft = shaft_rad[0];
+  t.swing_shaft = shaft_rad[1];
+  t.rot = with_harmonic(mount.rotation, t.rot_shaft);
+  t.swing = with_harmonic(mount.swing, t.swing_shaft);
+  t.run_out_mm = run_out(mount, t.rot);
+  return t;
+}
+
 MountRun drive(const MountConfig& stated, std::uint64_t seed) {
   const MountConfig config = drawn(stated, seed);
   MountRun run;
   run.mount = mount_of(config, seed);
-  Shaft rotation(run.mount.rotation, config.rotation.stop_error_deg, seed, kRotStopStream);
-  Shaft swing(run.mount.swing, config.swing.stop_error_deg, seed, kSwingStopStream);
+  Shaft rotation(run.mount.rotation, false, config.rotation.stop_error_deg, seed);
+  Shaft swing(run.mount.swing, true, config.swing.stop_error_deg, seed);
   for (const MountStop& stop : config.stops) {
-    StopTruth t;
-    t.rot_cmd = kRadPerDeg * stop.rot_deg;
-    t.swing_cmd = kRadPerDeg * stop.swing_deg;
-    t.rot_shaft = rotation.go_to(t.rot_cmd);
-    t.swing_shaft = swing.go_to(t.swing_cmd);
-    t.rot = with_harmonic(run.mount.rotation, t.rot_shaft);
-    t.swing = with_harmonic(run.mount.swing, t.swing_shaft);
-    t.run_out_mm = run_out(run.mount, t.rot);
+    const double rot_cmd = kRadPerDeg * stop.rot_deg, swing_cmd = kRadPerDeg * stop.swing_deg;
+    StopTruth t = table_at(run.mount, {rotation.go_to(rot_cmd), swing.go_to(swing_cmd)});
+    t.rot_cmd = rot_cmd;
+    t.swing_cmd = swing_cmd;
     run.stops.push_back(t);
   }
   return run;

@@ -62,6 +62,12 @@ inline constexpr double kDrawnTilt_deg = 2, kDrawnSkew_mm = 0.3, kDrawnHarmonic_
 /// parallel.
 [[nodiscard]] MountRun drive(const MountConfig& config, std::uint64_t seed);
 
+/// How far beside its target the rotation's (or the swing's) drive stops at its n-th movement, from 0, rms `rms_deg`.
+[[nodiscard]] double stop_error_rad(bool is_swing, double rms_deg, std::uint64_t seed, std::uint64_t movement);
+
+/// What the drives' shafts (of rotation and swing, radians) make of the table. The commanded angles are left 0.
+[[nodiscard]] StopTruth table_at(const Mount& mount, const std::array<double, 2>& shaft_rad);
+
 /// Right-hand turn about a line.
 [[nodiscard]] Eigen::Isometry3d turn_about(const Eigen::Vector3d& direction, const Eigen::Vector3d& point_mm,
                                            double angle_rad);

@@ -1,5 +1,7 @@
 #include "tools/twin/movers/mover_stage.hpp"
 
+#include "tools/twin/optics/random.hpp"
+
 namespace enamel::twin {
 namespace {
 

@@ -1,0 +1,280 @@
+#include "host/desktop/stop_taker.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "host/record/calibration_attachment.hpp"
+#include "host/record/exchange_names.hpp"
+#include "host/session/probe_counts.hpp"
+#include "protocol/base/crc32.hpp"
+#include "protocol/base/utc.hpp"
+#include "protocol/types/axes_table.hpp"
+
+namespace enamel::host {
+namespace {
+
+constexpr Nanoseconds kLook{5'000'000};  ///< how soon a wait notices what it waits for
+
+double seconds_of(Nanoseconds t) { return std::chrono::duration<double>(t).count(); }
+
+std::optional<HostExposure> exposure_of(const proto::Burst& burst, const ClockMap& map) {
+  const proto::FrameMeta& last = burst.meta.back();
+  const auto began = map.to_host(device_time(static_cast<std::int64_t>(burst.meta.front().t_strobe_ns)));
+  const auto ended =
+      map.to_host(device_time(static_cast<std::int64_t>(last.t_strobe_ns) + std::int64_t{last.exposure_us} * 1000));
+  if (!began || !ended) return std::nullopt;
+  return HostExposure{*began, *ended, *map.uncertainty()};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<StopTaker>> StopTaker::create(const dds::Participant& participant, const StopTakerConfig& config,
+                                                     motion::Axes& axes, Clock& clock) {
+  if (config.bursts < 1) return fail(ErrorCode::kUsage, "a stop needs one burst at least");
+  ENAMEL_TRY_ASSIGN(auto link, ProbeLink::create(participant, config.link, clock));
+  return std::unique_ptr<StopTaker>(new StopTaker(std::move(link), config, axes, clock));
+}
+
+StopTaker::StopTaker(std::unique_ptr<ProbeLink> link, const StopTakerConfig& config, motion::Axes& axes, Clock& clock)
+    : config_(config), axes_(axes), clock_(clock), link_(std::move(link)), feed_(*link_, *this, config.feed, clock) {}
+
+StopTaker::~StopTaker() { end_feed(); }
+
+void StopTaker::end_feed() {
+  if (!ingest_thread_.joinable()) return;
+  ingest_thread_.request_stop();
+  link_->wake();
+  ingest_thread_.join();
+}
+
+Result<proto::DeviceInfo> StopTaker::start() {
+  feed_.set_scanning(!is_paused());
+  ingest_thread_ = std::jthread([this](const std::stop_token& stop) {
+    const auto ran = feed_.run(stop);
+    const std::lock_guard lock(mutex_);
+    if (!ran) feed_error_ = ran.error();
+    has_ended_ = true;
+  });
+  static_cast<void>(pthread_setname_np(ingest_thread_.native_handle(), "ingest"));
+  HostTime deadline = clock_.now() + config_.start_within;
+  for (;;) {
+    ENAMEL_TRY(check_going());
+    const HostTime paused_at = clock_.now();
+    ENAMEL_TRY(wait_while_paused());
+    deadline += clock_.now() - paused_at;
+    {
+      const std::lock_guard lock(mutex_);
+      if (feed_state_ == FeedState::kScanning && knows_clock_) return *probe_;
+    }
+    if (clock_.now() > deadline) return tl::unexpected(silent());
+    clock_.sleep_for(kLook);
+  }
+}
+
+void StopTaker::set_paused(bool paused) noexcept {
+  paused_.store(paused);
+  feed_.set_scanning(!paused);
+}
+
+void StopTaker::request_stop() noexcept {
+  stop_requested_.store(true);
+  axes_.request_stop();
+}
+
+Result<void> StopTaker::check_going() const {
+  if (stop_requested_) return fail(ErrorCode::kCancelled, "taking stops");
+  const std::lock_guard lock(mutex_);
+  if (feed_error_) return tl::unexpected<Error>(*feed_error_);
+  if (has_ended_) return fail(ErrorCode::kProbeLost, "the probe ended its session");
+  if (has_restarted_ && recorder_) {
+    return fail(ErrorCode::kProbeLost,
+                "it was started anew and numbers its bursts from the beginning: end this recording and begin another");
+  }
+  return {};
+}
+
+Result<void> StopTaker::wait_while_paused() {
+  while (is_paused()) {
+    ENAMEL_TRY(check_going());
+    clock_.sleep_for(kLook);
+  }
+  return check_going();
+}
+
+Error StopTaker::silent() const {
+  const std::lock_guard lock(mutex_);
+  const std::string who = probe_ ? probe_->serial : "none yet";
+  if (feed_state_ == FeedState::kLost) return {ErrorCode::kProbeLost, who + " did not come back in time"};
+  return {ErrorCode::kProbeLost, fmt::format("{}: no burst came within {:.0f} s while the table stood", who,
+                                             seconds_of(config_.burst_within))};
+}
+
+Result<void> StopTaker::wait_for_bursts() {
+  const auto wanted = static_cast<std::size_t>(config_.bursts);
+  std::size_t had = 0;
+  HostTime deadline = clock_.now() + config_.burst_within;
+  for (;;) {
+    ENAMEL_TRY(check_going());
+    std::size_t has = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      has = at_stop_.size();
+    }
+    if (has >= wanted) return {};
+    if (std::exchange(had, has) != has || is_paused()) deadline = clock_.now() + config_.burst_within;
+    if (clock_.now() > deadline) return tl::unexpected(silent());
+    clock_.sleep_for(kLook);
+  }
+}
+
+Result<TakenStop> StopTaker::take(const motion::AxesAngles& target) {
+  ENAMEL_TRY(wait_while_paused());
+  ENAMEL_TRY_ASSIGN(const motion::AxesPosition position, axes_.move_to(target, config_.move_within));
+  {
+    const std::lock_guard lock(mutex_);
+    window_.open(clock_.now());
+  }
+  auto waited = wait_for_bursts();
+  // Whoever pushed the table meanwhile shows now, not at the next stop.
+  if (waited) waited = axes_.position().map([](const motion::AxesPosition&) {});
+  auto bursts = close_window(waited.has_value());
+  if (!waited) return tl::unexpected<Error>(waited.error());
+  return keep(std::move(bursts), position);
+}
+
+std::vector<dds::Received<proto::Burst>> StopTaker::close_window(bool is_taken) {
+  std::vector<dds::Received<proto::Burst>> bursts;
+  const std::lock_guard lock(mutex_);
+  window_.close(clock_.now());
+  bursts.swap(at_stop_);
+  if (is_taken) {
+    for (std::size_t i = 0; i < bursts.size(); ++i) ledger_.accepted();
+  } else {
+    for (const auto& burst : bursts) note_left_out(burst.value, BurstPlace::kSpare);
+    bursts.clear();
+  }
+  return bursts;
+}
+
+TakenStop StopTaker::keep(std::vector<dds::Received<proto::Burst>> bursts, const motion::AxesPosition& position) {
+  std::ranges::sort(bursts, {}, [](const auto& b) { return b.value.meta.front().t_strobe_ns; });
+  TakenStop taken{stops_++, position, {}};
+  for (auto& burst : bursts) {
+    if (recorder_) recorder_->write_burst(burst.cdr, clock_.now());
+    angles_.push_back({burst.value.burst_index, position.commanded.rot_deg, position.commanded.swing_deg,
+                       position.read.rot_deg, position.read.swing_deg});
+    taken.bursts.push_back(std::make_shared<const proto::Burst>(std::move(burst.value)));
+  }
+  return taken;
+}
+
+void StopTaker::attach(const std::string& name, const std::string& media_type, const std::string& bytes) {
+  if (recorder_) recorder_->attach(name, media_type, bytes);
+}
+
+TakeSummary StopTaker::finish() {
+  end_feed();
+  TakeSummary summary{.counts = counts(), .angles = angles_};
+  summary.broken_off = feed_error_;
+  if (recorder_) {
+    if (!angles_.empty()) recorder_->attach(kAxesFile, "text/csv", proto::axes_table_text(angles_));
+    recorder_->finish();
+    summary.recording_error = recorder_->error();
+  }
+  return summary;
+}
+
+TakeCounts StopTaker::counts() const {
+  const std::lock_guard lock(mutex_);
+  return take_counts(ledger_.counts(), moving_, spare_);
+}
+
+FeedState StopTaker::feed_state() const {
+  const std::lock_guard lock(mutex_);
+  return feed_state_;
+}
+
+// With the lock held.
+void StopTaker::note_left_out(const proto::Burst& burst, BurstPlace place) {
+  ++(place == BurstPlace::kMoving ? moving_ : spare_);
+  ledger_.shed();
+  if (!recorder_) return;
+  const HostTime now = clock_.now();
+  recorder_->note(proto::ShedNote{burst.burst_index, burst.burst_seq, to_ns(now), proto::ShedReason::kOther}, now);
+}
+
+Result<void> StopTaker::start_recorder(const proto::DeviceInfo& info, const std::string& rig_text) {
+  if (config_.recording_path.empty()) return {};
+  const capture::CaptureHeader header{
+      rig_text,
+      config_.program,
+      {{"serial", info.serial}, {"model", info.model}, {kRecordedAt, utc_text(wall_time())}}};
+  ENAMEL_TRY_ASSIGN(auto recorder, Recorder::create(config_.recording_path, header));
+  if (!config_.config_text.empty())
+    recorder->attach(capture::kConfigAttachment, "application/toml", config_.config_text);
+  recorder->note(info, clock_.now());
+  const std::lock_guard lock(mutex_);
+  recorder_ = std::move(recorder);
+  return {};
+}
+
+Result<void> StopTaker::on_probe(const proto::DeviceInfo& info, bool came_back) {
+  if (came_back) {
+    const std::lock_guard lock(mutex_);
+    if (info.calib_crc32 == probe_->calib_crc32) return {};
+    return fail(ErrorCode::kRigForeign, "probe " + info.serial + " came back with another calibration");
+  }
+  const std::string text(info.calibration_blob.begin(), info.calibration_blob.end());
+  if (text.empty()) return fail(ErrorCode::kRigMissing, "probe " + info.serial + " carries none");
+  if (crc32(std::as_bytes(std::span(text))) != info.calib_crc32)
+    return fail(ErrorCode::kRigInvalid, "damaged on its way from the probe");
+  ENAMEL_TRY(start_recorder(info, text));
+  const std::lock_guard lock(mutex_);
+  probe_ = info;
+  return {};
+}
+
+void StopTaker::on_restart() {
+  const std::lock_guard lock(mutex_);
+  ledger_.probe_restarted();
+  has_restarted_ = true;
+}
+
+void StopTaker::on_burst(dds::Received<proto::Burst> burst, HostTime) {
+  const bool whole = burst.valid && proto::is_consistent(burst.value);
+  const std::lock_guard lock(mutex_);
+  // Of a host before this one, that was killed.
+  if (burst.valid && burst.value.session_id != config_.feed.session_id) return;
+  burst.valid ? ledger_.received(burst.value.burst_seq) : ledger_.received_unreadable();
+  if (!whole) return ledger_.damaged();
+  const BurstPlace place = window_.place_of(exposure_of(burst.value, link_->clock_map()));
+  const bool is_wanted = at_stop_.size() < static_cast<std::size_t>(config_.bursts);
+  if (place == BurstPlace::kAtStop && is_wanted) {
+    at_stop_.push_back(std::move(burst));
+    return;
+  }
+  note_left_out(burst.value, place);
+}
+
+void StopTaker::on_status(const proto::Status& status) {
+  const std::lock_guard lock(mutex_);
+  knows_clock_ = link_->clock_map().uncertainty().has_value();
+  if (recorder_) recorder_->note(status, clock_.now());
+  if (status.session_id == config_.feed.session_id) ledger_.probe_status(counts_of(status));
+}
+
+void StopTaker::on_event(const proto::Event& event) {
+  const std::lock_guard lock(mutex_);
+  if (recorder_) recorder_->note(event, clock_.now());
+}
+
+void StopTaker::on_state(FeedState state, const std::string&) {
+  const std::lock_guard lock(mutex_);
+  feed_state_ = state;
+}
+
+}  // namespace enamel::host
