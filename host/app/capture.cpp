@@ -12,6 +12,7 @@
 #include "host/record/exchange_folder.hpp"
 #include "host/report/stage_trace.hpp"
 #include "protocol/base/file.hpp"
+#include "protocol/base/json_text.hpp"
 
 namespace enamel::app {
 
