@@ -35,6 +35,9 @@ DesktopModel::DesktopModel(const calib::Rig& rig, const calib::Mount& mount, con
       decoder_(std::move(decoder)),
       unpack_(decoder_->shared_rays(), decoder_->config().normals),
       relief_(mount, config.relief, config.above_mm),
+      fixed_(std::make_unique<const Fixed>(Fixed{rig.camera, config.pipeline.track.icp, config.lay.edge})),
+      follower_(std::make_unique<pipeline::StopFollower>(
+          mount, pipeline::LayingRules{fixed_->lens, fixed_->icp, fixed_->edge}, config.lay.slip)),
       growing_(rig, config.pipeline.fuse),
       mesher_(config.pipeline.mesh) {}
 
@@ -79,13 +82,12 @@ const MeasuredStop& DesktopModel::add(const StopBursts& stop) {
     out.table_px = relief_.take_out(T_model_cam, patch);
   }
   out.seen_px = patch.valid_px;
-  out.stop = pipeline::make_stop(patch, stop.angles, rig_, config_.pipeline.track.icp, config_.lay);
-  out.saw_model = out.stop.node.samples.size() >= kFewestSamples;
+  pipeline::Stop seen = pipeline::make_stop(patch, stop.angles, rig_, fixed_->icp, config_.lay);
+  out.saw_model = seen.node.samples.size() >= kFewestSamples;
   if (out.saw_model) {
     out.patch = pipeline::pack(patch, pipeline::Texture::kDropped);
-    growing_.integrate(out.bursts.front().id, patch, T_model_cam);
+    growing_.integrate(out.bursts.front().id, patch, follower_->follow(std::move(seen)));
   } else {
-    out.stop = {};
     for (StopBurst& burst : out.bursts) {
       if (burst.rejected.empty()) burst.rejected = "no_model";
     }
@@ -107,22 +109,19 @@ pipeline::FuseConfig DesktopModel::fuse_config() const {
 }
 
 Result<pipeline::LaidStops> DesktopModel::finish(ScanResult& scan) {
-  std::vector<pipeline::Stop> seen;
-  std::vector<std::size_t> of;  // stops_ of each
+  std::vector<std::size_t> of;  // stops_ of each that the follower has
   for (std::size_t k = 0; k < stops_.size(); ++k) {
-    if (!stops_[k].saw_model) continue;
-    seen.push_back(std::move(stops_[k].stop));
-    of.push_back(k);
+    if (stops_[k].saw_model) of.push_back(k);
   }
-  if (seen.empty()) {
+  if (of.empty()) {
     return fail(ErrorCode::kModelNotSeen, std::to_string(stops_.size()) + " stops, and none of them saw a model");
   }
   const auto for_each = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
     flow::for_each_index(count, threads_, work);
   };
   pipeline::LaidStops laid =
-      pipeline::lay_stops({seen, mount_, rig_, config_.pipeline.track.icp, for_each}, config_.lay);
-  for (std::size_t n = 0; n < seen.size(); ++n) {
+      pipeline::lay_stops({*follower_, mount_, rig_, fixed_->icp, for_each}, config_.lay);
+  for (std::size_t n = 0; n < of.size(); ++n) {
     const bool is_laid = laid.laid[n] != pipeline::Laid::kNot;
     for (StopBurst& burst : stops_[of[n]].bursts) {
       if (!burst.rejected.empty()) continue;

@@ -55,6 +55,10 @@ class DesktopModel {
   const MeasuredStop& add(const StopBursts& stop);
 
   [[nodiscard]] const std::vector<MeasuredStop>& stops() const noexcept { return stops_; }
+  /// Of a stop that saw the model, until finish(): its patch, table taken out.
+  [[nodiscard]] SurfacePatch patch_of(std::size_t k) const { return unpack_(stops_[k].patch); }
+  /// What the table did by itself so far, a line each; stops counted as they were taken.
+  [[nodiscard]] const std::vector<pipeline::Slip>& slips() const noexcept { return follower_->followed().slips; }
   [[nodiscard]] const calib::Rig& rig() const noexcept { return rig_; }
   [[nodiscard]] const calib::Mount& mount() const noexcept { return mount_; }
   /// As the axes alone lay it.
@@ -84,6 +88,14 @@ class DesktopModel {
   pipeline::TableRelief relief_;
   pipeline::WaveKnowledge wave_;
   std::vector<MeasuredStop> stops_;
+  /// What follows refers to, at a fixed place.
+  struct Fixed {
+    calib::LensValues lens;
+    pipeline::IcpConfig icp;
+    pipeline::EdgeConfig edge;
+  };
+  std::unique_ptr<const Fixed> fixed_;
+  std::unique_ptr<pipeline::StopFollower> follower_;  ///< of those that saw the model
   pipeline::TsdfModel growing_;
   pipeline::IncrementalMesher mesher_;
   std::shared_ptr<const Map<std::uint8_t>> live_;

@@ -18,7 +18,7 @@ std::vector<MapEdge> measure_edges(const LayInput& input, const std::vector<Stop
   input.for_each(found.size(), [&](std::size_t n) {
     std::size_t i = pairs[n / 2].i, j = pairs[n / 2].j;
     if (n % 2 == 1) std::swap(i, j);
-    found[n] = measure_edge(input.stops[i].node, input.stops[j].node, input.rig.camera,
+    found[n] = measure_edge(input.taken.stops()[i].node, input.taken.stops()[j].node, input.rig.camera,
                             T_model_cam[j].inverse() * T_model_cam[i], input.icp, config);
     if (!found[n]) return;
     found[n]->i = i;
@@ -50,7 +50,7 @@ class Adjustment {
   }
 
   [[nodiscard]] Pose told(std::size_t k) const {
-    return pose_by_axes(mount_, input_.stops[k].angles, followed_.offsets[k]);
+    return pose_by_axes(mount_, input_.taken.stops()[k].angles, followed_.offsets[k]);
   }
 
   SolvedGraph run() {
@@ -68,20 +68,20 @@ class Adjustment {
   /// What is left of a stop beside its word, for people.
   [[nodiscard]] StopDeviation left_over(std::size_t k, const Pose& T) const {
     const Pose as_told = told(k);
-    const Vec3d centre = as_told * input_.stops[k].centre;
+    const Vec3d centre = as_told * input_.taken.stops()[k].centre;
     const AxisMotions motions =
-        axis_motions(mount_, turned_by(input_.stops[k].angles, followed_.offsets[k]), centre, config_.graph.rho_mm);
+        axis_motions(mount_, turned_by(input_.taken.stops()[k].angles, followed_.offsets[k]), centre, config_.graph.rho_mm);
     return take_apart(motion_between(as_told, T, centre, config_.graph.rho_mm), motions);
   }
 
  private:
   [[nodiscard]] std::vector<PosePrior> priors() const {
     std::vector<PosePrior> out;
-    for (std::size_t k = 0; k < input_.stops.size(); ++k) {
+    for (std::size_t k = 0; k < input_.taken.stops().size(); ++k) {
       const Pose T = told(k);
-      const Vec3d centre = T * input_.stops[k].centre;
+      const Vec3d centre = T * input_.taken.stops()[k].centre;
       const AxisMotions motions =
-          axis_motions(mount_, turned_by(input_.stops[k].angles, followed_.offsets[k]), centre, config_.graph.rho_mm);
+          axis_motions(mount_, turned_by(input_.taken.stops()[k].angles, followed_.offsets[k]), centre, config_.graph.rho_mm);
       const Matrix6 C = pose_covariance(motions, config_.stop, config_.graph.rho_mm);
       out.push_back({k + 1, T, centre, C.ldlt().solve(Matrix6::Identity())});
     }
@@ -90,10 +90,10 @@ class Adjustment {
 
   void refit(const std::vector<Pose>& poses) {
     std::vector<StopPose> seen;
-    for (std::size_t k = 0; k < input_.stops.size(); ++k) {
+    for (std::size_t k = 0; k < input_.taken.stops().size(); ++k) {
       if (followed_.laid[k] == Laid::kNot || !followed_.offsets[k].is_of_angles_only()) continue;
-      seen.push_back({turned_by(input_.stops[k].angles, followed_.offsets[k]), poses[k + 1],
-                      poses[k + 1] * input_.stops[k].centre});
+      seen.push_back({turned_by(input_.taken.stops()[k].angles, followed_.offsets[k]), poses[k + 1],
+                      poses[k + 1] * input_.taken.stops()[k].centre});
     }
     mount_ = refit_mount(input_.mount, seen, config_.lines, config_.stop, config_.graph.rho_mm);
   }
@@ -120,9 +120,8 @@ Stop make_stop(const SurfacePatch& patch, const calib::AxisAngles& angles, const
 }
 
 LaidStops lay_stops(const LayInput& input, const LayConfig& config) {
-  const LayingRules rules{input.rig.camera, input.icp, config.edge};
-  const FollowedStops followed = follow_stops(input.stops, input.mount, rules, config.slip);
-  std::vector<StopPair> pairs = overlapping_pairs(input.stops, followed.T_model_cam, ViewCamera(input.rig.camera),
+  const FollowedStops& followed = input.taken.followed();
+  std::vector<StopPair> pairs = overlapping_pairs(input.taken.stops(), followed.T_model_cam, ViewCamera(input.rig.camera),
                                                   config.overlap_gate_mm, config.min_overlap);
   std::erase_if(pairs, [&](const StopPair& pair) {
     return followed.laid[pair.i] == Laid::kNot || followed.laid[pair.j] == Laid::kNot;
@@ -135,7 +134,7 @@ LaidStops lay_stops(const LayInput& input, const LayConfig& config) {
   out.T_model_cam.assign(solved.poses.begin() + 1, solved.poses.end());
   out.laid = followed.laid;
   out.slips = followed.slips;
-  for (std::size_t k = 0; k < input.stops.size(); ++k)
+  for (std::size_t k = 0; k < input.taken.stops().size(); ++k)
     out.corrections.push_back(adjustment.left_over(k, out.T_model_cam[k]));
   out.mount = adjustment.mount();
   out.pairs = pairs.size();
@@ -144,7 +143,7 @@ LaidStops lay_stops(const LayInput& input, const LayConfig& config) {
   out.sigma0 = solved.sigma0;
   out.coarse_rms_mm = rms_gap_mm(edges, out.by_axes);
   out.fine_rms_mm = rms_gap_mm(edges, out.T_model_cam);
-  out.circles = find_circles(input.stops, edges, out.by_axes, out.T_model_cam);
+  out.circles = find_circles(input.taken.stops(), edges, out.by_axes, out.T_model_cam);
   return out;
 }
 

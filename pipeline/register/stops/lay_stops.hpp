@@ -32,7 +32,7 @@ struct LayConfig {
                              const IcpConfig& icp, const LayConfig& config);
 
 struct LayInput {
-  const std::vector<Stop>& stops;  ///< in the order in which they were taken
+  const StopFollower& taken;  ///< with the same mount
   const calib::Mount& mount;
   const calib::Rig& rig;
   const IcpConfig& icp;

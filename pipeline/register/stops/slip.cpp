@@ -10,165 +10,138 @@
 #include "pipeline/register/stops/stop_pairs.hpp"
 
 namespace enamel::pipeline {
-namespace {
 
-/// An offset that may explain a slip, and what it would be called.
-struct Guess {
-  AxesOffset offset;
-  Slip::Kind kind = Slip::Kind::kModel;
-};
+Pose StopFollower::told(std::size_t i, const AxesOffset& by) const {
+  return pose_by_axes(mount_, stops_[i].angles, by);
+}
 
-class Follower {
- public:
-  Follower(const std::vector<Stop>& stops, const calib::Mount& mount, const LayingRules& with, const SlipConfig& config)
-      : stops_(stops), mount_(mount), with_(with), config_(config) {}
-
-  FollowedStops run() {
-    for (std::size_t i = 0; i < stops_.size(); ++i) follow(i);
-    return std::move(out_);
+/// Stops before i that see much of what i should see, most first.
+std::vector<std::size_t> StopFollower::beside(std::size_t i, const Pose& T) const {
+  std::vector<std::pair<double, std::size_t>> found;
+  for (std::size_t j = 0; j < i; ++j) {
+    if (out_.laid[j] == Laid::kNot) continue;
+    const double share = overlap_of(stops_[i].node, stops_[j].node, ViewCamera(with_.lens),
+                                    out_.T_model_cam[j].inverse() * T, config_.gate_mm);
+    if (share >= config_.min_overlap) found.emplace_back(-share, j);
   }
-
- private:
-  [[nodiscard]] Pose told(std::size_t i, const AxesOffset& by) const {
-    return pose_by_axes(mount_, stops_[i].angles, by);
+  std::ranges::sort(found);
+  std::vector<std::size_t> out;
+  for (const auto& [share, j] : found) {
+    if (out.size() < config_.tried_on) out.push_back(j);
   }
+  return out;
+}
 
-  /// Stops before i that see much of what i should see, most first.
-  [[nodiscard]] std::vector<std::size_t> beside(std::size_t i, const Pose& T) const {
-    std::vector<std::pair<double, std::size_t>> found;
-    for (std::size_t j = 0; j < i; ++j) {
-      if (out_.laid[j] == Laid::kNot) continue;
-      const double share = overlap_of(stops_[i].node, stops_[j].node, ViewCamera(with_.lens),
-                                      out_.T_model_cam[j].inverse() * T, config_.gate_mm);
-      if (share >= config_.min_overlap) found.emplace_back(-share, j);
-    }
-    std::ranges::sort(found);
-    std::vector<std::size_t> out;
-    for (const auto& [share, j] : found) {
-      if (out.size() < config_.tried_on) out.push_back(j);
-    }
-    return out;
+Matrix6 StopFollower::covariance_of(std::size_t k, const Vec3d& centre) const {
+  const AxisMotions motions = axis_motions(mount_, turned_by(stops_[k].angles, now_), centre, with_.icp.rho_mm);
+  return pose_covariance(motions, config_.stop, with_.icp.rho_mm);
+}
+
+std::optional<StopFollower::Word> StopFollower::word_of(std::size_t j, std::size_t i, const Pose& T) const {
+  const Pose start = out_.T_model_cam[j].inverse() * T;
+  const auto edge = measure_edge(stops_[i].node, stops_[j].node, with_.lens, start, with_.icp, with_.edge);
+  if (!edge) return std::nullopt;
+  Word word{out_.T_model_cam[j] * edge->T_j_i};
+  const Vec3d centre = out_.T_model_cam[j] * edge->centre;
+  const Vector6 x = motion_between(T, word.T, centre, with_.icp.rho_mm);
+  Matrix6 C = covariance_of(i, centre) + covariance_of(j, centre);
+  C.diagonal().array() += config_.edge_sigma_mm * config_.edge_sigma_mm;
+  word.sigmas = std::sqrt(x.dot(C.ldlt().solve(x)) / 6);
+  word.shift_mm = x.tail<3>().norm();
+  return word;
+}
+
+/// The nearest of what those stops say; none where none of them can be laid from there.
+std::optional<StopFollower::Word> StopFollower::best_word(const std::vector<std::size_t>& others, std::size_t i,
+                                                          const Pose& T) const {
+  std::optional<Word> best;
+  for (const std::size_t j : others) {
+    const auto word = word_of(j, i, T);
+    if (word && (!best || word->sigmas < best->sigmas)) best = word;
   }
+  return best;
+}
 
-  [[nodiscard]] Matrix6 covariance_of(std::size_t k, const Vec3d& centre) const {
-    return pose_covariance(axis_motions(mount_, stops_[k].angles, centre, with_.icp.rho_mm), config_.stop,
-                           with_.icp.rho_mm);
-  }
+const Pose& StopFollower::follow(Stop stop) {
+  stops_.push_back(std::move(stop));
+  lay(stops_.size() - 1);
+  return out_.T_model_cam.back();
+}
 
-  /// Where stop j puts stop i, and by how many sigmas that is off from `T`.
-  struct Word {
-    Pose T = Pose::Identity();
-    double sigmas = 0, shift_mm = 0;
-  };
-  [[nodiscard]] std::optional<Word> word_of(std::size_t j, std::size_t i, const Pose& T) const {
-    const Pose start = out_.T_model_cam[j].inverse() * T;
-    const auto edge = measure_edge(stops_[i].node, stops_[j].node, with_.lens, start, with_.icp, with_.edge);
-    if (!edge) return std::nullopt;
-    Word word{out_.T_model_cam[j] * edge->T_j_i};
-    const Vec3d centre = out_.T_model_cam[j] * edge->centre;
-    const Vector6 x = motion_between(T, word.T, centre, with_.icp.rho_mm);
-    Matrix6 C = covariance_of(i, centre) + covariance_of(j, centre);
-    C.diagonal().array() += config_.edge_sigma_mm * config_.edge_sigma_mm;
-    word.sigmas = std::sqrt(x.dot(C.ldlt().solve(x)) / 6);
-    word.shift_mm = x.tail<3>().norm();
-    return word;
-  }
-
-  /// The nearest of what those stops say; none where none of them can be laid from there.
-  [[nodiscard]] std::optional<Word> best_word(const std::vector<std::size_t>& others, std::size_t i,
-                                              const Pose& T) const {
-    std::optional<Word> best;
-    for (const std::size_t j : others) {
-      const auto word = word_of(j, i, T);
-      if (word && (!best || word->sigmas < best->sigmas)) best = word;
-    }
-    return best;
-  }
-
-  void follow(std::size_t i) {
-    const Pose as_told = told(i, now_);
-    const auto others = beside(i, as_told);
-    if (others.empty()) return settle(as_told, Laid::kAlone, 0);
-    const auto word = best_word(others, i, as_told);
-    if (word && word->sigmas <= config_.sigmas) {
-      guesses_.clear();
-      return settle(as_told, Laid::kLaid, word->shift_mm);
-    }
-    for (const Guess& guess : guesses_) {
-      const Pose T = told(i, guess.offset);
-      const auto other_word = best_word(others, i, T);
-      if (!other_word || other_word->sigmas > config_.sigmas) continue;
-      now_ = guess.offset;
-      out_.slips.back().kind = guess.kind;
-      guesses_.clear();
-      return settle(T, Laid::kLaid, other_word->shift_mm);
-    }
-    const auto found = word ? std::optional<Pose>(word->T) : search(i, others, as_told);
-    if (!found) return settle(as_told, Laid::kNot, 0);
-    note(i, as_told, *found);
-    settle(*found, Laid::kLaid, (*found * stops_[i].centre - as_told * stops_[i].centre).norm());
-  }
-
-  void settle(const Pose& T, Laid laid, double deviation_mm) {
-    out_.T_model_cam.push_back(T);
-    out_.offsets.push_back(now_);
-    out_.laid.push_back(laid);
-    out_.deviation_mm.push_back(deviation_mm);
-  }
-
-  /// From afar; two stops have to tell the same where there are two.
-  [[nodiscard]] std::optional<Pose> search(std::size_t i, const std::vector<std::size_t>& others, const Pose& T) const {
-    const AxisMotions motions = axis_motions(mount_, stops_[i].angles, T * stops_[i].centre, with_.icp.rho_mm);
-    const auto starts = starts_about(T, T * stops_[i].centre, motions, with_.icp.rho_mm, config_);
-    for (const std::size_t j : others) {
-      const auto found = lay_from_afar(stops_[i], stops_[j], out_.T_model_cam[j], starts, with_, config_);
-      if (!found) continue;
-      const auto agrees = [&](std::size_t k) {
-        const auto word = word_of(k, i, *found);
-        return word && word->shift_mm < config_.agree_mm;
-      };
-      const bool is_alone = others.size() == 1;
-      if (is_alone || std::ranges::any_of(others, [&](std::size_t k) { return k != j && agrees(k); })) return found;
-    }
-    return std::nullopt;
-  }
-
-  /// What may be behind a slip is told apart by the stops that follow; until then by what it looks like.
-  void note(std::size_t i, const Pose& as_told, const Pose& found) {
-    const Vec3d centre = as_told * stops_[i].centre;
-    const AxisMotions motions = axis_motions(mount_, stops_[i].angles, centre, with_.icp.rho_mm);
-    const StopDeviation off = take_apart(motion_between(as_told, found, centre, with_.icp.rho_mm), motions);
-    Slip slip{i, Slip::Kind::kModel, off.rotation_rad * calib::kDegreesPerRad, off.swing_rad * calib::kDegreesPerRad,
-              off.rest_mm};
+void StopFollower::lay(std::size_t i) {
+  const Pose as_told = told(i, now_);
+  const auto others = beside(i, as_told);
+  if (others.empty()) return settle(as_told, Laid::kAlone, 0);
+  const auto word = best_word(others, i, as_told);
+  if (word && word->sigmas <= config_.sigmas) {
     guesses_.clear();
-    if (off.rest_mm < config_.agree_mm) {
-      const bool by_rotation = std::abs(off.rotation_rad) >= std::abs(off.swing_rad);
-      slip.kind = by_rotation ? Slip::Kind::kRotation : Slip::Kind::kSwing;
-      AxesOffset turned_on = now_;
-      turned_on.rotation_rad += off.rotation_rad;
-      turned_on.swing_rad += off.swing_rad;
-      guesses_.push_back({turned_on, slip.kind});
-    }
-    AxesOffset slid = now_, bumped = now_;
-    slid.on_table = found * as_told.inverse() * now_.on_table;
-    bumped.before_camera = now_.before_camera * as_told.inverse() * found;
-    guesses_.push_back({slid, Slip::Kind::kModel});
-    guesses_.push_back({bumped, Slip::Kind::kTable});
-    guesses_.push_back({now_, Slip::Kind::kOnce});
-    out_.slips.push_back(slip);
-    now_ = guesses_.front().offset;  // until the next stop decides
+    return settle(as_told, Laid::kLaid, word->shift_mm);
   }
+  for (const Guess& guess : guesses_) {
+    const Pose T = told(i, guess.offset);
+    const auto other_word = best_word(others, i, T);
+    if (!other_word || other_word->sigmas > config_.sigmas) continue;
+    now_ = guess.offset;
+    out_.slips.back().kind = guess.kind;
+    guesses_.clear();
+    return settle(T, Laid::kLaid, other_word->shift_mm);
+  }
+  const auto found = word ? std::optional<Pose>(word->T) : search(i, others, as_told);
+  if (!found) return settle(as_told, Laid::kNot, 0);
+  note(i, as_told, *found);
+  settle(*found, Laid::kLaid, (*found * stops_[i].centre - as_told * stops_[i].centre).norm());
+}
 
-  const std::vector<Stop>& stops_;
-  const calib::Mount& mount_;
-  const LayingRules& with_;
-  const SlipConfig& config_;
-  AxesOffset now_;
-  std::vector<Guess> guesses_;  ///< of the last slip, until a stop has told them apart
-  FollowedStops out_;
-};
+void StopFollower::settle(const Pose& T, Laid laid, double deviation_mm) {
+  out_.T_model_cam.push_back(T);
+  out_.offsets.push_back(now_);
+  out_.laid.push_back(laid);
+  out_.deviation_mm.push_back(deviation_mm);
+}
 
-}  // namespace
+/// From afar; two stops have to tell the same where there are two.
+std::optional<Pose> StopFollower::search(std::size_t i, const std::vector<std::size_t>& others, const Pose& T) const {
+  const Vec3d centre = T * stops_[i].centre;
+  const AxisMotions motions = axis_motions(mount_, turned_by(stops_[i].angles, now_), centre, with_.icp.rho_mm);
+  const auto starts = starts_about(T, centre, motions, with_.icp.rho_mm, config_);
+  for (const std::size_t j : others) {
+    const auto found = lay_from_afar(stops_[i], stops_[j], out_.T_model_cam[j], starts, with_, config_);
+    if (!found) continue;
+    const auto agrees = [&](std::size_t k) {
+      const auto word = word_of(k, i, *found);
+      return word && word->shift_mm < config_.agree_mm;
+    };
+    const bool is_alone = others.size() == 1;
+    if (is_alone || std::ranges::any_of(others, [&](std::size_t k) { return k != j && agrees(k); })) return found;
+  }
+  return std::nullopt;
+}
+
+/// What may be behind a slip is told apart by the stops that follow; until then by what it looks like.
+void StopFollower::note(std::size_t i, const Pose& as_told, const Pose& found) {
+  const Vec3d centre = as_told * stops_[i].centre;
+  const AxisMotions motions = axis_motions(mount_, turned_by(stops_[i].angles, now_), centre, with_.icp.rho_mm);
+  const StopDeviation off = take_apart(motion_between(as_told, found, centre, with_.icp.rho_mm), motions);
+  Slip slip{i, Slip::Kind::kModel, off.rotation_rad * calib::kDegreesPerRad, off.swing_rad * calib::kDegreesPerRad,
+            off.rest_mm};
+  guesses_.clear();
+  if (off.rest_mm < config_.agree_mm) {
+    const bool by_rotation = std::abs(off.rotation_rad) >= std::abs(off.swing_rad);
+    slip.kind = by_rotation ? Slip::Kind::kRotation : Slip::Kind::kSwing;
+    AxesOffset turned_on = now_;
+    turned_on.rotation_rad += off.rotation_rad;
+    turned_on.swing_rad += off.swing_rad;
+    guesses_.push_back({turned_on, slip.kind});
+  }
+  AxesOffset slid = now_, bumped = now_;
+  slid.on_table = found * as_told.inverse() * now_.on_table;
+  bumped.before_camera = now_.before_camera * as_told.inverse() * found;
+  guesses_.push_back({slid, Slip::Kind::kModel});
+  guesses_.push_back({bumped, Slip::Kind::kTable});
+  guesses_.push_back({now_, Slip::Kind::kOnce});
+  out_.slips.push_back(slip);
+  now_ = guesses_.front().offset;  // until the next stop decides
+}
 
 std::string Slip::text() const {
   const auto by = fmt::format("{:+.3f} deg of rotation, {:+.3f} deg of swing, rest {:.0f} um", rotation_deg, swing_deg,
@@ -186,11 +159,6 @@ std::string Slip::text() const {
       return fmt::format("stop {} alone is off: bumped while it was taken ({})", stop, by);
   }
   return {};
-}
-
-FollowedStops follow_stops(const std::vector<Stop>& stops, const calib::Mount& mount, const LayingRules& with,
-                           const SlipConfig& config) {
-  return Follower(stops, mount, with, config).run();
 }
 
 }  // namespace enamel::pipeline

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,8 +43,48 @@ struct FollowedStops {
   std::vector<Slip> slips;
 };
 
-/// In the order in which they were taken. Deterministic, one thread.
-[[nodiscard]] FollowedStops follow_stops(const std::vector<Stop>& stops, const calib::Mount& mount,
-                                         const LayingRules& with, const SlipConfig& config);
+/// Lays every stop on those before it as it comes: what a table, or a model on it, did by itself is known at once.
+/// Deterministic; one thread. Refers to `rules` and what they refer to.
+class StopFollower {
+ public:
+  StopFollower(const calib::Mount& mount, const LayingRules& rules, const SlipConfig& config)
+      : mount_(mount), with_(rules), config_(config) {}
+
+  /// In the order in which they were taken. Returns where it lies.
+  const Pose& follow(Stop stop);
+
+  [[nodiscard]] const std::vector<Stop>& stops() const noexcept { return stops_; }
+  [[nodiscard]] const FollowedStops& followed() const noexcept { return out_; }
+
+ private:
+  /// What a stop says of another: where that lies, and by how much and how many sigmas that is off.
+  struct Word {
+    Pose T = Pose::Identity();
+    double sigmas = 0, shift_mm = 0;
+  };
+  /// An offset that may explain a slip, and what it would be called.
+  struct Guess {
+    AxesOffset offset;
+    Slip::Kind kind = Slip::Kind::kModel;
+  };
+  [[nodiscard]] Pose told(std::size_t i, const AxesOffset& by) const;
+  [[nodiscard]] std::vector<std::size_t> beside(std::size_t i, const Pose& T) const;
+  [[nodiscard]] Matrix6 covariance_of(std::size_t k, const Vec3d& centre) const;
+  [[nodiscard]] std::optional<Word> word_of(std::size_t j, std::size_t i, const Pose& T) const;
+  [[nodiscard]] std::optional<Word> best_word(const std::vector<std::size_t>& others, std::size_t i,
+                                              const Pose& T) const;
+  [[nodiscard]] std::optional<Pose> search(std::size_t i, const std::vector<std::size_t>& others, const Pose& T) const;
+  void lay(std::size_t i);
+  void settle(const Pose& T, Laid laid, double deviation_mm);
+  void note(std::size_t i, const Pose& as_told, const Pose& found);
+
+  calib::Mount mount_;
+  LayingRules with_;
+  SlipConfig config_;
+  std::vector<Stop> stops_;
+  AxesOffset now_;
+  std::vector<Guess> guesses_;  ///< of the last slip, until a stop has told them apart
+  FollowedStops out_;
+};
 
 }  // namespace enamel::pipeline
