@@ -23,14 +23,15 @@ namespace enamel::host {
 
 struct StopTakerConfig {
   ProbeLinkConfig link{};
-  FeedConfig feed{.close_within = Nanoseconds{10'000'000'000}};  ///< a twin's table makes its pictures late
-  int bursts = 4;                                                ///< at every stop
-  Nanoseconds move_within{90'000'000'000};                       ///< a whole turn takes 24 s at the usual feed
-  Nanoseconds burst_within{30'000'000'000};                      ///< from burst to burst of a table that stands
-  Nanoseconds start_within{90'000'000'000};                      ///< until the probe scans, warming up included
-  std::string recording_path{};                                  ///< empty: none
-  std::string program{};                                         ///< "enamel 0.1.0"
-  std::string config_text{};                                     ///< resolved configuration, attached to the recording
+  /// Give every scan a session_id of its own. close_within: a twin's table makes its pictures late.
+  FeedConfig feed{.close_within = Nanoseconds{10'000'000'000}};
+  int bursts = 4;                            ///< at every stop
+  Nanoseconds move_within{90'000'000'000};   ///< a whole turn takes 24 s at the usual feed
+  Nanoseconds burst_within{30'000'000'000};  ///< from burst to burst of a table that stands
+  Nanoseconds start_within{90'000'000'000};  ///< until the probe scans, warming up included
+  std::string recording_path{};              ///< empty: none
+  std::string program{};                     ///< "enamel 0.1.0"
+  std::string config_text{};                 ///< resolved configuration, attached to the recording
 };
 
 struct TakenStop {
