@@ -47,8 +47,8 @@ struct TakeSummary {
   std::optional<Error> recording_error = std::nullopt;
 };
 
-/// One thread owns it and calls the axes; request_stop(), set_paused() and counts() may come from any. A thread of its
-/// own, "ingest", follows the probe.
+/// One thread owns it and calls the axes; request_stop(), set_paused() and what tells of its progress may come from
+/// any. A thread of its own, "ingest", follows the probe.
 class StopTaker final : private FeedSink {
  public:
   /// `axes` homed by the caller; they and `clock` must outlive it. kDds.
@@ -81,6 +81,8 @@ class StopTaker final : private FeedSink {
 
   [[nodiscard]] TakeCounts counts() const;
   [[nodiscard]] FeedState feed_state() const;
+  /// Bursts that the stop under way has so far.
+  [[nodiscard]] int bursts_at_stop() const;
 
  private:
   StopTaker(std::unique_ptr<ProbeLink> link, const StopTakerConfig& config, motion::Axes& axes, Clock& clock);
