@@ -114,17 +114,12 @@ Error StopTaker::silent() const {
 }
 
 Result<void> StopTaker::wait_for_bursts() {
-  const auto wanted = static_cast<std::size_t>(config_.bursts);
-  std::size_t had = 0;
+  int had = 0;
   HostTime deadline = clock_.now() + config_.burst_within;
   for (;;) {
     ENAMEL_TRY(check_going());
-    std::size_t has = 0;
-    {
-      const std::lock_guard lock(mutex_);
-      has = at_stop_.size();
-    }
-    if (has >= wanted) return {};
+    const int has = bursts_at_stop();
+    if (has >= config_.bursts) return {};
     if (std::exchange(had, has) != has || is_paused()) deadline = clock_.now() + config_.burst_within;
     if (clock_.now() > deadline) return tl::unexpected(silent());
     clock_.sleep_for(kLook);
@@ -196,6 +191,11 @@ TakeCounts StopTaker::counts() const {
 FeedState StopTaker::feed_state() const {
   const std::lock_guard lock(mutex_);
   return feed_state_;
+}
+
+int StopTaker::bursts_at_stop() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(at_stop_.size());
 }
 
 // With the lock held.

@@ -23,14 +23,15 @@ namespace enamel::host {
 
 struct StopTakerConfig {
   ProbeLinkConfig link{};
-  FeedConfig feed{.close_within = Nanoseconds{10'000'000'000}};  ///< a twin's table makes its pictures late
-  int bursts = 4;                                                ///< at every stop
-  Nanoseconds move_within{90'000'000'000};                       ///< a whole turn takes 24 s at the usual feed
-  Nanoseconds burst_within{30'000'000'000};                      ///< from burst to burst of a table that stands
-  Nanoseconds start_within{90'000'000'000};                      ///< until the probe scans, warming up included
-  std::string recording_path{};                                  ///< empty: none
-  std::string program{};                                         ///< "enamel 0.1.0"
-  std::string config_text{};                                     ///< resolved configuration, attached to the recording
+  /// Give every scan a session_id of its own. close_within: a twin's table makes its pictures late.
+  FeedConfig feed{.close_within = Nanoseconds{10'000'000'000}};
+  int bursts = 4;                            ///< at every stop
+  Nanoseconds move_within{90'000'000'000};   ///< a whole turn takes 24 s at the usual feed
+  Nanoseconds burst_within{30'000'000'000};  ///< from burst to burst of a table that stands
+  Nanoseconds start_within{90'000'000'000};  ///< until the probe scans, warming up included
+  std::string recording_path{};              ///< empty: none
+  std::string program{};                     ///< "enamel 0.1.0"
+  std::string config_text{};                 ///< resolved configuration, attached to the recording
 };
 
 struct TakenStop {
@@ -46,8 +47,8 @@ struct TakeSummary {
   std::optional<Error> recording_error = std::nullopt;
 };
 
-/// One thread owns it and calls the axes; request_stop(), set_paused() and counts() may come from any. A thread of its
-/// own, "ingest", follows the probe.
+/// One thread owns it and calls the axes; request_stop(), set_paused() and what tells of its progress may come from
+/// any. A thread of its own, "ingest", follows the probe.
 class StopTaker final : private FeedSink {
  public:
   /// `axes` homed by the caller; they and `clock` must outlive it. kDds.
@@ -80,6 +81,8 @@ class StopTaker final : private FeedSink {
 
   [[nodiscard]] TakeCounts counts() const;
   [[nodiscard]] FeedState feed_state() const;
+  /// Bursts that the stop under way has so far.
+  [[nodiscard]] int bursts_at_stop() const;
 
  private:
   StopTaker(std::unique_ptr<ProbeLink> link, const StopTakerConfig& config, motion::Axes& axes, Clock& clock);

@@ -166,16 +166,11 @@ TEST(DesktopLive, an_alarm_ends_the_stop_and_after_homing_it_goes_on) {
   EXPECT_TRUE(host::check(table.taker->finish().counts));
 }
 
-/// Waits until the probe has exposed a burst of a table that stands at `rot_deg`.
-bool stands_at(const LiveTable& table, double rot_deg) {
-  SteadyClock clock;
-  for (int i = 0; i < 1200; ++i) {
-    for (const auto& [t, row] : table.truth()) {
-      if (!row.is_moving && std::abs(row.rot_motor_deg - rot_deg) < LiveTable::kMotorDeg) return true;
-    }
-    clock.sleep_for(std::chrono::milliseconds(50));
-  }
-  return false;
+/// Waits until the stop under way has a burst.
+bool has_burst(LiveTable& table) {
+  for (int i = 0; i < 6000 && table.taker->bursts_at_stop() == 0; ++i)
+    table.clock.sleep_for(std::chrono::milliseconds(10));
+  return table.taker->bursts_at_stop() > 0;
 }
 
 TEST(DesktopLive, a_pause_is_kept_and_a_request_to_stop_ends_the_stop) {
@@ -185,7 +180,7 @@ TEST(DesktopLive, a_pause_is_kept_and_a_request_to_stop_ends_the_stop) {
   ASSERT_TRUE(started) << started.error().message();
   Result<TakenStop> taken = fail(ErrorCode::kInternal);
   std::thread taking([&] { taken = table.taker->take({15.0, -20.0}); });
-  EXPECT_TRUE(stands_at(table, 15.0));
+  EXPECT_TRUE(has_burst(table));
   const auto reached = [&](host::FeedState state) {
     for (int i = 0; i < 1200 && table.taker->feed_state() != state; ++i)
       table.clock.sleep_for(std::chrono::milliseconds(50));
@@ -221,7 +216,7 @@ TEST(DesktopLive, a_probe_that_falls_silent_is_lost) {
   ASSERT_TRUE(started) << started.error().message();
   Result<TakenStop> taken = fail(ErrorCode::kInternal);
   std::thread taking([&] { taken = table.taker->take({15.0, -20.0}); });
-  EXPECT_TRUE(stands_at(table, 15.0));
+  EXPECT_TRUE(has_burst(table));
   table.probe->signal(SIGSTOP);
   taking.join();
   ASSERT_FALSE(taken);
