@@ -55,7 +55,8 @@ Result<int> run_replay(const Options& o) {
       .truth = {attached_text(*stream, "truth/surface.ply"), attached_text(*stream, "truth/poses.csv")},
       .notes = {{"source", o.input},
                 {"pace", o.paced ? "recorded speed, live shedding rules" : "lossless, as fast as possible"}}};
-  ENAMEL_TRY_ASSIGN(const auto by_stops, recorded_desktop(*stream, rig, config, o.desktop, o.run, clock));
+  ENAMEL_TRY_ASSIGN(const auto by_stops,
+                    recorded_desktop({*stream, rig, replay.calib_crc32, config, o.desktop, o.run}, clock));
   if (by_stops) return run_session(*by_stops, run, clock);
   ENAMEL_TRY_ASSIGN(const auto session, host::ReplaySession::create(std::move(stream), rig, replay, clock));
   return run_session(*session, run, clock);

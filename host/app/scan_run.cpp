@@ -45,7 +45,8 @@ Result<std::optional<Calibration>> recorded_calibration(const std::string& folde
   return std::optional<Calibration>(std::move(calibration));
 }
 
-/// No recording is written over: it may be the only copy of a patient's scan.
+}  // namespace
+
 Result<void> keep_recording(const ScanRun& scan, const OutFolder& folder) {
   if (scan.resume && !folder.has_recording()) {
     return fail(ErrorCode::kFileNotFound, folder.path() + "/capture.mcap: there is no session to go on with");
@@ -65,8 +66,6 @@ Result<void> keep_recording(const ScanRun& scan, const OutFolder& folder) {
                                          "choose another folder, or go on with it by enamel scan --resume " +
                                          folder.path());
 }
-
-}  // namespace
 
 Result<int> run_scan(const ScanRun& scan) {
   SteadyClock clock;

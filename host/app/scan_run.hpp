@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "host/app/out_folder.hpp"
 #include "host/app/run_options.hpp"
 #include "protocol/base/result.hpp"
 #include "protocol/dds/participant.hpp"
@@ -25,6 +26,10 @@ struct ScanRun {
   Truth truth;
   std::map<std::string, std::string> notes;  ///< for the report
 };
+
+/// No recording is written over: it may be the only copy of a patient's scan. Error: kFileWrite; kFileNotFound where
+/// there is none to go on with.
+[[nodiscard]] Result<void> keep_recording(const ScanRun& scan, const OutFolder& folder);
 
 /// Returns the exit code: 0, or 4 when the loss equation fails or bursts were lost or incomplete. Errors: those that
 /// left nothing to write.

@@ -1,6 +1,7 @@
 // What a desktop scan can be told beside what every scan can.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "host/session/pipeline_config.hpp"
@@ -15,6 +16,7 @@ struct DesktopConfig {
   pipeline::MeanConfig mean;
   pipeline::LayConfig lay;
   pipeline::ReliefConfig relief;
+  std::uint32_t calib_crc32 = 0;   ///< bursts that name another calibration are rejected; 0: any
   std::optional<double> above_mm;  ///< TableRelief: what lies lower goes
 };
 

@@ -23,31 +23,46 @@ Result<DesktopModel> DesktopModel::make(const calib::Rig& rig, const calib::Moun
     return fail(ErrorCode::kMountForeign, "mount.json is of " + mount.serial + ", the bursts of " + rig.serial);
   }
   ENAMEL_TRY_ASSIGN(auto decoder, pipeline::BurstDecoder::make(rig, config.pipeline.decode));
-  return DesktopModel(rig, mount, config, threads, std::make_shared<const pipeline::BurstDecoder>(std::move(decoder)));
+  DesktopModel out(rig, mount, config, threads);
+  out.parts_ = std::make_unique<Parts>(rig, mount, config, std::move(decoder));
+  return out;
 }
 
 DesktopModel::DesktopModel(const calib::Rig& rig, const calib::Mount& mount, const DesktopConfig& config,
-                           std::size_t threads, std::shared_ptr<const pipeline::BurstDecoder> decoder)
+                           std::size_t threads)
     : rig_(rig),
       mount_(mount),
       config_(config),
       threads_(std::max<std::size_t>(threads, 1)),
-      decoder_(std::move(decoder)),
-      unpack_(decoder_->shared_rays(), decoder_->config().normals),
       relief_(mount, config.relief, config.above_mm),
-      fixed_(std::make_unique<const Fixed>(Fixed{rig.camera, config.pipeline.track.icp, config.lay.edge})),
-      follower_(std::make_unique<pipeline::StopFollower>(
-          mount, pipeline::LayingRules{fixed_->lens, fixed_->icp, fixed_->edge}, config.lay.slip)),
-      growing_(rig, config.pipeline.fuse),
       mesher_(config.pipeline.mesh) {}
+
+DesktopModel::Parts::Parts(const calib::Rig& rig, const calib::Mount& mount, const DesktopConfig& config,
+                           pipeline::BurstDecoder made)
+    : optics(rig),
+      decoder(std::move(made)),
+      unpack(decoder.shared_rays(), decoder.config().normals),
+      icp(config.pipeline.track.icp),
+      edge(config.lay.edge),
+      follower(mount, {optics.camera, icp, edge}, config.lay.slip),
+      growing(rig, config.pipeline.fuse) {}
+
+void DesktopModel::open(const StopBursts& first) {
+  if (std::exchange(is_open_, true) || !rig_.temperature || first.bursts.empty()) return;
+  const calib::Rig warm = calib::rig_at(rig_, first.bursts.front()->temp_centi_c / 100.0);
+  // Optics that decode cold and not warm are as good as none: the calibrated ones stay.
+  if (auto decoder = pipeline::BurstDecoder::make(warm, config_.pipeline.decode))
+    parts_ = std::make_unique<Parts>(warm, mount_, config_, std::move(*decoder));
+}
 
 /// Bursts of one stop side by side. What they tell of the projector is learned in their order, so that it never
 /// depends on which was decoded first.
 SurfacePatch DesktopModel::measure(const StopBursts& stop, std::vector<StopBurst>& bursts) {
+  open(stop);
   std::vector<stage::DecodedOrNot> decoded(stop.bursts.size());
   flow::for_each_index(stop.bursts.size(), threads_, [&](std::size_t n) {
     pipeline::DecodeWorkspace workspace;
-    decoded[n] = stage::decode_burst(*decoder_, *stop.bursts[n], rig_.crc32, wave_, workspace);
+    decoded[n] = stage::decode_burst(parts_->decoder, *stop.bursts[n], config_.calib_crc32, wave_, workspace);
   });
   std::vector<SurfacePatch> patches;
   for (std::size_t n = 0; n < decoded.size(); ++n) {
@@ -61,7 +76,7 @@ SurfacePatch DesktopModel::measure(const StopBursts& stop, std::vector<StopBurst
     if (decoded[n].decoded->wave_shown) pipeline::learn(*decoded[n].decoded->wave_shown, wave_);
     patches.push_back(std::move(decoded[n].decoded->patch));
   }
-  return pipeline::mean_patch(patches, decoder_->rays(), decoder_->config().normals, config_.mean);
+  return pipeline::mean_patch(patches, parts_->decoder.rays(), parts_->decoder.config().normals, config_.mean);
 }
 
 void DesktopModel::add_empty(const StopBursts& stop) {
@@ -82,11 +97,11 @@ const MeasuredStop& DesktopModel::add(const StopBursts& stop) {
     out.table_px = relief_.take_out(T_model_cam, patch);
   }
   out.seen_px = patch.valid_px;
-  pipeline::Stop seen = pipeline::make_stop(patch, stop.angles, rig_, fixed_->icp, config_.lay);
+  pipeline::Stop seen = pipeline::make_stop(patch, stop.angles, parts_->optics, parts_->icp, config_.lay);
   out.saw_model = seen.node.samples.size() >= kFewestSamples;
   if (out.saw_model) {
     out.patch = pipeline::pack(patch, pipeline::Texture::kDropped);
-    growing_.integrate(out.bursts.front().id, patch, follower_->follow(std::move(seen)));
+    parts_->growing.integrate(out.bursts.front().id, patch, parts_->follower.follow(std::move(seen)));
   } else {
     for (StopBurst& burst : out.bursts) {
       if (burst.rejected.empty()) burst.rejected = "no_model";
@@ -97,8 +112,23 @@ const MeasuredStop& DesktopModel::add(const StopBursts& stop) {
 }
 
 ModelSnapshot DesktopModel::snapshot() {
-  mesher_.update(growing_, growing_.take_changed(kVisibleMove_mm));
+  mesher_.update(parts_->growing, parts_->growing.take_changed(kVisibleMove_mm));
   return mesher_.snapshot();
+}
+
+std::vector<std::size_t> DesktopModel::followed() const {
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < stops_.size(); ++k) {
+    if (stops_[k].saw_model) out.push_back(k);
+  }
+  return out;
+}
+
+std::vector<pipeline::Slip> DesktopModel::slips() const {
+  std::vector<pipeline::Slip> out = parts_->follower.followed().slips;
+  const std::vector<std::size_t> of = followed();
+  for (pipeline::Slip& slip : out) slip.stop = of[slip.stop];
+  return out;
 }
 
 /// What several bursts of a stop agree on has been seen more than once already.
@@ -109,10 +139,7 @@ pipeline::FuseConfig DesktopModel::fuse_config() const {
 }
 
 Result<pipeline::LaidStops> DesktopModel::finish(ScanResult& scan) {
-  std::vector<std::size_t> of;  // stops_ of each that the follower has
-  for (std::size_t k = 0; k < stops_.size(); ++k) {
-    if (stops_[k].saw_model) of.push_back(k);
-  }
+  const std::vector<std::size_t> of = followed();
   if (of.empty()) {
     return fail(ErrorCode::kModelNotSeen, std::to_string(stops_.size()) + " stops, and none of them saw a model");
   }
@@ -120,7 +147,7 @@ Result<pipeline::LaidStops> DesktopModel::finish(ScanResult& scan) {
     flow::for_each_index(count, threads_, work);
   };
   pipeline::LaidStops laid =
-      pipeline::lay_stops({*follower_, mount_, rig_, fixed_->icp, for_each}, config_.lay);
+      pipeline::lay_stops({parts_->follower, mount_, parts_->optics, parts_->icp, for_each}, config_.lay);
   for (std::size_t n = 0; n < of.size(); ++n) {
     const bool is_laid = laid.laid[n] != pipeline::Laid::kNot;
     for (StopBurst& burst : stops_[of[n]].bursts) {
@@ -129,6 +156,7 @@ Result<pipeline::LaidStops> DesktopModel::finish(ScanResult& scan) {
       if (is_laid) scan.poses.push_back({burst.id, burst.t_mid, laid.T_model_cam[n]});
     }
   }
+  for (pipeline::Slip& slip : laid.slips) slip.stop = of[slip.stop];
   fuse(of, laid, scan);
   conclude(scan);
   return laid;
@@ -136,12 +164,12 @@ Result<pipeline::LaidStops> DesktopModel::finish(ScanResult& scan) {
 
 /// In the order of the stops; their patches are not needed afterwards.
 void DesktopModel::fuse(const std::vector<std::size_t>& of, const pipeline::LaidStops& laid, ScanResult& scan) {
-  pipeline::TsdfModel model(rig_, fuse_config());
+  pipeline::TsdfModel model(parts_->optics, fuse_config());
   for (std::size_t n = 0; n < of.size(); ++n) {
     MeasuredStop& stop = stops_[of[n]];
     if (laid.laid[n] != pipeline::Laid::kNot) {
       const pipeline::FuseStats stats =
-          model.integrate(stop.bursts.front().id, unpack_(stop.patch), laid.T_model_cam[n]);
+          model.integrate(stop.bursts.front().id, parts_->unpack(stop.patch), laid.T_model_cam[n]);
       for (StopBurst& burst : stop.bursts) {
         if (!burst.rejected.empty()) continue;
         burst.digests.track = stage::Digest().add(laid.T_model_cam[n]).value();
@@ -151,9 +179,9 @@ void DesktopModel::fuse(const std::vector<std::size_t>& of, const pipeline::Laid
     }
     stop.patch = {};
   }
-  growing_ = std::move(model);
+  parts_->growing = std::move(model);
   mesher_ = pipeline::IncrementalMesher(config_.pipeline.mesh);
-  mesher_.update(growing_, growing_.take_changed());
+  mesher_.update(parts_->growing, parts_->growing.take_changed());
   scan.mesh = mesher_.extract();
 }
 

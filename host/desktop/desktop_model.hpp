@@ -56,14 +56,12 @@ class DesktopModel {
 
   [[nodiscard]] const std::vector<MeasuredStop>& stops() const noexcept { return stops_; }
   /// Of a stop that saw the model, until finish(): its patch, table taken out.
-  [[nodiscard]] SurfacePatch patch_of(std::size_t k) const { return unpack_(stops_[k].patch); }
-  /// What the table did by itself so far, a line each; stops counted as they were taken.
-  [[nodiscard]] const std::vector<pipeline::Slip>& slips() const noexcept { return follower_->followed().slips; }
+  [[nodiscard]] SurfacePatch patch_of(std::size_t k) const { return parts_->unpack(stops_[k].patch); }
+  /// What table or model did by themselves so far, stops counted as they were taken.
+  [[nodiscard]] std::vector<pipeline::Slip> slips() const;
   [[nodiscard]] const calib::Rig& rig() const noexcept { return rig_; }
   [[nodiscard]] const calib::Mount& mount() const noexcept { return mount_; }
-  /// As the axes alone lay it.
-  [[nodiscard]] const pipeline::TsdfModel& growing() const noexcept { return growing_; }
-  /// For a window: the growing surface.
+  /// For a window: the growing surface, as the stops were laid so far.
   [[nodiscard]] ModelSnapshot snapshot();
   [[nodiscard]] std::shared_ptr<const Map<std::uint8_t>> live_image() const noexcept { return live_; }
 
@@ -72,9 +70,24 @@ class DesktopModel {
   [[nodiscard]] Result<pipeline::LaidStops> finish(ScanResult& scan);
 
  private:
-  DesktopModel(const calib::Rig& rig, const calib::Mount& mount, const DesktopConfig& config, std::size_t threads,
-               std::shared_ptr<const pipeline::BurstDecoder> decoder);
+  /// What depends on the optics as they were at the first burst; at a fixed place, for parts of it refer to others.
+  struct Parts {
+    Parts(const calib::Rig& rig, const calib::Mount& mount, const DesktopConfig& config, pipeline::BurstDecoder made);
+    calib::Rig optics;
+    pipeline::BurstDecoder decoder;
+    pipeline::Unpacker unpack;
+    pipeline::IcpConfig icp;
+    pipeline::EdgeConfig edge;
+    pipeline::StopFollower follower;  ///< of the stops that saw the model
+    pipeline::TsdfModel growing;
+  };
+
+  DesktopModel(const calib::Rig& rig, const calib::Mount& mount, const DesktopConfig& config, std::size_t threads);
+  /// Optics at the first burst's temperature, as ScanPipeline has them.
+  void open(const StopBursts& first);
   [[nodiscard]] SurfacePatch measure(const StopBursts& stop, std::vector<StopBurst>& bursts);
+  /// stops_ of each that the follower has.
+  [[nodiscard]] std::vector<std::size_t> followed() const;
   [[nodiscard]] pipeline::FuseConfig fuse_config() const;
   void fuse(const std::vector<std::size_t>& of, const pipeline::LaidStops& laid, ScanResult& scan);
   void conclude(ScanResult& scan) const;
@@ -83,22 +96,13 @@ class DesktopModel {
   calib::Mount mount_;
   DesktopConfig config_;
   std::size_t threads_;
-  std::shared_ptr<const pipeline::BurstDecoder> decoder_;
-  pipeline::Unpacker unpack_;
+  std::unique_ptr<Parts> parts_;
   pipeline::TableRelief relief_;
   pipeline::WaveKnowledge wave_;
   std::vector<MeasuredStop> stops_;
-  /// What follows refers to, at a fixed place.
-  struct Fixed {
-    calib::LensValues lens;
-    pipeline::IcpConfig icp;
-    pipeline::EdgeConfig edge;
-  };
-  std::unique_ptr<const Fixed> fixed_;
-  std::unique_ptr<pipeline::StopFollower> follower_;  ///< of those that saw the model
-  pipeline::TsdfModel growing_;
   pipeline::IncrementalMesher mesher_;
   std::shared_ptr<const Map<std::uint8_t>> live_;
+  bool is_open_ = false;
   bool is_averaged_ = false;  ///< some stop has more than one burst
 };
 

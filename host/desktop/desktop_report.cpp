@@ -71,14 +71,10 @@ Json stops_json(const DesktopModel& model, const pipeline::LaidStops& laid) {
   return out;
 }
 
-Json slips_json(const DesktopModel& model, const pipeline::LaidStops& laid) {
-  std::vector<std::size_t> seen;  // stops are numbered as they were taken
-  for (std::size_t k = 0; k < model.stops().size(); ++k) {
-    if (model.stops()[k].saw_model) seen.push_back(k);
-  }
+Json slips_json(const pipeline::LaidStops& laid) {
   Json out = Json::array();
   for (const pipeline::Slip& slip : laid.slips) {
-    out.push_back({{"stop", seen[slip.stop]},
+    out.push_back({{"stop", slip.stop},
                    {"kind", name_of(slip.kind)},
                    {"rotation_deg", slip.rotation_deg},
                    {"swing_deg", slip.swing_deg},
@@ -106,7 +102,7 @@ Json circles_json(const pipeline::LaidStops& laid) {
 std::string desktop_json(const DesktopModel& model, const pipeline::LaidStops& laid, const DesktopSeconds& seconds) {
   const calib::Triple about{0, 0, calib::middle_depth_mm(model.rig())};
   const Json out{{"stops", stops_json(model, laid)},
-                 {"slips", slips_json(model, laid)},
+                 {"slips", slips_json(laid)},
                  {"pairs", laid.pairs},
                  {"edges", laid.edges},
                  {"switched_off", laid.switched_off},

@@ -8,11 +8,9 @@
 #include <utility>
 
 #include "host/record/calibration_attachment.hpp"
-#include "host/record/exchange_names.hpp"
 #include "host/session/probe_counts.hpp"
 #include "protocol/base/crc32.hpp"
 #include "protocol/base/utc.hpp"
-#include "protocol/types/axes_table.hpp"
 
 namespace enamel::host {
 namespace {
@@ -159,9 +157,14 @@ TakenStop StopTaker::keep(std::vector<dds::Received<proto::Burst>> bursts, const
   std::ranges::sort(bursts, {}, [](const auto& b) { return b.value.meta.front().t_strobe_ns; });
   TakenStop taken{stops_++, position, {}};
   for (auto& burst : bursts) {
-    if (recorder_) recorder_->write_burst(burst.cdr, clock_.now());
     angles_.push_back({burst.value.burst_index, position.commanded.rot_deg, position.commanded.swing_deg,
-                       position.read.rot_deg, position.read.swing_deg});
+                       position.read.rot_deg, position.read.swing_deg, burst.value.probe_id, burst.value.session_id,
+                       taken.stop});
+    if (recorder_) {
+      const HostTime now = clock_.now();
+      recorder_->write_axes(angles_.back(), now);
+      recorder_->write_burst(burst.cdr, now);
+    }
     taken.bursts.push_back(std::make_shared<const proto::Burst>(std::move(burst.value)));
   }
   return taken;
@@ -176,7 +179,6 @@ TakeSummary StopTaker::finish() {
   TakeSummary summary{.counts = counts(), .angles = angles_};
   summary.broken_off = feed_error_;
   if (recorder_) {
-    if (!angles_.empty()) recorder_->attach(kAxesFile, "text/csv", proto::axes_table_text(angles_));
     recorder_->finish();
     summary.recording_error = recorder_->error();
   }

@@ -50,6 +50,10 @@ void Recorder::write_burst(proto::ByteView cdr, HostTime when) {
   keep(writer_.write_burst_cdr(cdr, monotone(when)));
 }
 
+void Recorder::write_axes(const proto::AxesReading& reading, HostTime when) {
+  keep(writer_.write_axes(reading, monotone(when)));
+}
+
 void Recorder::attach(const std::string& name, const std::string& media_type, const std::string& bytes) {
   keep(writer_.attach(name, media_type, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
 }

@@ -27,6 +27,8 @@ class Recorder {
 
   /// One thread. A disk that fails stops the recording, not the scan: error() tells from then on.
   void write_burst(proto::ByteView cdr, HostTime when);
+  /// Angles at which the burst that follows was taken; of the same thread.
+  void write_axes(const proto::AxesReading& reading, HostTime when);
   void attach(const std::string& name, const std::string& media_type, const std::string& bytes);
   void finish();
 

@@ -1,14 +1,13 @@
 // enamel desktop axes: looks at the two axes, homes, moves and stops them.
 #include <fmt/format.h>
 
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/app/desktop/stop_by_signal.hpp"
 #include "host/app/desktop/subcommand.hpp"
 #include "host/motion/grbl_axes.hpp"
 #include "protocol/base/json_text.hpp"
@@ -27,27 +26,6 @@ struct AxesOptions {
   double within_s = 120.0;
   AxesAngles target{};
   bool json = false;
-};
-
-std::atomic<motion::Axes*> g_axes{nullptr};
-
-void on_stop_signal(int) {
-  if (motion::Axes* axes = g_axes.load()) axes->request_stop();
-}
-
-/// Ctrl-C brings the table to a stand instead of leaving it to run on without us.
-class StopBySignal {
- public:
-  explicit StopBySignal(motion::Axes& axes) {
-    g_axes = &axes;
-    for (const int number : {SIGINT, SIGTERM, SIGHUP}) std::signal(number, on_stop_signal);
-  }
-  ~StopBySignal() {
-    for (const int number : {SIGINT, SIGTERM, SIGHUP}) std::signal(number, SIG_DFL);
-    g_axes = nullptr;
-  }
-  StopBySignal(const StopBySignal&) = delete;
-  StopBySignal& operator=(const StopBySignal&) = delete;
 };
 
 Json angles_json(const AxesAngles& a) {

@@ -1,13 +1,13 @@
 #include "host/app/desktop/desktop_options.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 #include "host/app/input.hpp"
 #include "host/desktop/desktop_session.hpp"
 #include "host/desktop/recorded_stops.hpp"
 #include "host/record/axes_readings.hpp"
+#include "protocol/base/log.hpp"
 
 namespace enamel::app {
 namespace {
@@ -33,44 +33,44 @@ void add_desktop_options(CLI::App& app, DesktopOptions& o) {
 
 Result<calib::Mount> mount_for(const std::string& path, host::BurstStream* stream) {
   if (!path.empty()) return calib::load_mount(path);
-  const std::string text = stream != nullptr ? attached_text(*stream, "mount.json") : std::string();
+  const std::string text = stream != nullptr ? attached_text(*stream, kMountAttachment) : std::string();
   if (text.empty())
     return fail(ErrorCode::kMountInvalid, "none: pass --mount mount.json, as `enamel calibrate axes` wrote it");
   return calib::parse_mount(text);
 }
 
-Result<host::DesktopModel> desktop_model(const calib::Rig& rig, const calib::Mount& mount, const LoadedConfig& config,
-                                         const DesktopOptions& options, int workers) {
+Result<host::DesktopModel> desktop_model(const calib::Rig& rig, std::uint32_t calib_crc32, const calib::Mount& mount,
+                                         const LoadedConfig& config, const DesktopOptions& options, int workers) {
   host::DesktopConfig desktop;
   desktop.pipeline = config.pipeline;
+  desktop.calib_crc32 = calib_crc32;
   desktop.above_mm = options.above_mm;
-  ENAMEL_TRY_ASSIGN(auto model,
-                    host::DesktopModel::make(rig, mount, desktop, static_cast<std::size_t>(std::max(workers, 1))));
+  const auto threads = static_cast<std::size_t>(std::max(workers, 1));
+  ENAMEL_TRY_ASSIGN(auto model, host::DesktopModel::make(rig, mount, desktop, threads));
   if (!options.empty.empty()) ENAMEL_TRY(take_empty_table(options.empty, model));
   return model;
 }
 
-Result<std::unique_ptr<host::Session>> recorded_desktop(host::BurstStream& stream, const calib::Rig& rig,
-                                                        const LoadedConfig& config, const DesktopOptions& options,
-                                                        const RunOptions& run, Clock& clock) {
-  if (options.free_hand) return nullptr;
-  const bool has_axes = host::count_axes(stream) > 0;
-  if (!has_axes && options.mount.empty()) return nullptr;
-  auto mount = mount_for(options.mount, &stream);
-  if (!mount && options.mount.empty()) {
-    std::fputs(
-        "note: the recording has angles of two axes; --mount mount.json lays it by them. Taken for a free-hand scan.\n",
-        stderr);
+Result<std::unique_ptr<host::Session>> recorded_desktop(const RecordedDesktop& of, Clock& clock) {
+  const DesktopOptions& o = of.options;
+  if (o.free_hand) return nullptr;
+  const bool has_axes = host::count_axes(of.stream) > 0;
+  if (!has_axes && o.mount.empty()) return nullptr;
+  auto mount = mount_for(o.mount, &of.stream);
+  if (!mount && o.mount.empty()) {
+    log::warn("replay",
+              "the recording has angles of two axes, and is taken for a free-hand scan: "
+              "pass --mount mount.json to lay it by them");
     return nullptr;
   }
   if (!mount) return tl::unexpected<Error>(mount.error());
-  ENAMEL_TRY_ASSIGN(auto source, host::RecordedStops::open(stream));
-  ENAMEL_TRY_ASSIGN(auto model, desktop_model(rig, *mount, config, options, run.workers));
-  const auto recorded_rig = calib::parse_rig(stream.rig_text());
-  host::DesktopRun about{.simulated = host::says_simulated(stream.info()),
+  ENAMEL_TRY_ASSIGN(auto source, host::RecordedStops::open(of.stream));
+  ENAMEL_TRY_ASSIGN(auto model, desktop_model(of.rig, of.calib_crc32, *mount, of.config, o, of.run.workers));
+  const auto recorded_rig = calib::parse_rig(of.stream.rig_text());
+  host::DesktopRun about{.simulated = host::says_simulated(of.stream.info()),
                          .device_serial = recorded_rig ? recorded_rig->serial : std::string(),
-                         .scanned_at = host::recorded_at(stream.info()),
-                         .preview_model = !run.headless};
+                         .scanned_at = host::recorded_at(of.stream.info()),
+                         .preview_model = !of.run.headless};
   return std::make_unique<host::DesktopSession>(std::move(model), std::move(source), std::move(about), clock);
 }
 

@@ -14,6 +14,8 @@
 
 namespace enamel::app {
 
+inline constexpr const char* kMountAttachment = "mount.json";  ///< of a recording: that it was scanned with
+
 struct DesktopOptions {
   std::string mount;  ///< mount.json; empty: what the recording carries
   std::string empty;  ///< recording of the empty table; empty: none
@@ -27,17 +29,22 @@ void add_desktop_options(CLI::App& app, DesktopOptions& options);
 /// Errors: those of load_mount and parse_mount; kMountInvalid where neither option nor recording has one.
 [[nodiscard]] Result<calib::Mount> mount_for(const std::string& path, host::BurstStream* stream);
 
-/// The model of a scan by stops with what an empty table showed, `options.empty`, taken out. Errors: those of
-/// DesktopModel::make, of the recording of the empty table.
-[[nodiscard]] Result<host::DesktopModel> desktop_model(const calib::Rig& rig, const calib::Mount& mount,
-                                                       const LoadedConfig& config, const DesktopOptions& options,
-                                                       int workers);
+/// The model of a scan by stops with what an empty table showed, `options.empty`, taken out. calib_crc32: that the
+/// bursts have to name; 0: any. Errors: those of DesktopModel::make, of the recording of the empty table.
+[[nodiscard]] Result<host::DesktopModel> desktop_model(const calib::Rig& rig, std::uint32_t calib_crc32,
+                                                       const calib::Mount& mount, const LoadedConfig& config,
+                                                       const DesktopOptions& options, int workers);
 
 /// A recorded scan by stops, or null where the recording is none: it has no angles, or no mount is known, which is
 /// told. `stream` must outlive the session. Errors: kAxesMissing where a mount was given; those above.
-[[nodiscard]] Result<std::unique_ptr<host::Session>> recorded_desktop(host::BurstStream& stream, const calib::Rig& rig,
-                                                                      const LoadedConfig& config,
-                                                                      const DesktopOptions& options,
-                                                                      const RunOptions& run, Clock& clock);
+struct RecordedDesktop {
+  host::BurstStream& stream;
+  const calib::Rig& rig;
+  std::uint32_t calib_crc32;  ///< as desktop_model()
+  const LoadedConfig& config;
+  const DesktopOptions& options;
+  const RunOptions& run;
+};
+[[nodiscard]] Result<std::unique_ptr<host::Session>> recorded_desktop(const RecordedDesktop& of, Clock& clock);
 
 }  // namespace enamel::app

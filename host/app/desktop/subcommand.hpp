@@ -12,5 +12,6 @@ struct DesktopCommand {
 };
 
 DesktopCommand add_desktop_axes(CLI::App& app);
+DesktopCommand add_desktop_scan(CLI::App& app);
 
 }  // namespace enamel::app

@@ -69,8 +69,8 @@ class Adjustment {
   [[nodiscard]] StopDeviation left_over(std::size_t k, const Pose& T) const {
     const Pose as_told = told(k);
     const Vec3d centre = as_told * input_.taken.stops()[k].centre;
-    const AxisMotions motions =
-        axis_motions(mount_, turned_by(input_.taken.stops()[k].angles, followed_.offsets[k]), centre, config_.graph.rho_mm);
+    const AxisMotions motions = axis_motions(mount_, turned_by(input_.taken.stops()[k].angles, followed_.offsets[k]),
+                                             centre, config_.graph.rho_mm);
     return take_apart(motion_between(as_told, T, centre, config_.graph.rho_mm), motions);
   }
 
@@ -80,8 +80,8 @@ class Adjustment {
     for (std::size_t k = 0; k < input_.taken.stops().size(); ++k) {
       const Pose T = told(k);
       const Vec3d centre = T * input_.taken.stops()[k].centre;
-      const AxisMotions motions =
-          axis_motions(mount_, turned_by(input_.taken.stops()[k].angles, followed_.offsets[k]), centre, config_.graph.rho_mm);
+      const AxisMotions motions = axis_motions(mount_, turned_by(input_.taken.stops()[k].angles, followed_.offsets[k]),
+                                               centre, config_.graph.rho_mm);
       const Matrix6 C = pose_covariance(motions, config_.stop, config_.graph.rho_mm);
       out.push_back({k + 1, T, centre, C.ldlt().solve(Matrix6::Identity())});
     }
@@ -121,8 +121,9 @@ Stop make_stop(const SurfacePatch& patch, const calib::AxisAngles& angles, const
 
 LaidStops lay_stops(const LayInput& input, const LayConfig& config) {
   const FollowedStops& followed = input.taken.followed();
-  std::vector<StopPair> pairs = overlapping_pairs(input.taken.stops(), followed.T_model_cam, ViewCamera(input.rig.camera),
-                                                  config.overlap_gate_mm, config.min_overlap);
+  std::vector<StopPair> pairs =
+      overlapping_pairs(input.taken.stops(), followed.T_model_cam, ViewCamera(input.rig.camera), config.overlap_gate_mm,
+                        config.min_overlap);
   std::erase_if(pairs, [&](const StopPair& pair) {
     return followed.laid[pair.i] == Laid::kNot || followed.laid[pair.j] == Laid::kNot;
   });

@@ -1,0 +1,114 @@
+#include "host/app/desktop/desktop_scan.hpp"
+
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "calib/model/measuring_rig.hpp"
+#include "host/app/desktop/stop_by_signal.hpp"
+#include "host/app/out_folder.hpp"
+#include "host/app/run_session.hpp"
+#include "host/desktop/desktop_session.hpp"
+#include "host/desktop/live_stops.hpp"
+#include "host/motion/grbl_axes.hpp"
+#include "host/record/calibration_attachment.hpp"
+#include "protocol/base/file.hpp"
+#include "protocol/base/log.hpp"
+
+namespace enamel::app {
+namespace {
+
+Nanoseconds seconds(double s) { return Nanoseconds{static_cast<std::int64_t>(s * 1e9)}; }
+
+host::StopTakerConfig taker_config(const DesktopScan& scan, const LoadedConfig& config, Clock& clock) {
+  host::StopTakerConfig out;
+  out.link.serial = scan.scan.serial;
+  out.feed.session_id = static_cast<std::uint32_t>(to_ns(clock.now()) / 1'000'000) | 1U;
+  out.feed.find_timeout = seconds(scan.scan.wait_seconds);
+  out.bursts = scan.bursts;
+  if (scan.scan.record) out.recording_path = scan.scan.run.out + "/capture.mcap";
+  out.program = "enamel " ENAMEL_VERSION;
+  out.config_text = config.text;
+  return out;
+}
+
+/// That measures, and what the report says of it.
+struct Measuring {
+  calib::Rig rig;
+  std::optional<Calibration> calibration;  ///< where it is not the probe's own
+};
+
+Result<Measuring> rig_of(const DesktopScan& scan, const proto::DeviceInfo& info) {
+  const std::string text(info.calibration_blob.begin(), info.calibration_blob.end());
+  ENAMEL_TRY_ASSIGN(calib::Rig rig, calib::parse_rig(text));
+  if (scan.scan.rig_path.empty()) return Measuring{std::move(rig), std::nullopt};
+  ENAMEL_TRY_ASSIGN(Calibration calibration, load_calibration(scan.scan.rig_path));
+  ENAMEL_TRY_ASSIGN(rig, calib::measuring_rig(calibration.rig, rig));
+  return Measuring{std::move(rig), std::move(calibration)};
+}
+
+/// What a replay needs to lay it again.
+Result<void> attach_to(host::StopTaker& taker, const DesktopScan& scan, const Measuring& measuring) {
+  ENAMEL_TRY_ASSIGN(const std::string mount, read_file(scan.desktop.mount));
+  taker.attach(kMountAttachment, "application/json", mount);
+  if (!measuring.calibration) return {};
+  taker.attach(host::kCalibrationAttachment, "application/json", measuring.calibration->rig.text);
+  taker.attach(host::kCalibrationReportAttachment, "application/json", measuring.calibration->report_json);
+  return {};
+}
+
+Result<motion::GrblProfile> profile_of(const std::string& path) {
+  if (path.empty()) return motion::GrblProfile{};
+  return motion::read_grbl_profile(path);
+}
+
+/// Nothing moves before everything that can be checked without moving is right.
+Result<std::unique_ptr<motion::GrblAxes>> homed_axes(const DesktopScan& scan, Clock& clock) {
+  ENAMEL_TRY_ASSIGN(const motion::GrblProfile profile, profile_of(scan.profile));
+  ENAMEL_TRY_ASSIGN(auto axes, motion::GrblAxes::open(scan.port, profile, clock));
+  ENAMEL_TRY_ASSIGN(const auto plan, host::make_plan(scan.plan, axes->limits()));
+  static_cast<void>(plan);
+  log::info("desktop", "homing the table");
+  ENAMEL_TRY(axes->home(seconds(scan.home_within_s)));
+  return axes;
+}
+
+}  // namespace
+
+Result<int> run_desktop_scan(const DesktopScan& scan) {
+  SteadyClock clock;
+  ENAMEL_TRY_ASSIGN(const LoadedConfig config, load_config(scan.scan.run));
+  ENAMEL_TRY_ASSIGN(const calib::Mount mount, mount_for(scan.desktop.mount, nullptr));
+  ENAMEL_TRY_ASSIGN(const OutFolder folder, OutFolder::open(scan.scan.run.out));
+  ENAMEL_TRY(keep_recording(scan.scan, folder));
+  folder.clear_results();
+  ENAMEL_TRY_ASSIGN(const auto link, dds::participant_options(scan.scan.link, dds::LinkEnd::kHost));
+  ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(link));
+  ENAMEL_TRY_ASSIGN(const auto axes, homed_axes(scan, clock));
+  ENAMEL_TRY_ASSIGN(auto plan, host::make_plan(scan.plan, axes->limits()));
+  auto guard = std::make_unique<const StopBySignal>(*axes);
+  ENAMEL_TRY_ASSIGN(auto taker, host::StopTaker::create(participant, taker_config(scan, config, clock), *axes, clock));
+  ENAMEL_TRY_ASSIGN(const proto::DeviceInfo info, taker->start());
+  ENAMEL_TRY_ASSIGN(const Measuring measuring, rig_of(scan, info));
+  ENAMEL_TRY(attach_to(*taker, scan, measuring));
+  ENAMEL_TRY_ASSIGN(auto model, desktop_model(measuring.rig, measuring.rig.crc32, mount, config, scan.desktop,
+                                              scan.scan.run.workers));
+  guard.reset();  // from here on the session has the signals, and stops the table by its source
+  host::DesktopRun about{.simulated = info.model.find("SIMULATED") != std::string::npos,
+                         .device_serial = info.serial,
+                         .scanned_at = {},
+                         .preview_model = !scan.scan.run.headless};
+  host::DesktopSession session(std::move(model), std::make_unique<host::LiveStops>(std::move(taker), std::move(plan)),
+                               std::move(about), clock);
+  const SessionRun run{.run = scan.scan.run,
+                       .title = "enamel desktop scan",
+                       .window = !scan.scan.run.headless,
+                       .calibration = measuring.calibration,
+                       .limits = config.calibration,
+                       .config_text = config.text,
+                       .truth = scan.scan.truth,
+                       .notes = scan.scan.notes};
+  return run_session(session, run, clock);
+}
+
+}  // namespace enamel::app

@@ -1,0 +1,46 @@
+// enamel desktop scan: a model on the table, stop by stop.
+#include <memory>
+
+#include "host/app/desktop/desktop_scan.hpp"
+#include "host/app/desktop/subcommand.hpp"
+#include "host/app/link_options.hpp"
+#include "host/app/out_folder.hpp"
+#include "protocol/base/log.hpp"
+
+namespace enamel::app {
+
+DesktopCommand add_desktop_scan(CLI::App& app) {
+  CLI::App* sub = app.add_subcommand("scan", "scan a model on the table: home, then stop by stop");
+  auto o = std::make_shared<DesktopScan>();
+  add_run_options(*sub, o->scan.run);
+  add_desktop_options(*sub, o->desktop);
+  sub->get_option("--mount")->required();
+  sub->add_option("--port", o->port, "serial port of the axes, as /dev/ttyUSB0")->required();
+  sub->add_option("--profile", o->profile, "of the axes, TOML as config/desktop/grbl.toml");
+  sub->add_option("--plan", o->plan,
+                  "auto: where most is missing, until all that can be seen is seen; full, quick, arch: a fixed list; "
+                  "or FILE.csv with columns rot_deg,swing_deg")
+      ->capture_default_str();
+  sub->add_option("--bursts", o->bursts, "at every stop; their mean is taken")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  sub->add_option("--out", o->scan.run.out,
+                  "folder for recording and results (default: a new one, out/session-DATE-TIME)");
+  sub->add_option("--probe", o->scan.serial, "serial of the probe; needed when there is more than one");
+  sub->add_option("--rig", o->scan.rig_path, "calibration to measure with instead of the probe's own");
+  sub->add_option("--wait-seconds", o->scan.wait_seconds, "how long to wait for a probe")->capture_default_str();
+  add_link_options(*sub, o->scan.link);
+  sub->add_flag("!--no-record", o->scan.record, "keep no recording");
+  return {sub, [o]() -> Result<int> {
+            const bool made = o->scan.run.out.empty();
+            if (made) {
+              ENAMEL_TRY_ASSIGN(o->scan.run.out, new_session_folder());
+            }
+            log::info("desktop", "recording and results go to {}", o->scan.run.out);
+            auto code = run_desktop_scan(*o);
+            if (made && !code) drop_if_empty(o->scan.run.out);
+            return code;
+          }};
+}
+
+}  // namespace enamel::app
