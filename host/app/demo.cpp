@@ -166,7 +166,12 @@ Result<int> run_live(Demo& demo, const std::string& path) {
 
 Result<int> run_desktop(const Demo& demo, const std::string& key, Clock& clock) {
   ENAMEL_TRY_ASSIGN(const std::string board, scene_file("desktop_board"));
-  ENAMEL_TRY_ASSIGN(const DemoCalibration calibration, demo_calibration(demo.scene, demo.seed, demo.cache, key, clock));
+  // The head is the hand-held probe's: its calibration is that of the other demo.
+  Demo by_hand = demo;
+  ENAMEL_TRY_ASSIGN(by_hand.scene, scene_file("quadrant"));
+  ENAMEL_TRY_ASSIGN(const std::string hand_key, cache_key(by_hand));
+  ENAMEL_TRY_ASSIGN(const DemoCalibration calibration,
+                    demo_calibration(by_hand.scene, demo.seed, demo.cache, hand_key, clock));
   return run_desktop_demo({.run = demo.scan.run,
                            .scene = demo.scene,
                            .board = board,
