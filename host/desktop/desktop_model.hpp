@@ -55,6 +55,8 @@ class DesktopModel {
   const MeasuredStop& add(const StopBursts& stop);
 
   [[nodiscard]] const std::vector<MeasuredStop>& stops() const noexcept { return stops_; }
+  /// What the stop saw, table taken out; empty when it saw no model. Before finish().
+  [[nodiscard]] SurfacePatch patch_of(std::size_t k) const;
   [[nodiscard]] const calib::Rig& rig() const noexcept { return rig_; }
   [[nodiscard]] const calib::Mount& mount() const noexcept { return mount_; }
   /// As the axes alone lay it.
