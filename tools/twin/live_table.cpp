@@ -86,7 +86,9 @@ class LiveTable final : public fw::BurstSource {
     poses.is_static = true;
     const std::size_t instants = twin_->poses(0).frames[0].size();
     for (auto& frame : poses.frames) frame.assign(instants, poses.mid);
-    write_truth(when, at.stop, at.is_moving || !stood_at(first) || !stood_at(last), poses.mid);
+    const bool is_moving = at.is_moving || !stood_at(first) || !stood_at(last);
+    write_truth(when, at.stop, is_moving, poses.mid);
+    if (!surface_.empty() && !is_moving) twin_->count_seen(poses.mid);
     return twin_->frames(n, poses);
   }
 
