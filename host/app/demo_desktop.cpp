@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr auto kPortWithin = std::chrono::seconds(60);   // the scene is built before the controller answers
+constexpr auto kPortWithin = std::chrono::seconds(60);  // the scene is built before the controller answers
 constexpr auto kSurfaceWithin = std::chrono::seconds(60);
 
 Result<void> run_or_fail(const std::vector<std::string>& argv, const ChildOptions& options, Clock& clock) {
@@ -42,8 +42,9 @@ Result<std::string> calibrated_mount(const DesktopDemo& demo, Clock& clock) {
                           {}, clock);
   const std::string partial = mount + ".solving";
   if (made) {
-    made = run_or_fail({sibling_program("enamel"), "calibrate", "axes", folder, "--rig", demo.solved_rig, "--out", partial},
-                       {.stdout_path = demo.run.out + "/mount.txt", .stderr_path = {}}, clock);
+    made = run_or_fail(
+        {sibling_program("enamel"), "calibrate", "axes", folder, "--rig", demo.solved_rig, "--out", partial},
+        {.stdout_path = demo.run.out + "/mount.txt", .stderr_path = {}}, clock);
   }
   fs::remove_all(folder, ec);
   if (!made) return tl::unexpected<Error>(made.error());
@@ -66,9 +67,9 @@ Result<void> wait_for(const std::string& path, Nanoseconds within, Clock& clock)
 /// By best fit: the model's frame is the table's, the truth's that of the jaw.
 Result<void> compare_with_truth(const DesktopDemo& demo, const std::string& surface, Clock& clock) {
   const std::string& out = demo.run.out;
-  return run_or_fail({sibling_program("enamel"), "compare", out + "/mesh.ply", surface, "--align", "best", "--out",
-                      out + "/accuracy"},
-                     {.stdout_path = out + "/accuracy.txt", .stderr_path = {}}, clock);
+  return run_or_fail(
+      {sibling_program("enamel"), "compare", out + "/mesh.ply", surface, "--align", "best", "--out", out + "/accuracy"},
+      {.stdout_path = out + "/accuracy.txt", .stderr_path = {}}, clock);
 }
 
 }  // namespace
@@ -91,12 +92,11 @@ Result<int> run_desktop_demo(const DesktopDemo& demo) {
   const std::string surface = out + "/truth.ply";
   std::error_code ec;
   fs::remove(surface, ec);
-  ENAMEL_TRY_ASSIGN(
-      auto probe,
-      ChildProcess::start({sibling_program("enamel-probe"), "--twin", demo.scene, "--seed", std::to_string(demo.seed),
-                           "--twin-axes", desktop.port, "--twin-surface", surface, "--serial", desktop.scan.serial,
-                           "--dds-tag", desktop.scan.link.tag},
-                          {.stdout_path = out + "/probe.out", .stderr_path = out + "/probe.log"}));
+  ENAMEL_TRY_ASSIGN(auto probe,
+                    ChildProcess::start({sibling_program("enamel-probe"), "--twin", demo.scene, "--seed",
+                                         std::to_string(demo.seed), "--twin-axes", desktop.port, "--twin-surface",
+                                         surface, "--serial", desktop.scan.serial, "--dds-tag", desktop.scan.link.tag},
+                                        {.stdout_path = out + "/probe.out", .stderr_path = out + "/probe.log"}));
   ENAMEL_TRY(wait_for(desktop.port, kPortWithin, clock));
   ENAMEL_TRY_ASSIGN(const int code, run_desktop_scan(desktop));
   probe.signal(SIGTERM);

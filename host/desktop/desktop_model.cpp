@@ -100,6 +100,7 @@ const MeasuredStop& DesktopModel::add(const StopBursts& stop) {
   pipeline::Stop seen = pipeline::make_stop(patch, stop.angles, parts_->optics, parts_->icp, config_.lay);
   out.saw_model = seen.node.samples.size() >= kFewestSamples;
   if (out.saw_model) {
+    out.distance_mm = seen.centre.z();
     out.patch = pipeline::pack(patch, pipeline::Texture::kDropped);
     parts_->growing.integrate(out.bursts.front().id, patch, parts_->follower.follow(std::move(seen)));
   } else {

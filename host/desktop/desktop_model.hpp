@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,6 +41,7 @@ struct MeasuredStop {
   std::size_t seen_px = 0;      ///< of that patch …
   std::size_t table_px = 0;     ///< … and taken out
   double valid_share = 0;       ///< of the picture, table included
+  double distance_mm = std::numeric_limits<double>::quiet_NaN();  ///< mean depth of what is kept; NaN: nothing
 };
 
 /// Results depend on the sequence of stops alone, never on threads. One owner.

@@ -15,9 +15,9 @@ constexpr std::size_t kTold = 3;  // slips by name; the report has all
 /// A table that is off at every few stops is not the one of this mount.json, whatever each stop looks like.
 Error told_of(const std::vector<std::string>& slips, std::size_t stops) {
   if (slips.size() > kTold && 4 * slips.size() > stops) {
-    return {ErrorCode::kMountForeign, std::to_string(slips.size()) + " of " + std::to_string(stops) +
-                                          " stops are not where the axes of this mount put them; the first: " +
-                                          slips.front()};
+    return {ErrorCode::kMountForeign,
+            std::to_string(slips.size()) + " of " + std::to_string(stops) +
+                " stops are not where the axes of this mount put them; the first: " + slips.front()};
   }
   std::string all;
   for (std::size_t n = 0; n < std::min(slips.size(), kTold); ++n) all += (n == 0 ? "" : "; ") + slips[n];
@@ -85,6 +85,7 @@ void DesktopSession::show(const MeasuredStop& stop) {
   shown_.T_model_cam = pipeline::pose_by_axes(model_.mount(), stop.angles);
   shown_.rejected = stop.bursts.back().rejected;
   shown_.live = model_.live_image();
+  shown_.surface_distance_mm = stop.distance_mm;
   if (run_.preview_model) shown_.model = std::make_shared<const ModelSnapshot>(model_.snapshot());
   preview_.put(std::make_shared<const BurstPreview>(shown_));
 }
