@@ -10,6 +10,7 @@
 #include "host/record/calibration_attachment.hpp"
 #include "host/session/probe_counts.hpp"
 #include "protocol/base/crc32.hpp"
+#include "protocol/base/log.hpp"
 #include "protocol/base/utc.hpp"
 
 namespace enamel::host {
@@ -34,11 +35,18 @@ Result<std::unique_ptr<StopTaker>> StopTaker::create(const dds::Participant& par
                                                      motion::Axes& axes, Clock& clock) {
   if (config.bursts < 1) return fail(ErrorCode::kUsage, "a stop needs one burst at least");
   ENAMEL_TRY_ASSIGN(auto link, ProbeLink::create(participant, config.link, clock));
-  return std::unique_ptr<StopTaker>(new StopTaker(std::move(link), config, axes, clock));
+  ENAMEL_TRY_ASSIGN(auto readings, dds::Writer<proto::AxesReading>::create(participant));
+  return std::unique_ptr<StopTaker>(new StopTaker(std::move(link), std::move(readings), config, axes, clock));
 }
 
-StopTaker::StopTaker(std::unique_ptr<ProbeLink> link, const StopTakerConfig& config, motion::Axes& axes, Clock& clock)
-    : config_(config), axes_(axes), clock_(clock), link_(std::move(link)), feed_(*link_, *this, config.feed, clock) {}
+StopTaker::StopTaker(std::unique_ptr<ProbeLink> link, dds::Writer<proto::AxesReading> readings,
+                     const StopTakerConfig& config, motion::Axes& axes, Clock& clock)
+    : config_(config),
+      axes_(axes),
+      clock_(clock),
+      link_(std::move(link)),
+      readings_(std::move(readings)),
+      feed_(*link_, *this, config.feed, clock) {}
 
 StopTaker::~StopTaker() { end_feed(); }
 
@@ -160,6 +168,8 @@ TakenStop StopTaker::keep(std::vector<dds::Received<proto::Burst>> bursts, const
     angles_.push_back({burst.value.burst_index, position.commanded.rot_deg, position.commanded.swing_deg,
                        position.read.rot_deg, position.read.swing_deg, burst.value.probe_id, burst.value.session_id,
                        taken.stop});
+    // Who follows the scan misses an angle where this fails; the recording and the scan itself do not.
+    if (const auto told = readings_.write(angles_.back()); !told) log::warn("desktop", "{}", told.error().message());
     if (recorder_) {
       const HostTime now = clock_.now();
       recorder_->write_axes(angles_.back(), now);

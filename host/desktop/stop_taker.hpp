@@ -61,7 +61,7 @@ class StopTaker final : private FeedSink {
   /// and of the recording's file; kCancelled.
   [[nodiscard]] Result<proto::DeviceInfo> start();
 
-  /// One stop with config.bursts bursts, written to the recording. After an error the table stands, nothing of the stop
+  /// One stop with config.bursts bursts, written to the recording with their angles, which are published as well. After an error the table stands, nothing of the stop
   /// was taken, and unless probe or axes are gone take() may be called again.
   /// Errors: those of the axes; kProbeLost; kCancelled.
   [[nodiscard]] Result<TakenStop> take(const motion::AxesAngles& target);
@@ -85,7 +85,8 @@ class StopTaker final : private FeedSink {
   [[nodiscard]] int bursts_at_stop() const;
 
  private:
-  StopTaker(std::unique_ptr<ProbeLink> link, const StopTakerConfig& config, motion::Axes& axes, Clock& clock);
+  StopTaker(std::unique_ptr<ProbeLink> link, dds::Writer<proto::AxesReading> readings, const StopTakerConfig& config,
+            motion::Axes& axes, Clock& clock);
   void end_feed();
   [[nodiscard]] Result<void> check_going() const;
   [[nodiscard]] Result<void> wait_while_paused();
@@ -108,6 +109,7 @@ class StopTaker final : private FeedSink {
   motion::Axes& axes_;
   Clock& clock_;
   std::unique_ptr<ProbeLink> link_;
+  dds::Writer<proto::AxesReading> readings_;  ///< told to whoever listens, beside the recording
   LiveFeed feed_;
   std::atomic<bool> paused_{false}, stop_requested_{false};
   std::uint32_t stops_ = 0;
