@@ -29,7 +29,7 @@ struct PlannerConfig {
   double min_overlap = 0.3;    ///< of a usual picture, so that a stop can be laid on what was seen
   double min_gain = 0.04;      ///< of a usual picture: chosen, see docs/desktop-scan.md
   double min_picture_mm2 = 5;  ///< chosen: a stop that shows less saw no model
-  std::size_t max_stops = 54;  ///< three quarters of the plan `full`
+  std::size_t max_stops = 96;  ///< chosen: a third more than the plan `full` has
   double stop_s = 0.4;         ///< settling and four bursts
   double speed_deg_per_s = 20;
 };

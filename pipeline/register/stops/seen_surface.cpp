@@ -13,6 +13,9 @@ constexpr std::uint32_t kFewestPoints = 2;  // of a cell that is asked for its r
 constexpr float kRimCells = 2;              // how far off a neighbour is looked for
 constexpr float kEndWeight = 0.4F;          // chosen: of a guess at the end of its reach
 
+constexpr float kFlatCosine = 0.6F;  // chosen: 53 degrees
+constexpr int kFlatSteps = 2;
+
 using Place = std::array<std::int64_t, 3>;
 
 Place place_of(const Vec3f& p, double cell_mm) {
@@ -124,8 +127,10 @@ std::optional<ExpectedCell> SeenSurface::next_guess() {
   while (guess_rim_ < rim_.size()) {
     const Rim& r = rim_[guess_rim_];
     const bool is_open = (r.open >> static_cast<unsigned>(guess_direction_)) & 1U;
-    if (is_open && guess_step_ < steps_) {
-      const SeenCell& c = cells_[r.cell];
+    const SeenCell& c = cells_[r.cell];
+    // Where it was seen flat it turns away from what sees it, and a straight line on leads into the air.
+    const int steps = c.cosine < kFlatCosine ? std::min(steps_, kFlatSteps) : steps_;
+    if (is_open && guess_step_ < steps) {
       const auto away = static_cast<float>((++guess_step_) * 2 * cell_mm_);
       ExpectedCell out;
       out.point = c.point + away * tangent(c.normal, guess_direction_);
