@@ -78,6 +78,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "host/report": (4, BASE + ["protocol/types"]),
     "host/mesh_files": (4, BASE + ["pipeline/types"]),
     "host/compare": (4, BASE + ["pipeline/types", "host/mesh_files"]),
+    "host/accuracy": (4, BASE + ["pipeline/types", "pipeline/register/map", "host/mesh_files", "host/compare"]),
     "host/motion": (4, BASE),
     "host/update": (4, IMAGE),
     "host/flash": (5, IMAGE + ["host/update"]),

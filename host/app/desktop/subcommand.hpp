@@ -11,6 +11,7 @@ struct DesktopCommand {
   Run run;
 };
 
+DesktopCommand add_desktop_accuracy(CLI::App& app);
 DesktopCommand add_desktop_axes(CLI::App& app);
 DesktopCommand add_desktop_scan(CLI::App& app);
 

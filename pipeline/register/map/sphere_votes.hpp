@@ -1,4 +1,4 @@
-// Where the votes for a ball's centre meet. Private to register/map.
+// Where the votes for a ball's centre meet. Pure, thread-safe.
 #pragma once
 
 #include <vector>
