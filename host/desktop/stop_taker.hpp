@@ -61,9 +61,9 @@ class StopTaker final : private FeedSink {
   /// and of the recording's file; kCancelled.
   [[nodiscard]] Result<proto::DeviceInfo> start();
 
-  /// One stop with config.bursts bursts, written to the recording with their angles, which are published as well. After an error the table stands, nothing of the stop
-  /// was taken, and unless probe or axes are gone take() may be called again.
-  /// Errors: those of the axes; kProbeLost; kCancelled.
+  /// One stop with config.bursts bursts, written to the recording with their angles, which are published as well. After
+  /// an error the table stands, nothing of the stop was taken, and unless probe or axes are gone take() may be called
+  /// again. Errors: those of the axes; kProbeLost; kCancelled.
   [[nodiscard]] Result<TakenStop> take(const motion::AxesAngles& target);
 
   /// Paused, the probe's light is off and take() waits before its next move or burst, its deadlines standing still. A

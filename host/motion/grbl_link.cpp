@@ -12,6 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
+constexpr int kMostDrained = 100;  // chosen: a buffer of GRBL holds five answers; each is waited for by 20 ms
 constexpr Nanoseconds kAskEvery = milliseconds(50);      // reports while something runs: GRBL takes 10 a second easily
 constexpr Nanoseconds kWriteWithin = milliseconds(500);  // 80 bytes take 7 ms
 constexpr Nanoseconds kStandWithin = milliseconds(1200);
@@ -89,9 +90,10 @@ Result<std::optional<GrblReply>> GrblLink::next(HostTime until) {
 }
 
 Result<void> GrblLink::drain() {
-  // A controller that never falls silent shall not hold us here.
+  // A controller that never falls silent shall not hold us here. On a machine that lets us wait the time alone says
+  // nothing: a few lines that came meanwhile are no torrent.
   const HostTime deadline = clock_.now() + kRestartWithin;
-  while (clock_.now() < deadline) {
+  for (int lines = 0; lines < kMostDrained || clock_.now() < deadline; ++lines) {
     ENAMEL_TRY_ASSIGN(const auto reply, next(clock_.now() + milliseconds(20)));
     if (!reply) return {};
   }
