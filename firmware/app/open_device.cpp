@@ -38,7 +38,7 @@ Result<std::unique_ptr<BurstSource>> open_source(const ProbeOptions& options, [[
 #ifdef ENAMEL_HAS_TWIN
   if (!options.twin_axes.empty()) {
     ENAMEL_TRY_ASSIGN(const auto fault, twin::parse_table_fault(options.twin_axes_fault));
-    return twin::open_live_table({options.twin_scene, options.seed, options.twin_axes, fault, options.twin_truth},
+    return twin::open_live_table({options.twin_scene, options.seed, options.twin_axes, fault, options.twin_truth, options.twin_surface},
                                  clock);
   }
   return twin::open_twin_source(options.twin_scene, options.seed);

@@ -34,6 +34,8 @@ void add_axes(CLI::App& app, ProbeOptions& o) {
   app.add_option("--twin-axes-fault", o.twin_axes_fault,
                  "with --twin-axes: lose-step, hard-limit, restart, power-off, unplug or hang in the N-th movement")
       ->type_name("FAULT@N");
+  app.add_option("--twin-surface", o.twin_surface,
+                 "with --twin-axes: write at the end the surface, PLY, and in how many bursts each vertex was seen");
   app.add_option("--twin-truth", o.twin_truth, "with --twin-axes: write where the table stood in every burst")
       ->type_name("FILE.csv");
 }
@@ -43,8 +45,8 @@ Result<void> check_together(const ProbeOptions& o) {
   if (o.serial.size() > 32) return fail(ErrorCode::kUsage, "--serial: at most 32 bytes");
   if (o.seed && o.twin_scene.empty()) return fail(ErrorCode::kUsage, "--seed goes with --twin");
   if (!o.twin_axes.empty() && o.twin_scene.empty()) return fail(ErrorCode::kUsage, "--twin-axes goes with --twin");
-  if (o.twin_axes.empty() && !(o.twin_axes_fault.empty() && o.twin_truth.empty())) {
-    return fail(ErrorCode::kUsage, "--twin-axes-fault and --twin-truth go with --twin-axes");
+  if (o.twin_axes.empty() && !(o.twin_axes_fault.empty() && o.twin_truth.empty() && o.twin_surface.empty())) {
+    return fail(ErrorCode::kUsage, "--twin-axes-fault, --twin-truth and --twin-surface go with --twin-axes");
   }
   if (o.loops != 1 && o.capture.empty()) return fail(ErrorCode::kUsage, "--loops goes with --play");
   if (!o.picture.empty() && !o.check) return fail(ErrorCode::kUsage, "--picture goes with --check");

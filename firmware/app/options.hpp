@@ -14,6 +14,7 @@ struct ProbeOptions {
   std::string twin_scene;
   std::string twin_axes;        ///< serial port of the scene's table to make; empty: the scene's own stops
   std::string twin_axes_fault;  ///< of the simulated axes
+  std::string twin_surface;     ///< file for the surface behind them
   std::string twin_truth;       ///< file for what the table's bursts showed
   std::string capture;
   std::string camera;                 ///< "list", or a camera to look for

@@ -14,6 +14,7 @@
 #include "host/app/child_process.hpp"
 #include "host/app/command.hpp"
 #include "host/app/demo_calibration.hpp"
+#include "host/app/demo_desktop.hpp"
 #include "host/app/input.hpp"
 #include "host/app/out_folder.hpp"
 #include "host/app/scan_run.hpp"
@@ -33,10 +34,11 @@ namespace fs = std::filesystem;
 
 struct Demo {
   ScanRun scan;
-  std::string scene = "quadrant";  // a name until run_demo() makes it a path
+  std::string scene;  // a name until run_demo() makes it a path; empty: quadrant, or desktop_arch
   std::string cache;
   std::uint64_t seed = 1;
   bool show_uncalibrated = false;
+  bool desktop = false;
 };
 
 /// Of a user without a home, or one whose home cannot be written: a folder of his own among the temporary files.
@@ -162,8 +164,26 @@ Result<int> run_live(Demo& demo, const std::string& path) {
   return run_scan(demo.scan);
 }
 
+Result<int> run_desktop(const Demo& demo, const std::string& key, Clock& clock) {
+  ENAMEL_TRY_ASSIGN(const std::string board, scene_file("desktop_board"));
+  // The head is the hand-held probe's: its calibration is that of the other demo.
+  Demo by_hand = demo;
+  ENAMEL_TRY_ASSIGN(by_hand.scene, scene_file("quadrant"));
+  ENAMEL_TRY_ASSIGN(const std::string hand_key, cache_key(by_hand));
+  ENAMEL_TRY_ASSIGN(const DemoCalibration calibration,
+                    demo_calibration(by_hand.scene, demo.seed, demo.cache, hand_key, clock));
+  return run_desktop_demo({.run = demo.scan.run,
+                           .scene = demo.scene,
+                           .board = board,
+                           .cache = demo.cache,
+                           .key = key,
+                           .solved_rig = calibration.solved_rig,
+                           .seed = demo.seed});
+}
+
 Result<int> run_demo(Demo& demo) {
   SteadyClock clock;
+  if (demo.scene.empty()) demo.scene = demo.desktop ? "desktop_arch" : "quadrant";
   ENAMEL_TRY_ASSIGN(demo.scene, scene_file(demo.scene));
   install_stop_signals();
   {
@@ -177,6 +197,7 @@ Result<int> run_demo(Demo& demo) {
   }
   ENAMEL_TRY_ASSIGN(demo.cache, usable_cache(demo.cache));
   ENAMEL_TRY_ASSIGN(const std::string key, cache_key(demo));
+  if (demo.desktop) return run_desktop(demo, key, clock);
   ENAMEL_TRY_ASSIGN(const std::string path, recording(demo, key, clock));
   ENAMEL_TRY_ASSIGN(const DemoCalibration calibration, demo_calibration(demo.scene, demo.seed, demo.cache, key, clock));
   {
@@ -205,10 +226,13 @@ Run add_demo(CLI::App& app) {
   app.add_option("--seed", demo->seed, "another patient, path, tremor and noise")->capture_default_str();
   app.add_option("--scene", demo->scene, "what the twin renders: a name of config/scenes, or the path of a scene file")
       ->type_name("NAME|PATH")
-      ->capture_default_str();
+      ->default_str("quadrant");
   app.add_option("--cache", demo->cache, "where rendered recordings and calibrations are kept")->capture_default_str();
   app.add_flag("--calibrate", demo->show_uncalibrated,
                "scan, calibrate, scan: also measures with the factory's design values and sets both side by side");
+  app.add_flag("--desktop", demo->desktop,
+               "the desktop scanner instead: a plaster arch on a simulated table, its axes calibrated first")
+      ->excludes("--calibrate");
   return [demo]() -> Result<int> { return run_demo(*demo); };
 }
 

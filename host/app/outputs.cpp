@@ -128,6 +128,7 @@ std::string tissue_json(const host::MapFacts& facts) {
 }  // namespace
 
 std::string known_line(const host::ScanResult& scan) {
+  if (!scan.desktop_line.empty()) return scan.desktop_line;
   if (!scan.map || scan.map->map.stations.distances.empty()) return "";
   const pipeline::StationDistance& farthest =
       *std::ranges::max_element(scan.map->map.stations.distances, {}, &pipeline::StationDistance::distance_mm);

@@ -115,7 +115,7 @@ void print_summary(const host::Report& report, bool json) {
   row("losses", std::to_string(b.lost_on_wire) + " on the wire, " + std::to_string(b.incomplete) + " incomplete, " +
                     std::to_string(b.shed) + " shed");
   if (!report.map_json.empty()) print_map(nlohmann::json::parse(report.map_json, nullptr, /*allow_exceptions=*/false));
-  if (!report.known_line.empty()) row("distances", report.known_line);
+  if (!report.known_line.empty()) row(report.desktop_json.empty() ? "distances" : "stops", report.known_line);
   if (!report.undetermined.empty()) row("undetermined", host::undetermined_line(report.undetermined));
   if (!report.segments.empty()) row("segments", host::segments_line(report.segments));
   if (const std::string line = host::sight_line(report.sight); !line.empty()) row("sight", line);

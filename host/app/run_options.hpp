@@ -46,7 +46,8 @@ struct Truth {
 [[nodiscard]] Result<host::Report> write_outputs(const std::string& folder, const host::ScanResult& scan,
                                                  host::Report report, const Truth& truth);
 
-/// How surely the map knows the longest of its station distances, one standard deviation; empty where it knows none.
+/// How surely the map knows the longest of its station distances, one standard deviation, or how the stops of a desktop
+/// scan agree; empty where nothing is known.
 [[nodiscard]] std::string known_line(const host::ScanResult& scan);
 
 /// The short table at the end of a run, or the report as JSON, on stdout.

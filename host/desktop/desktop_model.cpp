@@ -111,6 +111,11 @@ const MeasuredStop& DesktopModel::add(const StopBursts& stop) {
   return stops_.back();
 }
 
+SurfacePatch DesktopModel::patch_of(std::size_t k) const {
+  const MeasuredStop& stop = stops_[k];
+  return stop.saw_model && !stop.patch.runs.empty() ? parts_->unpack(stop.patch) : SurfacePatch{};
+}
+
 ModelSnapshot DesktopModel::snapshot() {
   mesher_.update(parts_->growing, parts_->growing.take_changed(kVisibleMove_mm));
   return mesher_.snapshot();

@@ -55,8 +55,8 @@ class DesktopModel {
   const MeasuredStop& add(const StopBursts& stop);
 
   [[nodiscard]] const std::vector<MeasuredStop>& stops() const noexcept { return stops_; }
-  /// Of a stop that saw the model, until finish(): its patch, table taken out.
-  [[nodiscard]] SurfacePatch patch_of(std::size_t k) const { return parts_->unpack(stops_[k].patch); }
+  /// What the stop saw, table taken out; empty when it saw no model. Before finish().
+  [[nodiscard]] SurfacePatch patch_of(std::size_t k) const;
   /// What table or model did by themselves so far, stops counted as they were taken.
   [[nodiscard]] std::vector<pipeline::Slip> slips() const;
   [[nodiscard]] const calib::Rig& rig() const noexcept { return rig_; }

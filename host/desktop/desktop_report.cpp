@@ -1,5 +1,8 @@
 #include "host/desktop/desktop_report.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "protocol/base/json_text.hpp"
@@ -98,6 +101,17 @@ Json circles_json(const pipeline::LaidStops& laid) {
 }
 
 }  // namespace
+
+std::string desktop_line(const pipeline::LaidStops& laid) {
+  const auto left_out = std::ranges::count(laid.laid, pipeline::Laid::kNot);
+  std::string out = fmt::format("{} laid{}; surfaces agree within {:.1f} um, by the axes alone {:.1f}",
+                                laid.laid.size() - static_cast<std::size_t>(left_out),
+                                left_out > 0 ? fmt::format(", {} left out", left_out) : std::string(),
+                                kMicron * laid.fine_rms_mm, kMicron * laid.coarse_rms_mm);
+  double worst_mm = -1;
+  for (const pipeline::Circle& circle : laid.circles) worst_mm = std::max(worst_mm, circle.after_mm);
+  return worst_mm < 0 ? out : out + fmt::format("; circle closes within {:.1f}", kMicron * worst_mm);
+}
 
 std::string desktop_json(const DesktopModel& model, const pipeline::LaidStops& laid, const DesktopSeconds& seconds) {
   const calib::Triple about{0, 0, calib::middle_depth_mm(model.rig())};

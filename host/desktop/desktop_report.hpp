@@ -16,4 +16,7 @@ struct DesktopSeconds {
 [[nodiscard]] std::string desktop_json(const DesktopModel& model, const pipeline::LaidStops& laid,
                                        const DesktopSeconds& seconds);
 
+/// One line of it for people.
+[[nodiscard]] std::string desktop_line(const pipeline::LaidStops& laid);
+
 }  // namespace enamel::host

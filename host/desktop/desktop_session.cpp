@@ -8,6 +8,24 @@
 #include "protocol/base/log.hpp"
 
 namespace enamel::host {
+namespace {
+
+constexpr std::size_t kTold = 3;  // slips by name; the report has all
+
+/// A table that is off at every few stops is not the one of this mount.json, whatever each stop looks like.
+Error told_of(const std::vector<std::string>& slips, std::size_t stops) {
+  if (slips.size() > kTold && 4 * slips.size() > stops) {
+    return {ErrorCode::kMountForeign, std::to_string(slips.size()) + " of " + std::to_string(stops) +
+                                          " stops are not where the axes of this mount put them; the first: " +
+                                          slips.front()};
+  }
+  std::string all;
+  for (std::size_t n = 0; n < std::min(slips.size(), kTold); ++n) all += (n == 0 ? "" : "; ") + slips[n];
+  if (slips.size() > kTold) all += "; and " + std::to_string(slips.size() - kTold) + " more in report.json";
+  return {ErrorCode::kAxesStep, all};
+}
+
+}  // namespace
 
 DesktopSession::DesktopSession(DesktopModel model, std::unique_ptr<StopSource> source, DesktopRun run, Clock& clock)
     : model_(std::move(model)), source_(std::move(source)), run_(std::move(run)), clock_(clock), rig_(model_.rig()) {}
@@ -31,6 +49,7 @@ void DesktopSession::run() {
   const auto seconds = [](HostTime from, HostTime to) { return std::chrono::duration<double>(to - from).count(); };
   if (auto laid = model_.finish(scan_)) {
     scan_.desktop_json = desktop_json(model_, *laid, {seconds(begun, taken_at), seconds(taken_at, clock_.now())});
+    scan_.desktop_line = desktop_line(*laid);
     for (const pipeline::Slip& slip : laid->slips) scan_.slips.push_back(slip.text());
     shown_.model = std::make_shared<const ModelSnapshot>(model_.snapshot());
     preview_.put(std::make_shared<const BurstPreview>(shown_));
@@ -97,9 +116,7 @@ Result<Outcome> DesktopSession::finish() {
   out.damages = source_->damages();
   out.broken_off = failed_;
   if (!out.broken_off && !out.scan.slips.empty()) {
-    std::string all;
-    for (const std::string& slip : out.scan.slips) all += (all.empty() ? "" : "; ") + slip;
-    out.broken_off = Error{ErrorCode::kAxesStep, all};
+    out.broken_off = told_of(out.scan.slips, model_.stops().size());
   }
   return out;
 }

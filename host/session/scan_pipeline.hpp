@@ -84,6 +84,7 @@ struct ScanResult {
   PipelineFigures figures;                      ///< of the whole run, wall time …
   std::string graph_json;                       ///< … and everything that the graph knows of it
   std::string desktop_json;                     ///< of a scan by stops: how they were laid; else empty
+  std::string desktop_line;                     ///< the same for people
   std::vector<std::string> slips;               ///< of its table or model, a line each
 };
 

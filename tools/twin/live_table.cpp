@@ -7,7 +7,9 @@
 #include <fstream>
 #include <utility>
 
+#include "protocol/base/file.hpp"
 #include "tools/twin/degrees.hpp"
+#include "tools/twin/surface/mesh_file.hpp"
 #include "tools/twin/twin_source.hpp"
 
 namespace enamel::twin {
@@ -31,6 +33,14 @@ class LiveTable final : public fw::BurstSource {
  public:
   LiveTable(std::unique_ptr<TwinSource> twin, const SceneConfig& scene, const TableFault& fault)
       : twin_(std::move(twin)), mount_(scene.mount, scene.seed, fault.lost) {}
+  ~LiveTable() override {
+    controller_.reset();
+    if (surface_.empty()) return;
+    // Nobody is left to be told of a disk that is full: the file is not there.
+    static_cast<void>(write_file(surface_, write_ply(twin_->surface(), twin_->seen())));
+  }
+  LiveTable(const LiveTable&) = delete;
+  LiveTable& operator=(const LiveTable&) = delete;
 
   [[nodiscard]] Result<void> start(const LiveTableOptions& options, Clock& clock) {
     if (!options.truth.empty()) {
@@ -38,6 +48,7 @@ class LiveTable final : public fw::BurstSource {
       truth_ << kTableTruthHeader << std::endl;
       if (!truth_) return fail(ErrorCode::kFileWrite, options.truth + ": choose a file in a folder of yours");
     }
+    surface_ = options.surface;
     ENAMEL_TRY_ASSIGN(PseudoTerminal terminal, PseudoTerminal::open());
     ENAMEL_TRY_ASSIGN(PortName name, PortName::create(options.port, terminal.port()));
     name_.emplace(std::move(name));
@@ -75,7 +86,9 @@ class LiveTable final : public fw::BurstSource {
     poses.is_static = true;
     const std::size_t instants = twin_->poses(0).frames[0].size();
     for (auto& frame : poses.frames) frame.assign(instants, poses.mid);
-    write_truth(when, at.stop, at.is_moving || !stood_at(first) || !stood_at(last), poses.mid);
+    const bool is_moving = at.is_moving || !stood_at(first) || !stood_at(last);
+    write_truth(when, at.stop, is_moving, poses.mid);
+    if (!surface_.empty() && !is_moving) twin_->count_seen(poses.mid);
     return twin_->frames(n, poses);
   }
 
@@ -94,6 +107,7 @@ class LiveTable final : public fw::BurstSource {
   std::unique_ptr<TwinSource> twin_;
   LiveMount mount_;
   std::ofstream truth_;
+  std::string surface_;
   std::optional<PortName> name_;
   std::unique_ptr<GrblModel> controller_;  ///< last: its thread tells mount_
   std::uint64_t next_ = 0;

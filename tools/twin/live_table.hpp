@@ -29,7 +29,8 @@ struct LiveTableOptions {
   std::optional<std::uint64_t> seed;  ///< overrides the scene's
   std::string port;                   ///< name of the controller's serial port
   TableFault fault;
-  std::string truth;  ///< table of what every burst showed; empty: none
+  std::string truth;    ///< table of what every burst showed; empty: none
+  std::string surface;  ///< PLY of the whole surface and in how many bursts each vertex was seen, at the end; empty: none
 };
 
 /// The controller works while the source lives. kConfigValue: the scene has no mount; kHal, kFileWrite; those of the

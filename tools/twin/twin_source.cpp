@@ -206,6 +206,10 @@ fw::SimFrames TwinSource::frames(std::uint64_t n, const BurstPoses& poses) const
   return impl_->digital(impl_->light(poses, n, impl_->passing(n)), n);
 }
 
+void TwinSource::count_seen(const Pose& T_model_cam) {
+  impl_->seen.add(T_model_cam, impl_->renderer.truth(T_model_cam, {}));
+}
+
 Result<std::optional<fw::SimBurst>> TwinSource::next() {
   Impl& m = *impl_;
   if (m.next >= m.total) return std::optional<fw::SimBurst>();

@@ -52,6 +52,8 @@ class TwinSource final : public fw::BurstSource {
   [[nodiscard]] std::int64_t t_mid_ns(std::uint64_t n) const;
   /// Of the burst that next() returned last.
   [[nodiscard]] const BurstTruth& truth() const;
+  /// A burst that frames() made from there counts as seen, at rest; next() counts by itself.
+  void count_seen(const Pose& T_model_cam);
   /// Truth so far: the whole surface and, a vertex, in how many bursts it was seen.
   [[nodiscard]] const TriSurface& surface() const;
   [[nodiscard]] std::span<const std::uint8_t> seen() const;

@@ -18,6 +18,8 @@
 namespace enamel::app {
 namespace {
 
+constexpr const char* kAutoPlan = "auto";
+
 Nanoseconds seconds(double s) { return Nanoseconds{static_cast<std::int64_t>(s * 1e9)}; }
 
 host::StopTakerConfig taker_config(const DesktopScan& scan, const LoadedConfig& config, Clock& clock) {
@@ -62,12 +64,30 @@ Result<motion::GrblProfile> profile_of(const std::string& path) {
   return motion::read_grbl_profile(path);
 }
 
+Result<host::StopPlan> fixed_plan(const std::string& plan, const motion::AxesLimits& limits) {
+  if (plan.find('.') != std::string::npos || plan.find('/') != std::string::npos) return host::read_plan(plan, limits);
+  ENAMEL_TRY_ASSIGN(host::StopPlan out, host::named_plan(plan));
+  ENAMEL_TRY(host::check_plan(out, limits));
+  return out;
+}
+
+Result<std::unique_ptr<host::StopChooser>> chooser_of(const std::string& plan, const motion::AxesLimits& limits,
+                                                      const calib::Mount& mount, const calib::Rig& rig) {
+  if (plan == kAutoPlan) {
+    return std::make_unique<host::PlannedStops>(
+        pipeline::StopPlanner(mount, rig, host::within(pipeline::PlannerConfig{}, limits)));
+  }
+  ENAMEL_TRY_ASSIGN(host::StopPlan stops, fixed_plan(plan, limits));
+  return std::make_unique<host::FixedPlan>(std::move(stops));
+}
+
 /// Nothing moves before everything that can be checked without moving is right.
 Result<std::unique_ptr<motion::GrblAxes>> homed_axes(const DesktopScan& scan, Clock& clock) {
   ENAMEL_TRY_ASSIGN(const motion::GrblProfile profile, profile_of(scan.profile));
   ENAMEL_TRY_ASSIGN(auto axes, motion::GrblAxes::open(scan.port, profile, clock));
-  ENAMEL_TRY_ASSIGN(const auto plan, host::make_plan(scan.plan, axes->limits()));
-  static_cast<void>(plan);
+  if (scan.plan != kAutoPlan) {
+    ENAMEL_TRY(fixed_plan(scan.plan, axes->limits()));
+  }
   log::info("desktop", "homing the table");
   ENAMEL_TRY(axes->home(seconds(scan.home_within_s)));
   return axes;
@@ -85,7 +105,6 @@ Result<int> run_desktop_scan(const DesktopScan& scan) {
   ENAMEL_TRY_ASSIGN(const auto link, dds::participant_options(scan.scan.link, dds::LinkEnd::kHost));
   ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(link));
   ENAMEL_TRY_ASSIGN(const auto axes, homed_axes(scan, clock));
-  ENAMEL_TRY_ASSIGN(auto plan, host::make_plan(scan.plan, axes->limits()));
   auto guard = std::make_unique<const StopBySignal>(*axes);
   ENAMEL_TRY_ASSIGN(auto taker, host::StopTaker::create(participant, taker_config(scan, config, clock), *axes, clock));
   ENAMEL_TRY_ASSIGN(const proto::DeviceInfo info, taker->start());
@@ -93,6 +112,7 @@ Result<int> run_desktop_scan(const DesktopScan& scan) {
   ENAMEL_TRY(attach_to(*taker, scan, measuring));
   ENAMEL_TRY_ASSIGN(auto model, desktop_model(measuring.rig, measuring.rig.crc32, mount, config, scan.desktop,
                                               scan.scan.run.workers));
+  ENAMEL_TRY_ASSIGN(auto plan, chooser_of(scan.plan, axes->limits(), mount, measuring.rig));
   guard.reset();  // from here on the session has the signals, and stops the table by its source
   host::DesktopRun about{.simulated = info.model.find("SIMULATED") != std::string::npos,
                          .device_serial = info.serial,

@@ -114,7 +114,7 @@ Stop make_stop(const SurfacePatch& patch, const calib::AxisAngles& angles, const
   out.angles = angles;
   out.node.samples = sample_patch(patch, config.sample_stride_px, icp.samples);
   out.node.reference = Reference(viewer(patch, Pose::Identity()), icp.reference);
-  out.pyramid = make_pyramid(patch, icp);
+  out.pyramid = make_pyramid(patch, config.slip.layered);
   out.centre = out.node.samples.centroid;
   return out;
 }

@@ -48,7 +48,7 @@ std::optional<Pose> lay_from_afar(const Stop& i, const Stop& j, const Pose& T_mo
   double best_score = 0;
   for (const Pose& start : starts) {
     const Pose T_j_i = T_j_model * start;
-    const IcpResult laid = align(i.pyramid, j.node.reference, ViewCamera(with.lens), T_j_i, T_j_i, with.icp);
+    const IcpResult laid = align_layered(i.pyramid, j.node.reference, ViewCamera(with.lens), T_j_i, config.layered);
     if (!laid.converged || laid.consistency < config.min_consistency || laid.overlap < with.edge.min_overlap) continue;
     if (laid.rms_mm > with.edge.max_rms_mm) continue;
     const double score = laid.consistency * laid.overlap / std::max(laid.rms_mm, 1e-4);

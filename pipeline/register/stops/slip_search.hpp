@@ -7,6 +7,7 @@
 
 #include "calib/model/rig.hpp"
 #include "pipeline/register/icp/icp.hpp"
+#include "pipeline/register/icp/layered_icp.hpp"
 #include "pipeline/register/stops/mount_prior.hpp"
 #include "pipeline/register/stops/stop.hpp"
 
@@ -26,10 +27,11 @@ struct SlipConfig {
   double gate_mm = 1.5;          ///< of the foretelling: a slipped stop overlaps what it is compared with all the same
   double sigmas = 5;             ///< chosen: a deviation beyond so many of what stops and edges are off by is a slip
   double edge_sigma_mm = 0.004;  ///< chosen: of one edge's shift at its own centre, turns by their lever
-  double search_deg = 4;         ///< chosen: of either axis; a lost step of a direct drive is 1.8 degrees …
-  double search_step_deg = 0.8;  ///< … and laying mends half of this and more
-  double search_mm = 1.2;        ///< chosen: of a model that slid on the table …
-  double search_step_mm = 0.6;   ///< … of which laying mends half and more
+  double search_deg = 6;       ///< chosen: of either axis; a lost step of a direct drive is 1.8 degrees …
+  double search_step_deg = 2;  ///< … and laying mends half of this and more: 1 degree at the arch is 0.6 mm
+  double search_mm = 2;        ///< chosen: of a model that slid on the table …
+  double search_step_mm = 2;   ///< … of which laying mends half and more
+  LayeredConfig layered;       ///< by which it is laid from there
   double agree_mm = 0.05;        ///< two stops tell of the same slip: at what is seen
   double min_consistency = 0.85;
 };
