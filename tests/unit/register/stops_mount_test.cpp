@@ -53,9 +53,9 @@ calib::LineDifference off(const calib::AxisLine& a, const calib::AxisLine& b) {
 /// derived: 120 stops of 3 um run-out leave the rotation 3 um sqrt(2/120) = 0.4 um, and the swing, whose arcs are half
 /// a radian, some 2 um; the prior of 3 um then keeps up to (1/3)^2 of 20 um.
 constexpr double kRotationPlace_mm = 0.003, kSwingPlace_mm = 0.006;
-/// derived: turns that an angle of the other axis makes as well are known to 0.03 deg / sqrt(120) = 4.8e-5 rad: about as
-/// the prior, which keeps up to half of what was planted; and 2.5 sigma of 3.5e-5. So are all of the swing, which turns by
-/// half a radian only …
+/// derived: turns that an angle of the other axis makes as well are known to 0.03 deg / sqrt(120) = 4.8e-5 rad: about
+/// as the prior, which keeps up to half of what was planted; and 2.5 sigma of 3.5e-5. So are all of the swing, which
+/// turns by half a radian only …
 constexpr double kLoose_rad = 0.5 * kPlantedDeg * calib::kRadPerDegree + 9e-5;
 /// … and those of the rotation that none makes are known to 3 um / 27 mm sqrt(2/120) = 1.4e-5 rad, at 2 sigma.
 constexpr double kTight_rad = 3e-5;

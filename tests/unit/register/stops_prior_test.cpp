@@ -192,7 +192,8 @@ TEST(PosePrior, edges_and_priors_are_weighed_as_their_information_says) {
     const SmallGraph g = drawn_graph(seed);
     const SolvedGraph solved = solve_graph(g.poses, g.edges, g.config, {}, g.priors);
     ASSERT_LT(solved.sigma0, 1) << "then edges weigh as they say";
-    // derived: its derivatives are those of small motions; residuals of 1e-3 mm turn by 2e-4 rad, of which steps go wrong
+    // derived: its derivatives are those of small motions; residuals of 1e-3 mm turn by 2e-4 rad, of which steps go
+    // wrong
     EXPECT_LT(step_left_mm(g, solved.poses, 1), 1e-6) << seed;
     EXPECT_GT(step_left_mm(g, solved.poses, 3), 1e-5) << seed << ": negative control, other weights";
   }
