@@ -50,7 +50,8 @@ SurfacePatch mean_patch(std::span<const SurfacePatch> patches, const RayDepth& r
   out.sigma_mm = out.depth_mm;
   out.points = Map<Vec3f>(rays.width, rays.height, Vec3f::Constant(kNoDepth));
   out.normals = out.points;
-  out.texture_dn = usable.front()->texture_dn;
+  const auto textured = std::ranges::find_if(usable, [](const SurfacePatch* p) { return !p->texture_dn.empty(); });
+  if (textured != usable.end()) out.texture_dn = (*textured)->texture_dn;
   Map<float> inverse_depth = out.depth_mm;
   const auto min_agreeing = static_cast<std::size_t>(std::max(1, config.min_agreeing));
   std::vector<Measured> at;

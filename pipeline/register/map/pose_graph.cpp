@@ -100,7 +100,7 @@ class Solver {
       chi2.push_back(x.dot(information_[e] * x) / 6);
     }
     constexpr double kMedianOfChi2 = 0.891;  // of chi^2 with six degrees of freedom over six
-    const double variance = std::max(middle_of(chi2) / kMedianOfChi2, 1e-12);
+    const double variance = chi2.empty() ? 1 : std::max(middle_of(chi2) / kMedianOfChi2, 1e-12);
     sigma0_ = std::sqrt(variance);
     for (std::size_t e = 0; e < edges_.size(); ++e) {
       if (edges_[e].loop) switches_[e] = switch_of(chi2[e] / variance, config_.switch_sigmas);
@@ -187,7 +187,7 @@ class Solver {
 
 SolvedGraph solve_graph(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config,
                         Landmarks landmarks, std::vector<PosePrior> priors) {
-  if (poses.size() < 2 || edges.empty()) {
+  if (poses.size() < 2 || (edges.empty() && priors.empty())) {
     return {std::move(poses), std::vector<double>(edges.size(), 1.0), 1, 0, std::move(landmarks.at), {}, nullptr};
   }
   return Solver(std::move(poses), edges, config, std::move(landmarks), std::move(priors)).run();

@@ -32,6 +32,17 @@ std::optional<Pose> by_edges(const Edges& edges, std::size_t a, std::size_t b) {
   return apply_motion(0.5 * x, centre, 1, T);
 }
 
+/// An arc is none, even where its ends see each other: half a turn from neighbour to neighbour leaves open which way.
+bool goes_round(const std::vector<Stop>& stops, const std::vector<std::size_t>& ring) {
+  constexpr double kHalfTurn_deg = 180;
+  for (std::size_t n = 0; n < ring.size(); ++n) {
+    const bool is_last = n + 1 == ring.size();
+    const double next_deg = is_last ? turn_deg(stops[ring.front()]) + 360 : turn_deg(stops[ring[n + 1]]);
+    if (next_deg - turn_deg(stops[ring[n]]) >= kHalfTurn_deg) return false;
+  }
+  return true;
+}
+
 /// Indices of the stops of one swing by their angle, one an angle.
 std::vector<std::vector<std::size_t>> rings(const std::vector<Stop>& stops) {
   std::map<long, std::vector<std::size_t>> by_swing;
@@ -44,7 +55,7 @@ std::vector<std::vector<std::size_t>> rings(const std::vector<Stop>& stops) {
     ring.erase(std::unique(ring.begin(), ring.end(), same), ring.end());
     if (ring.size() > 1 && turn_deg(stops[ring.back()]) - 360 + kSame_deg > turn_deg(stops[ring.front()]))
       ring.pop_back();
-    if (ring.size() >= kSmallestRing) out.push_back(ring);
+    if (ring.size() >= kSmallestRing && goes_round(stops, ring)) out.push_back(ring);
   }
   return out;
 }

@@ -69,8 +69,8 @@ class Adjustment {
   [[nodiscard]] StopDeviation left_over(std::size_t k, const Pose& T) const {
     const Pose as_told = told(k);
     const Vec3d centre = as_told * input_.taken.stops()[k].centre;
-    const AxisMotions motions = axis_motions(mount_, turned_by(input_.taken.stops()[k].angles, followed_.offsets[k]),
-                                             centre, config_.graph.rho_mm);
+    const AxisMotions motions =
+        axis_motions(mount_, input_.taken.stops()[k].angles, followed_.offsets[k], centre, config_.graph.rho_mm);
     return take_apart(motion_between(as_told, T, centre, config_.graph.rho_mm), motions);
   }
 
@@ -80,8 +80,8 @@ class Adjustment {
     for (std::size_t k = 0; k < input_.taken.stops().size(); ++k) {
       const Pose T = told(k);
       const Vec3d centre = T * input_.taken.stops()[k].centre;
-      const AxisMotions motions = axis_motions(mount_, turned_by(input_.taken.stops()[k].angles, followed_.offsets[k]),
-                                               centre, config_.graph.rho_mm);
+      const AxisMotions motions =
+          axis_motions(mount_, input_.taken.stops()[k].angles, followed_.offsets[k], centre, config_.graph.rho_mm);
       const Matrix6 C = pose_covariance(motions, config_.stop, config_.graph.rho_mm);
       out.push_back({k + 1, T, centre, C.ldlt().solve(Matrix6::Identity())});
     }

@@ -50,6 +50,17 @@ AxisMotions axis_motions(const calib::Mount& mount, const calib::AxisAngles& ang
           -turn_about(T_model_cradle.linear() * s, T_model_cradle * p_s, centre, rho_mm)};
 }
 
+AxisMotions axis_motions(const calib::Mount& mount, const calib::AxisAngles& angles, const AxesOffset& by,
+                         const Vec3d& centre, double rho_mm) {
+  const AxisMotions there = axis_motions(mount, turned_by(angles, by), by.on_table.inverse() * centre, rho_mm);
+  const auto carried = [&](const Vector6& x) {
+    Vector6 out;
+    out << by.on_table.linear() * x.head<3>(), by.on_table.linear() * x.tail<3>();
+    return out;
+  };
+  return {carried(there.rotation), carried(there.swing)};
+}
+
 Matrix6 pose_covariance(const AxisMotions& motions, const StopSigma& sigma, double rho_mm) {
   Matrix6 out = Matrix6::Zero();
   out.diagonal().head<3>().setConstant(sigma.turn_rad * sigma.turn_rad * rho_mm * rho_mm);

@@ -38,6 +38,9 @@ struct AxisMotions {
 };
 [[nodiscard]] AxisMotions axis_motions(const calib::Mount& mount, const calib::AxisAngles& angles, const Vec3d& centre,
                                        double rho_mm);
+/// The same where the axes' word is mended: a model that has moved on the table sees the axes elsewhere.
+[[nodiscard]] AxisMotions axis_motions(const calib::Mount& mount, const calib::AxisAngles& angles, const AxesOffset& by,
+                                       const Vec3d& centre, double rho_mm);
 
 /// Of a pose about `centre`, mm^2.
 [[nodiscard]] Matrix6 pose_covariance(const AxisMotions& motions, const StopSigma& sigma, double rho_mm);

@@ -10,6 +10,11 @@
 #include "pipeline/register/stops/stop_pairs.hpp"
 
 namespace enamel::pipeline {
+namespace {
+
+constexpr double kAlike = 1;  // chosen: of sigmas that guesses differ by; a lost step and a turned model never do
+
+}  // namespace
 
 Pose StopFollower::told(std::size_t i, const AxesOffset& by) const {
   return pose_by_axes(mount_, stops_[i].angles, by);
@@ -33,7 +38,8 @@ std::vector<std::size_t> StopFollower::beside(std::size_t i, const Pose& T) cons
 }
 
 Matrix6 StopFollower::covariance_of(std::size_t k, const Vec3d& centre) const {
-  const AxisMotions motions = axis_motions(mount_, turned_by(stops_[k].angles, now_), centre, with_.icp.rho_mm);
+  const AxesOffset& by = k < out_.offsets.size() ? out_.offsets[k] : now_;
+  const AxisMotions motions = axis_motions(mount_, stops_[k].angles, by, centre, with_.icp.rho_mm);
   return pose_covariance(motions, config_.stop, with_.icp.rho_mm);
 }
 
@@ -62,6 +68,29 @@ std::optional<StopFollower::Word> StopFollower::best_word(const std::vector<std:
   return best;
 }
 
+/// Several guesses may pass the gate where the axes turned little since the slip: they are compared with each other,
+/// and the likeliest of those that fit about equally well is kept on with. That none fits says nothing of them.
+std::optional<StopFollower::Word> StopFollower::tell_apart(std::size_t i, const std::vector<std::size_t>& others) {
+  std::vector<std::optional<Word>> words;
+  double least = config_.sigmas;
+  for (const Guess& guess : guesses_) {
+    words.push_back(best_word(others, i, told(i, guess.offset)));
+    if (words.back()) least = std::min(least, words.back()->sigmas);
+  }
+  std::vector<Guess> left;
+  std::optional<Word> of_first;
+  for (std::size_t n = 0; n < guesses_.size(); ++n) {
+    if (!words[n] || words[n]->sigmas > std::min(least + kAlike, config_.sigmas)) continue;
+    if (left.empty()) of_first = words[n];
+    left.push_back(guesses_[n]);
+  }
+  if (left.empty()) return words.front();
+  now_ = left.front().offset;
+  out_.slips.back().kind = left.front().kind;
+  guesses_ = left.size() > 1 ? std::move(left) : std::vector<Guess>();
+  return of_first;
+}
+
 const Pose& StopFollower::follow(Stop stop) {
   stops_.push_back(std::move(stop));
   lay(stops_.size() - 1);
@@ -72,20 +101,8 @@ void StopFollower::lay(std::size_t i) {
   const Pose as_told = told(i, now_);
   const auto others = beside(i, as_told);
   if (others.empty()) return settle(as_told, Laid::kAlone, 0);
-  const auto word = best_word(others, i, as_told);
-  if (word && word->sigmas <= config_.sigmas) {
-    guesses_.clear();
-    return settle(as_told, Laid::kLaid, word->shift_mm);
-  }
-  for (const Guess& guess : guesses_) {
-    const Pose T = told(i, guess.offset);
-    const auto other_word = best_word(others, i, T);
-    if (!other_word || other_word->sigmas > config_.sigmas) continue;
-    now_ = guess.offset;
-    out_.slips.back().kind = guess.kind;
-    guesses_.clear();
-    return settle(T, Laid::kLaid, other_word->shift_mm);
-  }
+  const auto word = guesses_.empty() ? best_word(others, i, as_told) : tell_apart(i, others);
+  if (word && word->sigmas <= config_.sigmas) return settle(told(i, now_), Laid::kLaid, word->shift_mm);
   const auto found = word ? std::optional<Pose>(word->T) : search(i, others, as_told);
   if (!found) return settle(as_told, Laid::kNot, 0);
   note(i, as_told, *found);
@@ -102,7 +119,7 @@ void StopFollower::settle(const Pose& T, Laid laid, double deviation_mm) {
 /// From afar; two stops have to tell the same where there are two.
 std::optional<Pose> StopFollower::search(std::size_t i, const std::vector<std::size_t>& others, const Pose& T) const {
   const Vec3d centre = T * stops_[i].centre;
-  const AxisMotions motions = axis_motions(mount_, turned_by(stops_[i].angles, now_), centre, with_.icp.rho_mm);
+  const AxisMotions motions = axis_motions(mount_, stops_[i].angles, now_, centre, with_.icp.rho_mm);
   const auto starts = starts_about(T, centre, motions, with_.icp.rho_mm, config_);
   for (const std::size_t j : others) {
     const auto found = lay_from_afar(stops_[i], stops_[j], out_.T_model_cam[j], starts, with_, config_);
@@ -117,11 +134,26 @@ std::optional<Pose> StopFollower::search(std::size_t i, const std::vector<std::s
   return std::nullopt;
 }
 
+/// By rounds: of a step of some degrees, arc and chord differ by more than what no angle explains may be.
+StopDeviation StopFollower::turns_to(std::size_t i, const Pose& found) const {
+  constexpr int kRounds = 4;
+  AxesOffset by = now_;
+  StopDeviation out;
+  for (int round = 0; round < kRounds; ++round) {
+    const Pose at = told(i, by);
+    const Vec3d centre = at * stops_[i].centre;
+    const AxisMotions motions = axis_motions(mount_, stops_[i].angles, by, centre, with_.icp.rho_mm);
+    const StopDeviation more = take_apart(motion_between(at, found, centre, with_.icp.rho_mm), motions);
+    by.rotation_rad += more.rotation_rad;
+    by.swing_rad += more.swing_rad;
+    out = {by.rotation_rad - now_.rotation_rad, by.swing_rad - now_.swing_rad, more.rest_mm};
+  }
+  return out;
+}
+
 /// What may be behind a slip is told apart by the stops that follow; until then by what it looks like.
 void StopFollower::note(std::size_t i, const Pose& as_told, const Pose& found) {
-  const Vec3d centre = as_told * stops_[i].centre;
-  const AxisMotions motions = axis_motions(mount_, turned_by(stops_[i].angles, now_), centre, with_.icp.rho_mm);
-  const StopDeviation off = take_apart(motion_between(as_told, found, centre, with_.icp.rho_mm), motions);
+  const StopDeviation off = turns_to(i, found);
   Slip slip{i, Slip::Kind::kModel, off.rotation_rad * calib::kDegreesPerRad, off.swing_rad * calib::kDegreesPerRad,
             off.rest_mm};
   guesses_.clear();

@@ -74,6 +74,8 @@ class StopFollower {
   [[nodiscard]] std::optional<Word> best_word(const std::vector<std::size_t>& others, std::size_t i,
                                               const Pose& T) const;
   [[nodiscard]] std::optional<Pose> search(std::size_t i, const std::vector<std::size_t>& others, const Pose& T) const;
+  [[nodiscard]] StopDeviation turns_to(std::size_t i, const Pose& found) const;
+  [[nodiscard]] std::optional<Word> tell_apart(std::size_t i, const std::vector<std::size_t>& others);
   void lay(std::size_t i);
   void settle(const Pose& T, Laid laid, double deviation_mm);
   void note(std::size_t i, const Pose& as_told, const Pose& found);
@@ -83,7 +85,7 @@ class StopFollower {
   SlipConfig config_;
   std::vector<Stop> stops_;
   AxesOffset now_;
-  std::vector<Guess> guesses_;  ///< of the last slip, until a stop has told them apart
+  std::vector<Guess> guesses_;  ///< of the last slip, until stops have told them apart
   FollowedStops out_;
 };
 
