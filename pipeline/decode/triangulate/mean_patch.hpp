@@ -11,8 +11,9 @@
 namespace enamel::pipeline {
 
 struct MeanConfig {
-  double gate_sigmas = 4;  ///< chosen: by judgement; farther from the middle of the bursts than their noise allows: left out
-  int min_agreeing = 2;    ///< chosen: by judgement; bursts that must tell the same of a pixel, where there are so many
+  double gate_sigmas =
+      4;  ///< chosen: by judgement; farther from the middle of the bursts than their noise allows: left out
+  int min_agreeing = 2;  ///< chosen: by judgement; bursts that must tell the same of a pixel, where there are so many
 };
 
 /// Pixel by pixel: depths near their median, weighed by 1/sigma^2; sigma is that of the mean. A pixel that fewer than
