@@ -25,26 +25,6 @@ def heading(page, title, *paragraphs):
         page.text += ["", wrapped(text)]
 
 
-<<<<<<< HEAD
-def axes(page, units):
-    heading(page, "Axes from a board",
-            "Solved lines beside the twin's, with the solved rig. Position: largest distance of the lines within 30 mm of the "
-            "field's middle. Components: errors of direction and place along the axes of their own covariance, eight a unit.")
-    rows, inside = [], []
-    for seed, unit in units.items():
-        told = unit["axes"]
-        sigmas = np.abs(np.concatenate(list(told["in_sigmas"].values())))
-        inside += list(sigmas <= 2)
-        rows.append((f"unit {seed}", [cell(told["rotation"]["angle_deg"], 0.003, "{:.4f}"), cell(told["rotation"]["distance_um"], 3),
-                                      cell(told["swing"]["angle_deg"], 0.003, "{:.4f}"), cell(told["swing"]["distance_um"], 3),
-                                      cell(int(np.sum(sigmas <= 2)), form="{} of 8"), cell(float(np.max(sigmas)), form="{:.1f}")]))
-    page.table("", ["rotation direction °", "rotation position µm", "swing direction °", "swing position µm", "within 2 σ", "largest, σ"],
-               ["≤ 0.003", "≤ 3", "≤ 0.003", "≤ 3", "", ""], rows)
-    share = 100 * float(np.mean(inside))
-    page.text += ["", "| What | Target | Measured | Met |", "|---|---|---|---|"]
-    page.row(f"components within 2 σ, of {len(inside)}", "≥ 95 %", f"{share:.0f} %", share >= 95)
-    return {"within_2_sigma_pct": share, "components": len(inside)}
-=======
 def axes_rows(units, way, judged):
     rows, inside = [], []
     for seed, unit in units.items():
@@ -75,7 +55,6 @@ def axes(page, units):
     for way, (share, count) in shares.items():
         page.row(f"components within 2 σ, {way} rig, of {count}", "≥ 95 %", f"{share:.0f} %", share >= 95)
     return {f"within_2_sigma_pct_{way}_rig": share for way, (share, _) in shares.items()}
->>>>>>> hf
 
 
 def largest(circles, key):
@@ -105,15 +84,9 @@ def bar(page, units):
     page.table("", columns, [], bar_rows(units, "true", False))
 
 
-<<<<<<< HEAD
-def arch(page, units):
-    heading(page, "Plaster arch",
-            "A whole lower arch, another for each unit; deviations from the true surface after best fit, every vertex counted. Coverage: "
-=======
 def arch(page, units, short):
     heading(page, "Plaster arch",
             f"A whole lower arch, another for each unit, {'one burst' if short else 'two bursts'} at a stop; deviations from the true surface after best fit, every vertex counted. Coverage: "
->>>>>>> hf
             "of what three stops or more see. The right-hand columns are the control with the true rig and axes.")
     rows = []
     for seed, unit in units.items():
@@ -126,11 +99,7 @@ def arch(page, units, short):
 
 
 def precision(page, repeats):
-<<<<<<< HEAD
-    page.section("Precision", f"{repeats['scans']} scans of the first unit's arch laid on each other by best fit, {repeats['pairs']} pairs; noise, stop "
-=======
     page.section("Precision", f"{repeats['scans']} scans of the first unit's arch laid on each other by best fit, {repeats['pairs']} pair{'' if repeats['pairs'] == 1 else 's'}; noise, stop "
->>>>>>> hf
                  "errors and the wobble's phase are drawn anew for each. The unit's errors and the model stay, and the model is not moved. "
                  "Mean over the pairs.")
     for key, name, most in (("mean_abs_um", "mean", 1.5), ("p95_um", "95 %", None), ("rms_um", "rms", None)):
@@ -180,11 +149,7 @@ def main():
                               + (" A short run: fewer stops and poses; targets are not for it." if given.short else ""))]
     within = axes(page, units)
     bar(page, units)
-<<<<<<< HEAD
-    arch(page, units)
-=======
     arch(page, units, given.short)
->>>>>>> hf
     precision(page, repeats)
     alarms_and_time(page, units)
     page.write(given.out, "desktop", "tools/bench-desktop", machine(),

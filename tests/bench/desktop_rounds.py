@@ -10,11 +10,7 @@ import numpy as np
 
 SCENES = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../config/scenes"))
 POINT = "mount.rotation.point_mm=[27.0,0.0,48.0]"  # of every scene: one mount.json serves them all
-<<<<<<< HEAD
-FULL = {"rig": [], "bar": [], "arch": []}
-=======
 FULL = {"rig": [], "bar": [], "arch": ["--set", "mount.bursts=2"]}  # two at a stop, as a scan takes them
->>>>>>> hf
 SHORT = {"rig": ["--poses", "14"], "bar": ["--set", "mount.swing_deg=[-15.0,15.0]"], "arch": ["--set", "mount.swing_deg=[-20.0,20.0]"]}
 SLIPPED = 3  # exit code of a scan whose table was not where it said
 
@@ -51,28 +47,13 @@ class Rounds:
         return out
 
     def calibrated(self, seed):
-<<<<<<< HEAD
-        """Paths of the unit's solved rig.json and mount.json, what calibrate axes said, and the truth's path."""
-=======
         """Paths: the unit's solved rig.json and mount.json, the axes solved with the true rig as control, and the truth."""
->>>>>>> hf
         poses = self.rendered("rigset", seed, "calibrate", "quadrant", *self.sets["rig"])
         board = self.rendered("board", seed, "calibrate", "desktop_board", "--set", "calibration.fringes=false", "--set", POINT)
         home = os.path.dirname(board)
         rig, mount = os.path.join(home, "rig.json"), os.path.join(home, "mount.json")
         print(f"calibrating seed {seed} ...", file=sys.stderr)
         self.run("enamel", "calibrate", "solve", poses, "--out", rig)
-<<<<<<< HEAD
-        told = json.loads(self.run("enamel", "calibrate", "axes", board, "--rig", rig, "--out", mount, "--json").stdout)
-        return {"rig": rig, "mount": mount, "told": told, "true_mount": os.path.join(board, "truth/mount_true.json"),
-                "true_rig": os.path.join(SCENES, "../rigs/probe.json")}
-
-    def axes(self, unit):
-        """Errors of the solved lines: angles, distances near the field, and components in their own sigmas."""
-        out = json.loads(self.run("enamel", "calibrate", "compare", unit["mount"], unit["true_mount"]).stdout)
-        out["in_sigmas"] = in_sigmas(read_json(unit["mount"]), read_json(unit["true_mount"]))
-        return out
-=======
         true_rig, control = os.path.join(SCENES, "../rigs/probe.json"), os.path.join(home, "mount_control.json")
         for by, out in ((rig, mount), (true_rig, control)):
             self.run("enamel", "calibrate", "axes", board, "--rig", by, "--out", out)
@@ -86,7 +67,6 @@ class Rounds:
             figures[way] = json.loads(self.run("enamel", "calibrate", "compare", mount, unit["true_mount"]).stdout)
             figures[way]["in_sigmas"] = in_sigmas(read_json(mount), read_json(unit["true_mount"]))
         return figures
->>>>>>> hf
 
     def replayed(self, capture, name, rig, mount):
         """Folder of the results, and their report."""
