@@ -12,7 +12,7 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr double kAlike = 1;  // chosen: of sigmas that guesses differ by; a lost step and a turned model never do
+constexpr double kAlike = 2.5;  // chosen: of sigmas that guesses differ by; a lost step and a turned model never do
 
 }  // namespace
 
@@ -52,7 +52,7 @@ std::optional<StopFollower::Word> StopFollower::word_of(std::size_t j, std::size
   const Vector6 x = motion_between(T, word.T, centre, with_.icp.rho_mm);
   Matrix6 C = covariance_of(i, centre) + covariance_of(j, centre);
   C.diagonal().array() += config_.edge_sigma_mm * config_.edge_sigma_mm;
-  word.sigmas = std::sqrt(x.dot(C.ldlt().solve(x)) / 6);
+  word.sigmas = std::sqrt(x.dot(C.ldlt().solve(x)));
   word.shift_mm = x.tail<3>().norm();
   return word;
 }

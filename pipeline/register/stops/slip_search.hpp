@@ -22,10 +22,10 @@ struct LayingRules {
 
 struct SlipConfig {
   StopSigma stop;
-  double min_overlap = 0.25;     ///< foretold, of the stops that one is tried on …
-  std::size_t tried_on = 4;      ///< … most first
-  double gate_mm = 1.5;          ///< of the foretelling: a slipped stop overlaps what it is compared with all the same
-  double sigmas = 5;             ///< chosen: a deviation beyond so many of what stops and edges are off by is a slip
+  double min_overlap = 0.25;  ///< foretold, of the stops that one is tried on …
+  std::size_t tried_on = 4;   ///< … most first
+  double gate_mm = 1.5;       ///< of the foretelling: a slipped stop overlaps what it is compared with all the same
+  double sigmas = 6;          ///< derived: of all six directions together; by chance one stop of 300 000 is farther off
   double edge_sigma_mm = 0.004;  ///< chosen: of one edge's shift at its own centre, turns by their lever
   double search_deg = 6;         ///< chosen: of either axis; a lost step of a direct drive is 1.8 degrees …
   double search_step_deg = 2;    ///< … and laying mends half of this and more: 1 degree at the arch is 0.6 mm
