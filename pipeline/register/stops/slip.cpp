@@ -136,10 +136,10 @@ std::optional<Pose> StopFollower::search(std::size_t i, const std::vector<std::s
 
 /// By rounds: of a step of some degrees, arc and chord differ by more than what no angle explains may be.
 StopDeviation StopFollower::turns_to(std::size_t i, const Pose& found) const {
-  constexpr int kRounds = 4;
+  constexpr int kTurnRounds = 4;
   AxesOffset by = now_;
   StopDeviation out;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kTurnRounds; ++round) {
     const Pose at = told(i, by);
     const Vec3d centre = at * stops_[i].centre;
     const AxisMotions motions = axis_motions(mount_, stops_[i].angles, by, centre, with_.icp.rho_mm);
