@@ -93,7 +93,6 @@ const MeasuredStop& DesktopModel::add(const StopBursts& stop) {
   const Pose T_model_cam = pipeline::pose_by_axes(mount_, stop.angles);
   if (!patch.texture_dn.empty()) live_ = std::make_shared<const Map<std::uint8_t>>(stage::live_image(patch.texture_dn));
   if (!patch.depth_mm.empty()) {
-    out.valid_share = static_cast<double>(patch.valid_px) / static_cast<double>(patch.depth_mm.size());
     out.table_px = relief_.take_out(T_model_cam, patch);
   }
   out.seen_px = patch.valid_px;

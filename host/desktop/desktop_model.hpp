@@ -40,7 +40,6 @@ struct MeasuredStop {
   pipeline::PackedPatch patch;  ///< the mean of its bursts, table taken out
   std::size_t seen_px = 0;      ///< of that patch …
   std::size_t table_px = 0;     ///< … and taken out
-  double valid_share = 0;       ///< of the picture, table included
   double distance_mm = std::numeric_limits<double>::quiet_NaN();  ///< mean depth of what is kept; NaN: nothing
 };
 

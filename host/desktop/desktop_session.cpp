@@ -115,6 +115,7 @@ Result<Outcome> DesktopSession::finish() {
   out.device_serial = run_.device_serial;
   out.scanned_at = run_.scanned_at;
   out.damages = source_->damages();
+  out.recording_error = source_->recording_error();
   out.broken_off = failed_;
   if (!out.broken_off && !out.scan.slips.empty()) {
     out.broken_off = told_of(out.scan.slips, model_.stops().size());

@@ -60,11 +60,9 @@ std::string LiveStops::progress() const {
   return doing_;
 }
 
-std::vector<Error> LiveStops::damages() const {
+std::optional<Error> LiveStops::recording_error() const {
   const std::lock_guard lock(mutex_);
-  std::vector<Error> out;
-  if (summary_ && summary_->recording_error) out.push_back(*summary_->recording_error);
-  return out;
+  return summary_ ? summary_->recording_error : std::nullopt;
 }
 
 }  // namespace enamel::host

@@ -14,8 +14,7 @@ namespace enamel::host {
 
 class LiveStops final : public StopSource {
  public:
-  /// `taker` has been started; the axes that it moves outlive this. `unasked`: what the probe's bursts were called that
-  /// no stop took.
+  /// `taker` has been started; the axes that it moves outlive this.
   LiveStops(std::unique_ptr<StopTaker> taker, std::unique_ptr<StopChooser> plan)
       : taker_(std::move(taker)), plan_(std::move(plan)) {}
 
@@ -25,7 +24,8 @@ class LiveStops final : public StopSource {
   /// Bursts of a moving table, and those that a stop had no need of, are shed.
   [[nodiscard]] BurstCounts counts() const override;
   [[nodiscard]] std::string progress() const override;
-  [[nodiscard]] std::vector<Error> damages() const override;
+  [[nodiscard]] std::optional<Error> recording_error() const override;
+  [[nodiscard]] std::vector<Error> damages() const override { return {}; }
 
  private:
   void finish();

@@ -31,7 +31,9 @@ class StopSource {
   [[nodiscard]] virtual BurstCounts counts() const = 0;
   /// For people: "stop 12 of 48, rotation 90, swing -20", or empty.
   [[nodiscard]] virtual std::string progress() const = 0;
-  /// Places where the recording is damaged.
+  /// Why the recording that is being written lacks something, or nothing.
+  [[nodiscard]] virtual std::optional<Error> recording_error() const { return std::nullopt; }
+  /// Places where the recording that is read is damaged.
   [[nodiscard]] virtual std::vector<Error> damages() const = 0;
 };
 
