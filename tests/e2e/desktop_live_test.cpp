@@ -5,8 +5,8 @@
 #include <numeric>
 #include <thread>
 
+#include "host/record/axes_readings.hpp"
 #include "protocol/base/rng.hpp"
-#include "protocol/types/axes_table.hpp"
 #include "tests/e2e/live_table.hpp"
 
 namespace enamel::test {
@@ -95,9 +95,10 @@ TEST(DesktopLive, stops_are_taken_of_a_table_at_rest_and_every_burst_is_accounte
   ASSERT_TRUE(reader);
   EXPECT_EQ(reader->info().bursts, 15U);
   EXPECT_EQ(reader->info().shed, c.moving + c.spare) << "those left out are noted";
-  const auto csv = reader->attachment("axes.csv");
-  ASSERT_TRUE(csv);
-  const auto rows = proto::parse_burst_axes({reinterpret_cast<const char*>(csv->data()), csv->size()}, "axes.csv");
+  EXPECT_EQ(reader->info().axes, 15U);
+  const auto stream = host::open_bursts(table.file("capture.mcap"));
+  ASSERT_TRUE(stream);
+  const auto rows = host::axes_of(**stream);
   ASSERT_TRUE(rows) << rows.error().message();
   EXPECT_EQ(*rows, summary.angles);
   for (const auto& row : *rows) {
