@@ -3,19 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/compare/percentile.hpp"
+
 namespace enamel::host {
-namespace {
-
-/// Linear between the sorted values next to it.
-double percentile(const std::vector<double>& sorted, double share) {
-  const double at = share * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(at);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (at - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
-
-}  // namespace
-
 DeviationFigures figures_of(std::vector<double> deviation_um) {
   DeviationFigures out;
   out.count = deviation_um.size();

@@ -44,11 +44,7 @@ void print_result(const host::CompareResult& r) {
 Result<void> write_pictures(const CompareOptions& o, const host::MeshFile& file, const host::CompareResult& result,
                             const std::string& json) {
   if (o.out.empty()) return {};
-  ENAMEL_TRY(make_folder(o.out));
-  const auto png = host::deviation_png(file.mesh, result);
-  ENAMEL_TRY(write_file(o.out + "/deviation.png", {reinterpret_cast<const char*>(png.data()), png.size()}));
-  const auto colours = host::deviation_colours(result.deviation_um, 100.0);
-  ENAMEL_TRY(write_file(o.out + "/deviation.ply", host::ply_bytes(file.mesh, colours, file.origin_mm)));
+  ENAMEL_TRY(host::write_deviation(o.out, file, result));
   return write_file(o.out + "/compare.json", json);
 }
 

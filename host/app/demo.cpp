@@ -103,10 +103,9 @@ Result<std::string> recording(const Demo& demo, const std::string& key, Clock& c
   log::info("demo",
             "rendering ahead: two cores render fewer than 30 bursts a second; the probe then plays at the true rate");
   const std::string partial = path + ".rendering.mcap";
-  ENAMEL_TRY_ASSIGN(const int code, run_child({sibling_program("enamel-twin"), "render", demo.scene, "--seed",
-                                               std::to_string(demo.seed), "--out", partial},
-                                              {}, clock));
-  if (code != 0) return fail(ErrorCode::kInternal, "enamel-twin ended with code " + std::to_string(code));
+  ENAMEL_TRY(run_or_fail(
+      {sibling_program("enamel-twin"), "render", demo.scene, "--seed", std::to_string(demo.seed), "--out", partial}, {},
+      clock));
   fs::rename(partial, path, ec);
   if (ec) return fail(ErrorCode::kFileWrite, path + ": " + ec.message());
   return path;
@@ -124,11 +123,8 @@ Result<void> scan_uncalibrated(const Demo& demo, const std::string& path, const 
   log::info("demo", "the same scan with the factory's design values (replay of the recording)");
   const std::string out = demo.scan.run.out + "/uncalibrated";
   ENAMEL_TRY(make_folder(out));
-  ENAMEL_TRY_ASSIGN(const int code,
-                    run_child({sibling_program("enamel"), "replay", path, "--rig", rig, "--out", out, "--headless"},
-                              {.stdout_path = out + "/replay.out", .stderr_path = {}}, clock));
-  if (code == 0) return {};
-  return fail(ErrorCode::kInternal, "enamel replay ended with code " + std::to_string(code));
+  return run_or_fail({sibling_program("enamel"), "replay", path, "--rig", rig, "--out", out, "--headless"},
+                     {.stdout_path = out + "/replay.out", .stderr_path = {}}, clock);
 }
 
 // Both accuracies side by side, and in calibrate.json.

@@ -43,10 +43,9 @@ Result<void> solve(const std::string& folder, Clock& clock) {
 }
 
 Result<void> render_and_solve(const std::string& scene, std::uint64_t seed, const std::string& folder, Clock& clock) {
-  ENAMEL_TRY_ASSIGN(const int code, run_child({sibling_program("enamel-twin"), "calibrate", scene, "--seed",
-                                               std::to_string(seed), "--out", folder},
-                                              {}, clock));
-  if (code != 0) return fail(ErrorCode::kInternal, "enamel-twin calibrate ended with code " + std::to_string(code));
+  ENAMEL_TRY(
+      run_or_fail({sibling_program("enamel-twin"), "calibrate", scene, "--seed", std::to_string(seed), "--out", folder},
+                  {}, clock));
   return solve(folder, clock);
 }
 
@@ -57,6 +56,13 @@ Result<int> run_child(const std::vector<std::string>& argv, const ChildOptions& 
   while (!child.poll() && !stop_requested()) clock.sleep_for(std::chrono::milliseconds(50));
   if (stop_requested()) return fail(ErrorCode::kCancelled);
   return *child.poll();
+}
+
+Result<void> run_or_fail(const std::vector<std::string>& argv, const ChildOptions& options, Clock& clock) {
+  ENAMEL_TRY_ASSIGN(const int code, run_child(argv, options, clock));
+  if (code == 0) return {};
+  const std::string program = fs::path(argv.at(0)).filename().string();
+  return fail(ErrorCode::kInternal, program + " " + argv.at(1) + " ended with code " + std::to_string(code));
 }
 
 Result<DemoCalibration> demo_calibration(const std::string& scene, std::uint64_t seed, const std::string& cache,

@@ -20,6 +20,9 @@ struct DemoCalibration {
 /// Runs a program to its end; its exit code. Errors: kCancelled at a stop signal, kFileNotFound.
 [[nodiscard]] Result<int> run_child(const std::vector<std::string>& argv, const ChildOptions& options, Clock& clock);
 
+/// The same of one that must end with 0. Error besides: kInternal with its name and code.
+[[nodiscard]] Result<void> run_or_fail(const std::vector<std::string>& argv, const ChildOptions& options, Clock& clock);
+
 /// Folder calib-<key> of `cache`: the calibration folder, solved.json and solved.report.json; made when it is missing,
 /// whole or not at all. The key covers the scene's rig, twin, solver and seed (`scene_key`: of everything but the
 /// solver). Runs `enamel-twin calibrate` and `enamel calibrate solve`. Errors: kCancelled, kCalibrationRefused,

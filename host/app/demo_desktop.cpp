@@ -20,12 +20,6 @@ namespace fs = std::filesystem;
 constexpr auto kPortWithin = std::chrono::seconds(60);  // the scene is built before the controller answers
 constexpr auto kSurfaceWithin = std::chrono::seconds(60);
 
-Result<void> run_or_fail(const std::vector<std::string>& argv, const ChildOptions& options, Clock& clock) {
-  ENAMEL_TRY_ASSIGN(const int code, run_child(argv, options, clock));
-  if (code == 0) return {};
-  return fail(ErrorCode::kInternal, argv[0] + " " + argv[1] + " ended with code " + std::to_string(code));
-}
-
 /// mount.json of the simulated table, calibrated as a user would: a coded board at some forty stops. Kept in the cache.
 Result<std::string> calibrated_mount(const DesktopDemo& demo, Clock& clock) {
   const std::string mount = demo.cache + "/mount-" + demo.key + ".json";

@@ -6,6 +6,7 @@
 #include "host/app/calibration.hpp"
 #include "host/app/out_folder.hpp"
 #include "host/app/run_session.hpp"
+#include "host/ingest/probe_facts.hpp"
 #include "host/record/burst_stream.hpp"
 #include "host/record/calibration_attachment.hpp"
 #include "host/record/session_stream.hpp"
@@ -20,7 +21,7 @@ host::LiveSessionConfig session_config(const ScanRun& scan, const LoadedConfig& 
                                        const std::optional<Calibration>& calibration, Clock& clock) {
   host::LiveSessionConfig c;
   c.link.serial = scan.serial;
-  c.feed.session_id = static_cast<std::uint32_t>(to_ns(clock.now()) / 1'000'000) | 1U;
+  c.feed.session_id = host::new_session_id(clock);
   c.feed.start_at_once = scan.start_at_once;
   c.feed.find_timeout = Nanoseconds(static_cast<std::int64_t>(scan.wait_seconds * 1e9));
   c.pipeline = config.pipeline;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "host/compare/percentile.hpp"
 #include "protocol/base/json_text.hpp"
 
 namespace enamel::host {
@@ -91,14 +92,6 @@ double coverage_pct(const Mesh& reference, const std::vector<bool>& seen, const 
     }
   }
   return area > 0 ? 100.0 * covered / area : 0.0;
-}
-
-double percentile(const std::vector<double>& sorted, double share) {
-  const auto last = static_cast<double>(sorted.size() - 1);
-  const auto at = static_cast<std::size_t>(share * last);
-  const double part = share * last - static_cast<double>(at);
-  const double next = sorted[std::min(at + 1, sorted.size() - 1)];
-  return sorted[at] + part * (next - sorted[at]);
 }
 
 double foreign_pct(const Mesh& mesh, const std::vector<float>& deviation_um, double beyond_mm) {

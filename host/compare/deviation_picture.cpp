@@ -8,6 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "protocol/base/file.hpp"
+
 namespace enamel::host {
 namespace {
 
@@ -133,6 +135,14 @@ std::vector<std::uint8_t> deviation_png(const Mesh& mesh, const CompareResult& r
   draw_histogram(result, limit_um, image);
   cv::imencode(".png", image, png);
   return png;
+}
+
+Result<void> write_deviation(const std::string& folder, const MeshFile& mesh, const CompareResult& result) {
+  ENAMEL_TRY(make_folder(folder));
+  const auto png = deviation_png(mesh.mesh, result);
+  ENAMEL_TRY(write_file(folder + "/deviation.png", {reinterpret_cast<const char*>(png.data()), png.size()}));
+  const auto colours = deviation_colours(result.deviation_um, 100.0);
+  return write_file(folder + "/deviation.ply", ply_bytes(mesh.mesh, colours, mesh.origin_mm));
 }
 
 }  // namespace enamel::host

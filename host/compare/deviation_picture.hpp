@@ -17,4 +17,8 @@ namespace enamel::host {
 [[nodiscard]] std::vector<std::uint8_t> deviation_png(const Mesh& mesh, const CompareResult& result,
                                                       double limit_um = 100.0);
 
+/// deviation.png and deviation.ply of a mesh, into a folder that is made. Errors: kFileWrite.
+[[nodiscard]] Result<void> write_deviation(const std::string& folder, const MeshFile& mesh,
+                                           const CompareResult& result);
+
 }  // namespace enamel::host

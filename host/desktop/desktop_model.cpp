@@ -44,6 +44,7 @@ DesktopModel::Parts::Parts(const calib::Rig& rig, const calib::Mount& mount, con
       unpack(decoder.shared_rays(), decoder.config().normals),
       icp(config.pipeline.track.icp),
       edge(config.lay.edge),
+      viewer(pipeline::stop_viewer(rig.camera, config.lay)),
       follower(mount, {optics.camera, icp, edge}, config.lay.slip),
       growing(rig, config.pipeline.fuse) {}
 
@@ -90,13 +91,10 @@ const MeasuredStop& DesktopModel::add(const StopBursts& stop) {
   out.angles = stop.angles;
   SurfacePatch patch = measure(stop, out.bursts);
   is_averaged_ = is_averaged_ || stop.bursts.size() > 1;
-  const Pose T_model_cam = pipeline::pose_by_axes(mount_, stop.angles);
   if (!patch.texture_dn.empty()) live_ = std::make_shared<const Map<std::uint8_t>>(stage::live_image(patch.texture_dn));
-  if (!patch.depth_mm.empty()) {
-    out.table_px = relief_.take_out(T_model_cam, patch);
-  }
+  out.table_px = relief_.take_out(pipeline::pose_by_axes(mount_, stop.angles), patch);
   out.seen_px = patch.valid_px;
-  pipeline::Stop seen = pipeline::make_stop(patch, stop.angles, parts_->optics, parts_->icp, config_.lay);
+  pipeline::Stop seen = pipeline::make_stop(patch, stop.angles, parts_->viewer, parts_->icp, config_.lay);
   out.saw_model = seen.node.samples.size() >= kFewestSamples;
   if (out.saw_model) {
     out.distance_mm = seen.centre.z();
@@ -161,7 +159,7 @@ Result<pipeline::LaidStops> DesktopModel::finish(ScanResult& scan) {
       if (is_laid) scan.poses.push_back({burst.id, burst.t_mid, laid.T_model_cam[n]});
     }
   }
-  for (pipeline::Slip& slip : laid.slips) slip.stop = of[slip.stop];
+  laid.slips = slips();
   fuse(of, laid, scan);
   conclude(scan);
   return laid;
@@ -175,11 +173,13 @@ void DesktopModel::fuse(const std::vector<std::size_t>& of, const pipeline::Laid
     if (laid.laid[n] != pipeline::Laid::kNot) {
       const pipeline::FuseStats stats =
           model.integrate(stop.bursts.front().id, parts_->unpack(stop.patch), laid.T_model_cam[n]);
+      const std::uint64_t track = stage::Digest().add(laid.T_model_cam[n]).value();
+      const std::uint64_t fused =
+          stage::Digest().add(stats.surfels_used).add(stats.voxels_updated).add(stats.blocks_new).value();
       for (StopBurst& burst : stop.bursts) {
         if (!burst.rejected.empty()) continue;
-        burst.digests.track = stage::Digest().add(laid.T_model_cam[n]).value();
-        burst.digests.fuse =
-            stage::Digest().add(stats.surfels_used).add(stats.voxels_updated).add(stats.blocks_new).value();
+        burst.digests.track = track;
+        burst.digests.fuse = fused;
       }
     }
     stop.patch = {};

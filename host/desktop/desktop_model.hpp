@@ -79,6 +79,7 @@ class DesktopModel {
     pipeline::Unpacker unpack;
     pipeline::IcpConfig icp;
     pipeline::EdgeConfig edge;
+    pipeline::PatchViewer viewer;
     pipeline::StopFollower follower;  ///< of the stops that saw the model
     pipeline::TsdfModel growing;
   };

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "host/desktop/desktop_report.hpp"
-#include "protocol/base/log.hpp"
+#include "host/session/temp_range.hpp"
 
 namespace enamel::host {
 namespace {
@@ -64,12 +64,7 @@ Result<void> DesktopSession::take_stops() {
   for (;;) {
     ENAMEL_TRY_ASSIGN(const auto stop, source_->next(model_));
     if (!stop) return {};
-    for (const auto& burst : stop->bursts) {
-      const double temp_c = burst->temp_centi_c / 100.0;
-      auto& range = scan_.temp_c;
-      range =
-          range ? std::array{std::min((*range)[0], temp_c), std::max((*range)[1], temp_c)} : std::array{temp_c, temp_c};
-    }
+    for (const auto& burst : stop->bursts) take_in(*burst, scan_.temp_c);
     show(model_.add(*stop));
   }
 }

@@ -51,7 +51,7 @@ Result<std::optional<StopBursts>> RecordedStops::next(const DesktopModel&) {
     if (reading == readings_.end()) {
       return fail(ErrorCode::kAxesMissing, "of burst " + std::to_string(burst->burst_index));
     }
-    if (at && !is_same_stop(*at, reading->second)) {
+    if (at && (at->session_id != reading->second.session_id || at->stop != reading->second.stop)) {
       waiting_ = std::move(burst);
       break;
     }

@@ -1,4 +1,4 @@
-// The stops of a recording: bursts that follow each other at the same angles of the axes.
+// The stops of a recording: bursts that follow each other with the same number of their stop.
 #pragma once
 
 #include <atomic>

@@ -19,8 +19,4 @@ struct StopBursts {
 /// Degrees of files as the mount's radians.
 [[nodiscard]] calib::AxisAngles angles_of(const proto::AxesReading& reading);
 
-/// Both readings are of one stop: bursts that follow each other with the same commands; a reading of an encoder may
-/// differ by its noise.
-[[nodiscard]] bool is_same_stop(const proto::AxesReading& a, const proto::AxesReading& b);
-
 }  // namespace enamel::host

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/motion/move_plan.hpp"
 #include "protocol/base/file.hpp"
 #include "protocol/base/plain_text.hpp"
 
@@ -35,22 +36,6 @@ std::string read_stop(std::string_view line, motion::AxesAngles& stop) {
   return {};
 }
 
-/// Empty when good, else which angle and which range.
-std::string outside(const motion::AxesAngles& stop, const motion::AxesLimits& limits) {
-  const auto beyond = [](double angle, const motion::AxisLimits& l) {
-    return !(angle >= l.min_deg && angle <= l.max_deg);
-  };
-  if (beyond(stop.rot_deg, limits.rot)) {
-    return fmt::format("rotation {:g} is outside {:g} to {:g} deg", stop.rot_deg, limits.rot.min_deg,
-                       limits.rot.max_deg);
-  }
-  if (beyond(stop.swing_deg, limits.swing)) {
-    return fmt::format("swing {:g} is outside {:g} to {:g} deg", stop.swing_deg, limits.swing.min_deg,
-                       limits.swing.max_deg);
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<StopPlan> named_plan(std::string_view name) {
@@ -64,8 +49,8 @@ Result<StopPlan> named_plan(std::string_view name) {
 Result<void> check_plan(const StopPlan& plan, const motion::AxesLimits& limits) {
   if (plan.empty()) return fail(ErrorCode::kStopPlan, "the plan holds no stop");
   for (std::size_t n = 0; n < plan.size(); ++n) {
-    if (const std::string problem = outside(plan[n], limits); !problem.empty())
-      return fail(ErrorCode::kAxesRange, fmt::format("stop {} of {}: {}", n + 1, plan.size(), problem));
+    if (const auto inside = motion::check_target(plan[n], limits); !inside)
+      return fail(inside.error().code, fmt::format("stop {} of {}: {}", n + 1, plan.size(), inside.error().detail));
   }
   return {};
 }
@@ -85,8 +70,8 @@ Result<StopPlan> parse_plan(std::string_view text, const std::string& path, cons
     motion::AxesAngles stop;
     if (const std::string problem = read_stop(line, stop); !problem.empty())
       return fail(ErrorCode::kStopPlan, at_line(problem));
-    if (const std::string problem = outside(stop, limits); !problem.empty())
-      return fail(ErrorCode::kAxesRange, at_line(problem));
+    if (const auto inside = motion::check_target(stop, limits); !inside)
+      return fail(inside.error().code, at_line(inside.error().detail));
     plan.push_back(stop);
   }
   if (plan.empty()) return fail(ErrorCode::kStopPlan, path + ": the plan holds no stop");

@@ -4,14 +4,11 @@
 #include <pthread.h>
 
 #include <algorithm>
-#include <span>
 #include <utility>
 
-#include "host/record/calibration_attachment.hpp"
+#include "host/ingest/probe_facts.hpp"
 #include "host/session/probe_counts.hpp"
-#include "protocol/base/crc32.hpp"
 #include "protocol/base/log.hpp"
-#include "protocol/base/utc.hpp"
 
 namespace enamel::host {
 namespace {
@@ -21,10 +18,8 @@ constexpr Nanoseconds kLook{5'000'000};  ///< how soon a wait notices what it wa
 double seconds_of(Nanoseconds t) { return std::chrono::duration<double>(t).count(); }
 
 std::optional<HostExposure> exposure_of(const proto::Burst& burst, const ClockMap& map) {
-  const proto::FrameMeta& last = burst.meta.back();
   const auto began = map.to_host(device_time(static_cast<std::int64_t>(burst.meta.front().t_strobe_ns)));
-  const auto ended =
-      map.to_host(device_time(static_cast<std::int64_t>(last.t_strobe_ns) + std::int64_t{last.exposure_us} * 1000));
+  const auto ended = map.to_host(end_of_exposure(burst));
   if (!began || !ended) return std::nullopt;
   return HostExposure{*began, *ended, *map.uncertainty()};
 }
@@ -221,11 +216,8 @@ void StopTaker::note_left_out(const proto::Burst& burst, BurstPlace place) {
 
 Result<void> StopTaker::start_recorder(const proto::DeviceInfo& info, const std::string& rig_text) {
   if (config_.recording_path.empty()) return {};
-  const capture::CaptureHeader header{
-      rig_text,
-      config_.program,
-      {{"serial", info.serial}, {"model", info.model}, {kRecordedAt, utc_text(wall_time())}}};
-  ENAMEL_TRY_ASSIGN(auto recorder, Recorder::create(config_.recording_path, header));
+  ENAMEL_TRY_ASSIGN(auto recorder,
+                    Recorder::create(config_.recording_path, header_of(info, rig_text, config_.program)));
   if (!config_.config_text.empty())
     recorder->attach(capture::kConfigAttachment, "application/toml", config_.config_text);
   recorder->note(info, clock_.now());
@@ -240,10 +232,7 @@ Result<void> StopTaker::on_probe(const proto::DeviceInfo& info, bool came_back) 
     if (info.calib_crc32 == probe_->calib_crc32) return {};
     return fail(ErrorCode::kRigForeign, "probe " + info.serial + " came back with another calibration");
   }
-  const std::string text(info.calibration_blob.begin(), info.calibration_blob.end());
-  if (text.empty()) return fail(ErrorCode::kRigMissing, "probe " + info.serial + " carries none");
-  if (crc32(std::as_bytes(std::span(text))) != info.calib_crc32)
-    return fail(ErrorCode::kRigInvalid, "damaged on its way from the probe");
+  ENAMEL_TRY_ASSIGN(const std::string text, rig_text_of(info));
   ENAMEL_TRY(start_recorder(info, text));
   const std::lock_guard lock(mutex_);
   probe_ = info;

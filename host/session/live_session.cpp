@@ -4,21 +4,16 @@
 #include <utility>
 
 #include "calib/model/measuring_rig.hpp"
+#include "host/ingest/probe_facts.hpp"
 #include "host/record/calibration_attachment.hpp"
 #include "host/record/session_stream.hpp"
 #include "host/session/probe_counts.hpp"
-#include "protocol/base/crc32.hpp"
 #include "protocol/base/log.hpp"
 #include "protocol/base/utc.hpp"
 
 namespace enamel::host {
 
 namespace {
-
-DeviceTime end_of_burst(const proto::Burst& burst) {
-  const proto::FrameMeta& last = burst.meta.back();
-  return device_time(static_cast<std::int64_t>(last.t_strobe_ns) + std::int64_t{last.exposure_us} * 1000);
-}
 
 ScanState scan_state(FeedState state) {
   switch (state) {
@@ -137,9 +132,7 @@ Result<void> LiveSession::start_pipeline(const std::string& text, bool simulated
 
 Result<void> LiveSession::start_recorder(const proto::DeviceInfo& info, const std::string& text) {
   if (config_.recording_path.empty()) return {};
-  const capture::CaptureHeader header{
-      text, config_.program, {{"serial", info.serial}, {"model", info.model}, {kRecordedAt, utc_text(wall_time())}}};
-  ENAMEL_TRY_ASSIGN(recorder_, Recorder::create(config_.recording_path, header));
+  ENAMEL_TRY_ASSIGN(recorder_, Recorder::create(config_.recording_path, header_of(info, text, config_.program)));
   disk_ = std::make_unique<DiskGuard>(config_.recording_path, config_.disk, [this] { stop(); });
   disk_ready_.store(disk_.get(), std::memory_order_release);
   recorder_->attach(capture::kConfigAttachment, "application/toml", config_.config_text);
@@ -159,13 +152,10 @@ Result<void> LiveSession::on_probe(const proto::DeviceInfo& info, bool came_back
                                                        : " is not calibrated as the one that began this session"));
   }
   if (came_back) return {};
-  const std::string text(info.calibration_blob.begin(), info.calibration_blob.end());
-  if (text.empty()) return fail(ErrorCode::kRigMissing, "probe " + info.serial + " carries none");
-  if (crc32(std::as_bytes(std::span(text))) != info.calib_crc32)
-    return fail(ErrorCode::kRigInvalid, "damaged on its way from the probe");
+  ENAMEL_TRY_ASSIGN(const std::string text, rig_text_of(info));
   ENAMEL_TRY(start_recorder(info, text));
   if (past_) return {};
-  return start_pipeline(text, info.model.find("SIMULATED") != std::string::npos);
+  return start_pipeline(text, says_simulated(info));
 }
 
 void LiveSession::on_restart() {
@@ -188,7 +178,7 @@ void LiveSession::on_burst(dds::Received<proto::Burst> burst, HostTime arrival) 
     note_shed(burst.value);
     return;
   }
-  const auto exposed = link_->clock_map().to_host(end_of_burst(burst.value));
+  const auto exposed = link_->clock_map().to_host(end_of_exposure(burst.value));
   if (auto dropped = gate_.push({std::move(burst), arrival, exposed})) note_shed(dropped->burst.value);
 }
 

@@ -2,9 +2,16 @@
 
 #include <algorithm>
 
+#include "host/record/calibration_attachment.hpp"
 #include "protocol/base/log.hpp"
+#include "protocol/base/utc.hpp"
 
 namespace enamel::host {
+
+capture::CaptureHeader header_of(const proto::DeviceInfo& info, const std::string& rig_text,
+                                 const std::string& program) {
+  return {rig_text, program, {{"serial", info.serial}, {"model", info.model}, {kRecordedAt, utc_text(wall_time())}}};
+}
 
 Result<std::unique_ptr<Recorder>> Recorder::create(const std::string& path, const capture::CaptureHeader& header) {
   ENAMEL_TRY_ASSIGN(auto writer, capture::CaptureWriter::create(path, header));

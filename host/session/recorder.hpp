@@ -15,6 +15,10 @@
 
 namespace enamel::host {
 
+/// Of a recording that begins now.
+[[nodiscard]] capture::CaptureHeader header_of(const proto::DeviceInfo& info, const std::string& rig_text,
+                                               const std::string& program);
+
 class Recorder {
  public:
   /// Errors: kFileWrite.

@@ -12,6 +12,7 @@
 #include "host/session/end_stages.hpp"
 #include "host/session/final_map.hpp"
 #include "host/session/pipeline_figures.hpp"
+#include "host/session/temp_range.hpp"
 #include "host/session/wave_before.hpp"
 #include "pipeline/flow/executor.hpp"
 #include "pipeline/flow/graph.hpp"
@@ -177,10 +178,8 @@ ScanPipeline::~ScanPipeline() { finish(); }
 
 bool ScanPipeline::push(Accepted item) {
   if (!impl_->first_push) impl_->first_push = impl_->clock.now();
-  const double temp_c = item.burst->temp_centi_c / 100.0;
-  impl_->start(temp_c);
-  auto& range = impl_->temp_c;
-  range = range ? std::array{std::min((*range)[0], temp_c), std::max((*range)[1], temp_c)} : std::array{temp_c, temp_c};
+  impl_->start(item.burst->temp_centi_c / 100.0);
+  take_in(*item.burst, impl_->temp_c);
   if (item.exposed) impl_->exposures.note(item.id, *item.exposed);
   if (item.exposed && item.arrived)
     impl_->link_ms.push_back(1e-6 * static_cast<double>((*item.arrived - *item.exposed).count()));

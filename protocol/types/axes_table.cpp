@@ -9,6 +9,7 @@
 namespace enamel::proto {
 namespace {
 
+constexpr double kSamePlace_deg = 0.01;  // chosen: an encoder's noise is below, the smallest step of a plan far above
 constexpr std::string_view kAngles = "rot_cmd_deg,swing_cmd_deg,rot_read_deg,swing_read_deg";
 constexpr std::array<const char*, 4> kAngleNames{"rot_cmd_deg", "swing_cmd_deg", "rot_read_deg", "swing_read_deg"};
 
@@ -95,9 +96,10 @@ Result<std::vector<AxesReading>> parse_burst_axes(std::string_view text, const s
 
 void number_stops(std::vector<AxesReading>& readings) {
   const auto place = [](double cmd, double read) { return std::isnan(cmd) ? read : cmd; };
+  const auto same = [](double a, double b) { return std::abs(a - b) < kSamePlace_deg; };
   const auto stands_as = [&](const AxesReading& a, const AxesReading& b) {
-    return place(a.rot_cmd_deg, a.rot_read_deg) == place(b.rot_cmd_deg, b.rot_read_deg) &&
-           place(a.swing_cmd_deg, a.swing_read_deg) == place(b.swing_cmd_deg, b.swing_read_deg);
+    return same(place(a.rot_cmd_deg, a.rot_read_deg), place(b.rot_cmd_deg, b.rot_read_deg)) &&
+           same(place(a.swing_cmd_deg, a.swing_read_deg), place(b.swing_cmd_deg, b.swing_read_deg));
   };
   std::uint32_t stop = 0;
   for (std::size_t n = 0; n < readings.size(); ++n) {

@@ -32,7 +32,7 @@ struct AxesRow {
 [[nodiscard]] Result<std::vector<AxesReading>> parse_burst_axes(std::string_view text, const std::string& path);
 
 /// Numbers the stops of readings in the order of their bursts, from 0: another one wherever the commanded angle of an
-/// axis (read, where none was commanded) is not that of the reading in front.
+/// axis (read, where none was commanded) is not within 0.01 degrees of that of the reading in front.
 void number_stops(std::vector<AxesReading>& readings);
 
 /// The table by burst, in the order given; digits that read back to the same numbers.

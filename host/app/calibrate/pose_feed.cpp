@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "calib/model/rig.hpp"
+#include "host/ingest/probe_facts.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::app {
@@ -28,15 +29,13 @@ calib::PixelNoise noise_of(const calib::NoiseValues& n) {
 }
 
 Result<ProbeSeen> seen(const proto::DeviceInfo& info) {
-  if (info.calibration_blob.empty()) return fail(ErrorCode::kRigMissing, "probe " + info.serial + " carries none");
+  ENAMEL_TRY_ASSIGN(const std::string text, host::rig_text_of(info));
   ProbeSeen probe;
-  ENAMEL_TRY_ASSIGN(probe.rig,
-                    calib::parse_rig(std::string(info.calibration_blob.begin(), info.calibration_blob.end())));
-  if (probe.rig.crc32 != info.calib_crc32) return fail(ErrorCode::kRigInvalid, "damaged on its way from the probe");
+  ENAMEL_TRY_ASSIGN(probe.rig, calib::parse_rig(text));
   if (!probe.rig.noise) return fail(ErrorCode::kRigInvalid, "probe " + info.serial + " states no noise of its sensor");
   probe.noise = noise_of(*probe.rig.noise);
   probe.saturation_dn = std::exp2(probe.rig.noise->bits) - 1;
-  probe.is_simulated = info.model.find("SIMULATED") != std::string::npos;
+  probe.is_simulated = host::says_simulated(info);
   return probe;
 }
 
@@ -48,7 +47,7 @@ Result<std::unique_ptr<PoseFeed>> PoseFeed::create(const dds::Participant& parti
   link_config.serial = config.serial;
   ENAMEL_TRY_ASSIGN(auto link, host::ProbeLink::create(participant, link_config, clock));
   host::FeedConfig feed;
-  feed.session_id = static_cast<std::uint32_t>(to_ns(clock.now()) / 1'000'000) | 1U;
+  feed.session_id = host::new_session_id(clock);
   feed.find_timeout = Nanoseconds(static_cast<std::int64_t>(config.wait_seconds * 1e9));
   std::unique_ptr<PoseFeed> self(new PoseFeed(std::move(link), config, feed, clock));
   self->thread_ = std::jthread([raw = self.get()](const std::stop_token& stop) { raw->run(stop); });

@@ -65,13 +65,9 @@ Result<void> check_enough(const AccuracyOptions& o) {
 /// The first run as `enamel compare` shows it.
 Result<void> write_picture(const AccuracyOptions& o, const host::MeshFile& run, const host::MeshFile& reference) {
   if (o.out.empty()) return {};
-  ENAMEL_TRY(make_folder(o.out));
   const host::CompareInput input{.alignment = host::Alignment::kBest, .mesh_origin_mm = run.origin_mm};
   ENAMEL_TRY_ASSIGN(const auto result, host::compare(run.mesh, {&reference, 1}, input));
-  const auto png = host::deviation_png(run.mesh, result);
-  ENAMEL_TRY(write_file(o.out + "/deviation.png", {reinterpret_cast<const char*>(png.data()), png.size()}));
-  const auto colours = host::deviation_colours(result.deviation_um, 100.0);
-  return write_file(o.out + "/deviation.ply", host::ply_bytes(run.mesh, colours, run.origin_mm));
+  return host::write_deviation(o.out, run, result);
 }
 
 Result<int> run_accuracy(const AccuracyOptions& o) {

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/app/desktop/open_axes.hpp"
 #include "host/app/desktop/stop_by_signal.hpp"
 #include "host/app/desktop/subcommand.hpp"
-#include "host/motion/grbl_axes.hpp"
 #include "protocol/base/json_text.hpp"
 
 namespace enamel::app {
@@ -62,8 +62,6 @@ void add_position(Json& json, const AxesPosition& at) {
 
 using Work = Result<void> (*)(GrblAxes& axes, const AxesOptions& o, Json& json);
 
-Nanoseconds within(const AxesOptions& o) { return Nanoseconds{static_cast<std::int64_t>(o.within_s * 1e9)}; }
-
 Result<void> look(GrblAxes& axes, const AxesOptions&, Json& json) {
   Json settings = Json::object();
   for (const auto& [number, value] : axes.settings()) settings[fmt::format("${}", number)] = value;
@@ -72,7 +70,7 @@ Result<void> look(GrblAxes& axes, const AxesOptions&, Json& json) {
 }
 
 Result<void> home(GrblAxes& axes, const AxesOptions& o, Json& json) {
-  ENAMEL_TRY(axes.home(within(o)));
+  ENAMEL_TRY(axes.home(nanoseconds(o.within_s)));
   ENAMEL_TRY_ASSIGN(const AxesPosition at, axes.position());
   add_position(json, at);
   return {};
@@ -81,23 +79,17 @@ Result<void> home(GrblAxes& axes, const AxesOptions& o, Json& json) {
 Result<void> move(GrblAxes& axes, const AxesOptions& o, Json& json) {
   // Before anything moves, and not only after a minute of homing.
   ENAMEL_TRY(motion::check_target(o.target, axes.limits()));
-  ENAMEL_TRY(axes.home(within(o)));
-  ENAMEL_TRY_ASSIGN(const AxesPosition at, axes.move_to(o.target, within(o)));
+  ENAMEL_TRY(axes.home(nanoseconds(o.within_s)));
+  ENAMEL_TRY_ASSIGN(const AxesPosition at, axes.move_to(o.target, nanoseconds(o.within_s)));
   add_position(json, at);
   return {};
 }
 
 Result<void> halt(GrblAxes& axes, const AxesOptions&, Json&) { return axes.stop(); }
 
-Result<motion::GrblProfile> chosen_profile(const std::string& path) {
-  if (path.empty()) return motion::GrblProfile{};
-  return motion::read_grbl_profile(path);
-}
-
 Result<void> run_on_axes(const AxesOptions& o, Work work, Json& json) {
-  ENAMEL_TRY_ASSIGN(const motion::GrblProfile profile, chosen_profile(o.profile));
   SteadyClock clock;
-  ENAMEL_TRY_ASSIGN(const auto axes, GrblAxes::open(o.port, profile, clock));
+  ENAMEL_TRY_ASSIGN(const auto axes, open_axes(o.port, o.profile, clock));
   const StopBySignal guard(*axes);
   json = describe(*axes);
   ENAMEL_TRY(work(*axes, o, json));

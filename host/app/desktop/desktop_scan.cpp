@@ -1,16 +1,17 @@
 #include "host/app/desktop/desktop_scan.hpp"
 
-#include <chrono>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "calib/model/measuring_rig.hpp"
+#include "host/app/desktop/open_axes.hpp"
 #include "host/app/desktop/stop_by_signal.hpp"
 #include "host/app/out_folder.hpp"
 #include "host/app/run_session.hpp"
 #include "host/desktop/desktop_session.hpp"
 #include "host/desktop/live_stops.hpp"
-#include "host/motion/grbl_axes.hpp"
+#include "host/ingest/probe_facts.hpp"
 #include "host/record/calibration_attachment.hpp"
 #include "protocol/base/file.hpp"
 #include "protocol/base/log.hpp"
@@ -20,13 +21,11 @@ namespace {
 
 constexpr const char* kAutoPlan = "auto";
 
-Nanoseconds seconds(double s) { return Nanoseconds{static_cast<std::int64_t>(s * 1e9)}; }
-
 host::StopTakerConfig taker_config(const DesktopScan& scan, const LoadedConfig& config, Clock& clock) {
   host::StopTakerConfig out;
   out.link.serial = scan.scan.serial;
-  out.feed.session_id = static_cast<std::uint32_t>(to_ns(clock.now()) / 1'000'000) | 1U;
-  out.feed.find_timeout = seconds(scan.scan.wait_seconds);
+  out.feed.session_id = host::new_session_id(clock);
+  out.feed.find_timeout = nanoseconds(scan.scan.wait_seconds);
   out.bursts = scan.bursts;
   if (scan.scan.record) out.recording_path = scan.scan.run.out + "/capture.mcap";
   out.program = "enamel " ENAMEL_VERSION;
@@ -59,38 +58,34 @@ Result<void> attach_to(host::StopTaker& taker, const DesktopScan& scan, const Me
   return {};
 }
 
-Result<motion::GrblProfile> profile_of(const std::string& path) {
-  if (path.empty()) return motion::GrblProfile{};
-  return motion::read_grbl_profile(path);
-}
-
-Result<host::StopPlan> fixed_plan(const std::string& plan, const motion::AxesLimits& limits) {
-  if (plan.find('.') != std::string::npos || plan.find('/') != std::string::npos) return host::read_plan(plan, limits);
-  ENAMEL_TRY_ASSIGN(host::StopPlan out, host::named_plan(plan));
-  ENAMEL_TRY(host::check_plan(out, limits));
-  return out;
-}
-
-Result<std::unique_ptr<host::StopChooser>> chooser_of(const std::string& plan, const motion::AxesLimits& limits,
-                                                      const calib::Mount& mount, const calib::Rig& rig) {
-  if (plan == kAutoPlan) {
-    return std::make_unique<host::PlannedStops>(
-        pipeline::StopPlanner(mount, rig, host::within(pipeline::PlannerConfig{}, limits)));
+/// None for the plan that is made as it goes. The axes' limits are known, and nothing has moved.
+Result<std::optional<host::StopPlan>> fixed_plan(const std::string& plan, const motion::AxesLimits& limits) {
+  if (plan == kAutoPlan) return std::optional<host::StopPlan>();
+  if (plan.find('.') != std::string::npos || plan.find('/') != std::string::npos) {
+    ENAMEL_TRY_ASSIGN(auto read, host::read_plan(plan, limits));
+    return std::optional(std::move(read));
   }
-  ENAMEL_TRY_ASSIGN(host::StopPlan stops, fixed_plan(plan, limits));
-  return std::make_unique<host::FixedPlan>(std::move(stops));
+  ENAMEL_TRY_ASSIGN(auto named, host::named_plan(plan));
+  ENAMEL_TRY(host::check_plan(named, limits));
+  return std::optional(std::move(named));
 }
 
-/// Nothing moves before everything that can be checked without moving is right.
-Result<std::unique_ptr<motion::GrblAxes>> homed_axes(const DesktopScan& scan, Clock& clock) {
-  ENAMEL_TRY_ASSIGN(const motion::GrblProfile profile, profile_of(scan.profile));
-  ENAMEL_TRY_ASSIGN(auto axes, motion::GrblAxes::open(scan.port, profile, clock));
-  if (scan.plan != kAutoPlan) {
-    ENAMEL_TRY(fixed_plan(scan.plan, axes->limits()));
-  }
+std::unique_ptr<host::StopChooser> chooser_of(std::optional<host::StopPlan> fixed, const motion::AxesLimits& limits,
+                                              const calib::Mount& mount, const calib::Rig& rig) {
+  if (fixed) return std::make_unique<host::FixedPlan>(std::move(*fixed));
+  return std::make_unique<host::PlannedStops>(
+      pipeline::StopPlanner(mount, rig, host::within(pipeline::PlannerConfig{}, limits)));
+}
+
+Result<void> home(motion::Axes& axes, double within_s) {
+  const StopBySignal guard(axes);
   log::info("desktop", "homing the table");
-  ENAMEL_TRY(axes->home(seconds(scan.home_within_s)));
-  return axes;
+  return axes.home(nanoseconds(within_s));
+}
+
+Result<proto::DeviceInfo> start(host::StopTaker& taker) {
+  const StopBySignal guard(taker);
+  return taker.start();
 }
 
 }  // namespace
@@ -104,17 +99,18 @@ Result<int> run_desktop_scan(const DesktopScan& scan) {
   folder.clear_results();
   ENAMEL_TRY_ASSIGN(const auto link, dds::participant_options(scan.scan.link, dds::LinkEnd::kHost));
   ENAMEL_TRY_ASSIGN(const auto participant, dds::Participant::create(link));
-  ENAMEL_TRY_ASSIGN(const auto axes, homed_axes(scan, clock));
-  auto guard = std::make_unique<const StopBySignal>(*axes);
+  ENAMEL_TRY_ASSIGN(const auto axes, open_axes(scan.port, scan.profile, clock));
+  ENAMEL_TRY_ASSIGN(auto fixed, fixed_plan(scan.plan, axes->limits()));
+  // Nothing has moved until here.
+  ENAMEL_TRY(home(*axes, scan.home_within_s));
   ENAMEL_TRY_ASSIGN(auto taker, host::StopTaker::create(participant, taker_config(scan, config, clock), *axes, clock));
-  ENAMEL_TRY_ASSIGN(const proto::DeviceInfo info, taker->start());
+  ENAMEL_TRY_ASSIGN(const proto::DeviceInfo info, start(*taker));
   ENAMEL_TRY_ASSIGN(const Measuring measuring, rig_of(scan, info));
   ENAMEL_TRY(attach_to(*taker, scan, measuring));
   ENAMEL_TRY_ASSIGN(auto model, desktop_model(measuring.rig, measuring.rig.crc32, mount, config, scan.desktop,
                                               scan.scan.run.workers));
-  ENAMEL_TRY_ASSIGN(auto plan, chooser_of(scan.plan, axes->limits(), mount, measuring.rig));
-  guard.reset();  // from here on the session has the signals, and stops the table by its source
-  host::DesktopRun about{.simulated = info.model.find("SIMULATED") != std::string::npos,
+  auto plan = chooser_of(std::move(fixed), axes->limits(), mount, measuring.rig);
+  host::DesktopRun about{.simulated = host::says_simulated(info),
                          .device_serial = info.serial,
                          .scanned_at = {},
                          .preview_model = !scan.scan.run.headless};

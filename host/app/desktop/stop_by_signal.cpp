@@ -9,22 +9,24 @@ namespace {
 
 constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
 
-std::atomic<motion::Axes*> g_axes{nullptr};
+std::atomic<void*> g_what{nullptr};
+std::atomic<void (*)(void*)> g_request_stop{nullptr};
 
 void on_stop_signal(int) {
-  if (motion::Axes* axes = g_axes.load()) axes->request_stop();
+  if (void* what = g_what.load()) g_request_stop.load()(what);
 }
 
 }  // namespace
 
-StopBySignal::StopBySignal(motion::Axes& axes) {
-  g_axes = &axes;
+StopBySignal::StopBySignal(void* what, void (*request_stop)(void*)) {
+  g_request_stop = request_stop;
+  g_what = what;
   for (const int number : kSignals) std::signal(number, on_stop_signal);
 }
 
 StopBySignal::~StopBySignal() {
   for (const int number : kSignals) std::signal(number, SIG_DFL);
-  g_axes = nullptr;
+  g_what = nullptr;
 }
 
 }  // namespace enamel::app

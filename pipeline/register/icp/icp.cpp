@@ -1,10 +1,9 @@
 #include "pipeline/register/icp/icp.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/register/icp/accumulate.hpp"
+#include "pipeline/register/icp/layer_steps.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -16,23 +15,10 @@ MatchGate make_gate(const IcpLevel& level, const IcpConfig& config) {
           static_cast<float>(config.hidden_mm)};
 }
 
-RobustKernel make_kernel(const IcpConfig& config, bool finest, double scale_mm) {
-  const double tuning = finest ? config.welsch_scale : config.huber_scale;
-  return {finest, static_cast<float>(1 / (tuning * std::max(scale_mm, config.samples.sigma_floor_mm)))};
-}
-
-bool small(const Vector6& x, double rho_mm, double translation_mm, double rotation_rad) {
-  return x.tail<3>().norm() < translation_mm && x.head<3>().norm() < rotation_rad * rho_mm;
-}
-
 }  // namespace
 
 PatchPyramid make_pyramid(const SurfacePatch& patch, const IcpConfig& config) {
-  PatchPyramid out;
-  for (std::size_t l = 0; l < out.levels.size(); ++l) {
-    out.levels[l] = sample_patch(patch, config.levels[l].stride_px, config.samples);
-  }
-  return out;
+  return pyramid_of(patch, config.levels, config.samples);
 }
 
 IcpResult align(const PatchPyramid& patch, const Reference& reference, const ViewCamera& camera, const Pose& start,
@@ -49,23 +35,15 @@ IcpResult align(const PatchPyramid& patch, const Reference& reference, const Vie
     double last_rms = 0;
     for (int k = 0; k < level.max_iterations; ++k) {
       const AlignPass pass =
-          accumulate(of, out.T_model_cam, gate, make_kernel(config, l + 1 == config.levels.size(), scale));
+          accumulate(of, out.T_model_cam, gate, kernel_of(config, l + 1 == config.levels.size(), scale));
       if (pass.matches < config.min_matches / (l == 0 ? 4 : 1)) return out;
       const Vec3d centre = out.T_model_cam * samples.centroid;
       const Vector6 to_prior = motion_between(out.T_model_cam, prior, centre, config.rho_mm);
       const Solution step = solve(pass.system, to_prior, config.prior);
       out.T_model_cam = apply_motion(step.x, centre, config.rho_mm, out.T_model_cam);
-      ++out.iterations;
-      out.rms_mm = pass.rms_mm();
-      out.overlap = static_cast<double>(pass.matches) / static_cast<double>(samples.size());
-      out.consistency = static_cast<double>(pass.matches) / static_cast<double>(pass.matches + pass.contradictions);
-      out.weak_directions = step.weak;
-      out.eigenvalues = step.eigenvalues;
-      out.system = pass.system;
+      note_step(pass, step, samples.size(), out);
       scale = 1.4826 * pass.residuals.median_mm();
-      const bool settled = std::abs(out.rms_mm - last_rms) < config.rms_change * out.rms_mm &&
-                           small(step.x, config.rho_mm, config.small_step_mm, config.small_step_mm / config.rho_mm);
-      if (settled || small(step.x, config.rho_mm, config.end_translation_mm, config.end_rotation_rad)) break;
+      if (layer_ends(step.x, out.rms_mm, last_rms, config)) break;
       last_rms = out.rms_mm;
     }
   }

@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "pipeline/register/icp/patch_view.hpp"
 #include "pipeline/register/stops/stop_pairs.hpp"
 
 namespace enamel::pipeline {
@@ -69,20 +68,20 @@ class Adjustment {
   [[nodiscard]] StopDeviation left_over(std::size_t k, const Pose& T) const {
     const Pose as_told = told(k);
     const Vec3d centre = as_told * input_.taken.stops()[k].centre;
-    const AxisMotions motions =
-        axis_motions(mount_, input_.taken.stops()[k].angles, followed_.offsets[k], centre, config_.graph.rho_mm);
-    return take_apart(motion_between(as_told, T, centre, config_.graph.rho_mm), motions);
+    return take_apart(motion_between(as_told, T, centre, config_.graph.rho_mm), motions_of(k, centre));
   }
 
  private:
+  [[nodiscard]] AxisMotions motions_of(std::size_t k, const Vec3d& centre) const {
+    return axis_motions(mount_, input_.taken.stops()[k].angles, followed_.offsets[k], centre, config_.graph.rho_mm);
+  }
+
   [[nodiscard]] std::vector<PosePrior> priors() const {
     std::vector<PosePrior> out;
     for (std::size_t k = 0; k < input_.taken.stops().size(); ++k) {
       const Pose T = told(k);
       const Vec3d centre = T * input_.taken.stops()[k].centre;
-      const AxisMotions motions =
-          axis_motions(mount_, input_.taken.stops()[k].angles, followed_.offsets[k], centre, config_.graph.rho_mm);
-      const Matrix6 C = pose_covariance(motions, config_.stop, config_.graph.rho_mm);
+      const Matrix6 C = pose_covariance(motions_of(k, centre), config_.stop, config_.graph.rho_mm);
       out.push_back({k + 1, T, centre, C.ldlt().solve(Matrix6::Identity())});
     }
     return out;
@@ -107,9 +106,12 @@ class Adjustment {
 
 }  // namespace
 
-Stop make_stop(const SurfacePatch& patch, const calib::AxisAngles& angles, const calib::Rig& rig, const IcpConfig& icp,
-               const LayConfig& config) {
-  const PatchViewer viewer(rig.camera, rig.camera.width, rig.camera.height, config.view_stride_px);
+PatchViewer stop_viewer(const calib::LensValues& lens, const LayConfig& config) {
+  return {lens, lens.width, lens.height, config.view_stride_px};
+}
+
+Stop make_stop(const SurfacePatch& patch, const calib::AxisAngles& angles, const PatchViewer& viewer,
+               const IcpConfig& icp, const LayConfig& config) {
   Stop out;
   out.angles = angles;
   out.node.samples = sample_patch(patch, config.sample_stride_px, icp.samples);

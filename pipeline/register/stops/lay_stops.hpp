@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calib/model/rig.hpp"
+#include "pipeline/register/icp/patch_view.hpp"
 #include "pipeline/register/stops/closing.hpp"
 #include "pipeline/register/stops/mount_refit.hpp"
 #include "pipeline/register/stops/slip.hpp"
@@ -27,8 +28,11 @@ struct LayConfig {
   GraphConfig graph;
 };
 
+/// For all stops of a scan: it knows where the lens brings every pixel.
+[[nodiscard]] PatchViewer stop_viewer(const calib::LensValues& lens, const LayConfig& config);
+
 /// Makes a stop of its patch. Pure.
-[[nodiscard]] Stop make_stop(const SurfacePatch& patch, const calib::AxisAngles& angles, const calib::Rig& rig,
+[[nodiscard]] Stop make_stop(const SurfacePatch& patch, const calib::AxisAngles& angles, const PatchViewer& viewer,
                              const IcpConfig& icp, const LayConfig& config);
 
 struct LayInput {

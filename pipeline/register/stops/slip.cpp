@@ -100,20 +100,19 @@ const Pose& StopFollower::follow(Stop stop) {
 void StopFollower::lay(std::size_t i) {
   const Pose as_told = told(i, now_);
   const auto others = beside(i, as_told);
-  if (others.empty()) return settle(as_told, Laid::kAlone, 0);
+  if (others.empty()) return settle(as_told, Laid::kAlone);
   const auto word = guesses_.empty() ? best_word(others, i, as_told) : tell_apart(i, others);
-  if (word && word->sigmas <= config_.sigmas) return settle(told(i, now_), Laid::kLaid, word->shift_mm);
+  if (word && word->sigmas <= config_.sigmas) return settle(told(i, now_), Laid::kLaid);
   const auto found = word ? std::optional<Pose>(word->T) : search(i, others, as_told);
-  if (!found) return settle(as_told, Laid::kNot, 0);
+  if (!found) return settle(as_told, Laid::kNot);
   note(i, as_told, *found);
-  settle(*found, Laid::kLaid, (*found * stops_[i].centre - as_told * stops_[i].centre).norm());
+  settle(*found, Laid::kLaid);
 }
 
-void StopFollower::settle(const Pose& T, Laid laid, double deviation_mm) {
+void StopFollower::settle(const Pose& T, Laid laid) {
   out_.T_model_cam.push_back(T);
   out_.offsets.push_back(now_);
   out_.laid.push_back(laid);
-  out_.deviation_mm.push_back(deviation_mm);
 }
 
 /// From afar; two stops have to tell the same where there are two.

@@ -39,7 +39,6 @@ struct FollowedStops {
   std::vector<Pose> T_model_cam;  ///< where each stop begins: by the axes, slips allowed for
   std::vector<AxesOffset> offsets;
   std::vector<Laid> laid;
-  std::vector<double> deviation_mm;  ///< of each stop's surface from where the axes put it, as laid on those before
   std::vector<Slip> slips;
 };
 
@@ -77,7 +76,7 @@ class StopFollower {
   [[nodiscard]] StopDeviation turns_to(std::size_t i, const Pose& found) const;
   [[nodiscard]] std::optional<Word> tell_apart(std::size_t i, const std::vector<std::size_t>& others);
   void lay(std::size_t i);
-  void settle(const Pose& T, Laid laid, double deviation_mm);
+  void settle(const Pose& T, Laid laid);
   void note(std::size_t i, const Pose& as_told, const Pose& found);
 
   calib::Mount mount_;

@@ -83,7 +83,7 @@ struct TableScene {
     return make_patch(surface, rig.camera, T_surface_model * T_model_cam, {kSigma_mm, 0.03, own ^ noise_seed});
   }
   [[nodiscard]] pipeline::Stop stop(std::size_t k, const calib::AxisAngles& told, const Pose& T_model_cam) const {
-    return pipeline::make_stop(patch(T_model_cam, k), told, rig, icp, lay);
+    return pipeline::make_stop(patch(T_model_cam, k), told, pipeline::stop_viewer(rig.camera, lay), icp, lay);
   }
   [[nodiscard]] pipeline::LayingRules rules() const { return {rig.camera, icp, edge}; }
 
