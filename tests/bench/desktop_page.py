@@ -12,6 +12,8 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from bench_page import Page, machine, wrapped  # noqa: E402
 from desktop_rounds import Rounds  # noqa: E402
 
+SHARED = os.environ.get("ENAMEL_SHARED", "../shared")
+JAW = ("jaws/sjtu_p0_lower_crowns.ply", "oracle/mouth-02/truth/gum_p0_lower.ply")
 MOVE_S = 0.4  # of a real table, from stop to stop: assumed
 
 
@@ -98,6 +100,20 @@ def arch(page, units, short):
                ["≤ 15", "", "≤ 6", "≤ 18", "≥ 99", "", ""], rows)
 
 
+def other(page, sets):
+    """Sets of another renderer: of a jaw that does not lie in this tree."""
+    heading(page, "Rendered by another program",
+            "The lower crowns of a real jaw on a modelled gum, with units, projector responses, mounts and calibration errors (1 µm, 0.001°) "
+            "drawn anew, rendered by `tests/bench/other_renderer.py`, which shares no code with the twin: 72 stops, two bursts each, true rig.")
+    if not sets:
+        page.text += ["", wrapped("Not measured: the surfaces were not there (`ENAMEL_SHARED`, ../shared).")]
+        return
+    rows = [(f"unit {s['seed']}, mode {s['mode']}, gamma {s['gamma']:.1f}",
+             [cell(s["by_axes_rms_um"], 15), cell(s["fine_rms_um"]), cell(s["mean_abs_um"], 6), cell(s["p95_um"], 18), cell(int(s["slipped"]), 0, "{}")])
+            for s in sets]
+    page.table("", ["coarse µm", "fine µm", "trueness, mean µm", "trueness, 95 % µm", "slips told, none was there"], ["≤ 15", "", "≤ 6", "≤ 18", "0"], rows)
+
+
 def precision(page, repeats):
     page.section("Precision", f"{repeats['scans']} scans of the first unit's arch laid on each other by best fit, {repeats['pairs']} pair{'' if repeats['pairs'] == 1 else 's'}; noise, stop "
                  "errors and the wobble's phase are drawn anew for each. The unit's errors and the model stay, and the model is not moved. "
@@ -143,6 +159,8 @@ def main():
         units[seed] = {"axes": rounds.axes(unit), "bar": rounds.bar(seed, unit), "arch": rounds.arch(seed, unit)}
         first = first or (seed, unit)
     repeats = rounds.repeats(*first, count)
+    surfaces = [os.path.join(SHARED, "data", name) for name in JAW]
+    others = [rounds.other(seed, surfaces) for seed in range(1, 2 if given.short else 4)] if all(map(os.path.exists, surfaces)) else []
     page = Page("desktop-accuracy.md")
     page.text += ["", wrapped("All figures are SIMULATED: the twin with planted errors of each unit (axes tilted by up to 2°, skew 0.3 mm, first harmonic 0.02°, "
                               "backlash 0.05°, wobble 3 µm; drives stop to 0.01° rms), noise, and rigs and axes as solved."
@@ -150,10 +168,11 @@ def main():
     within = axes(page, units)
     bar(page, units)
     arch(page, units, given.short)
+    other(page, others)
     precision(page, repeats)
     alarms_and_time(page, units)
     page.write(given.out, "desktop", "tools/bench-desktop", machine(),
-               {"simulated": True, "short": given.short, "axes": within, "precision": repeats, "units": units})
+               {"simulated": True, "short": given.short, "axes": within, "precision": repeats, "units": units, "other": others})
     print(f"{given.out}/desktop.md")
 
 

@@ -8,6 +8,8 @@ import sys
 
 import numpy as np
 
+from desktop_other import TURNS_DEG, measured
+
 SCENES = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../config/scenes"))
 POINT = "mount.rotation.point_mm=[27.0,0.0,48.0]"  # of every scene: one mount.json serves them all
 FULL = {"rig": [], "bar": [], "arch": ["--set", "mount.bursts=2"]}  # two at a stop, as a scan takes them
@@ -106,6 +108,11 @@ class Rounds:
             told = self.accuracy([out], "--reference", os.path.join(capture, "truth/surface.ply"))["trueness"]["runs"][0]
             return {k: told[k] for k in ("mean_abs_um", "mean_um", "rms_um", "p95_um", "half_80_um")}
         return self.both_ways(capture, unit, measure)
+
+    def other(self, seed, surfaces):
+        """A unit drawn and rendered by another program."""
+        print(f"rendering and scanning another program's set {seed} ...", file=sys.stderr)
+        return measured(self.programs, os.path.join(self.folder, f"other_{seed}"), seed, surfaces, TURNS_DEG)
 
     def repeats(self, seed, unit, count):
         """Further scans of the unit's arch: noise, stop errors and phase of the wobble drawn anew."""
