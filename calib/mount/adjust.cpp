@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "calib/solve/solver_options.hpp"
+#include "pipeline/types/pose_rows.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -206,10 +207,8 @@ Pose board_at(const MountState& state, const AxisAngles& angles, const StopBlock
   Mount mount;
   mount.rotation = state.rotation;
   mount.swing = state.swing;
-  const Matrix4 m = table_motion(mount, angles, {.pose = {}, .rotation_rad = stop[0], .swing_rad = stop[1]});
-  Pose motion = Pose::Identity();
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 4; ++c) motion(r, c) = m[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
+  const Pose motion =
+      pose_of_rows(table_motion(mount, angles, {.pose = {}, .rotation_rad = stop[0], .swing_rad = stop[1]}));
   Pose pose = motion * state.T_camera_board;
   pose.translation() += Vec3d(stop[2], stop[3], stop[4]);
   return pose;

@@ -53,6 +53,9 @@ class Acquisition final : public AcquisitionPort {
   void calibrate() override;
   void drain() override;
   void abort() override;
+  [[nodiscard]] Result<void> set_exposure(std::uint32_t exposure_us) override {
+    return hw_.camera.set_exposure(exposure_us);
+  }
   [[nodiscard]] AcquisitionReport report() const override;
   /// As calibrate() measured it last.
   [[nodiscard]] std::optional<StampDelay> stamp_delay() const;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "firmware/acquire/burst_ledger.hpp"
+#include "protocol/base/result.hpp"
 #include "protocol/types/device.hpp"
 
 namespace enamel::fw {
@@ -38,6 +39,8 @@ class AcquisitionPort {
   virtual void drain() = 0;
   /// Ends now; a burst under way is given up. Returns when the job has let go of the hardware, or within 200 ms.
   virtual void abort() = 0;
+  /// As Camera::set_exposure, whatever the job.
+  [[nodiscard]] virtual Result<void> set_exposure(std::uint32_t exposure_us) = 0;
   [[nodiscard]] virtual AcquisitionReport report() const = 0;
 };
 

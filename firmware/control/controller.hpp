@@ -91,6 +91,7 @@ class ProbeController {
   [[nodiscard]] Verdict close_session(HostTime now);
   [[nodiscard]] Verdict start_scan(const proto::Command& command, HostTime now);
   [[nodiscard]] Verdict set_heater(const proto::Command& command);
+  [[nodiscard]] Verdict set_exposure(const proto::Command& command);
   [[nodiscard]] Verdict end_scan(Input input, HostTime now);
   [[nodiscard]] Verdict apply(Input input, HostTime now);
   [[nodiscard]] Verdict bad_state(Input input) const;

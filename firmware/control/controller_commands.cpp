@@ -58,6 +58,8 @@ ProbeController::Verdict ProbeController::execute(const proto::Command& command,
       return end_scan(Input::kStop, now);
     case Opcode::kSetHeater:
       return set_heater(command);
+    case Opcode::kSetExposure:
+      return set_exposure(command);
     case Opcode::kSelftest:
       return state_ == ProbeState::kSelftest ? Verdict{} : apply(Input::kCmdSelfTest, now);
     default:
@@ -69,6 +71,8 @@ ProbeController::Verdict ProbeController::open_session(const proto::Command& com
   if (lease_ && lease_->client_id != command.client_id) return {Status::kBusy, "another host holds the probe"};
   lease_ = Lease{command.client_id, now + config_.lease};
   session_closed_ = false;
+  // What another host asked for ends with it; a camera that cannot change it has its own.
+  static_cast<void>(acquisition_.set_exposure(0));
   return {};
 }
 
@@ -119,6 +123,16 @@ ProbeController::Verdict ProbeController::set_heater(const proto::Command& comma
   }
   heater_set_point_cc_ = static_cast<std::int16_t>(std::lround(100 * set_point));
   return {};
+}
+
+ProbeController::Verdict ProbeController::set_exposure(const proto::Command& command) {
+  const std::int64_t us = command.arg_i[0];
+  if (us < 0 || us > std::int64_t{std::numeric_limits<std::uint32_t>::max()}) {
+    return {Status::kBadArg, fmt::format("exposure of {} us", us)};
+  }
+  const auto set = acquisition_.set_exposure(static_cast<std::uint32_t>(us));
+  if (set) return {};
+  return {set.error().code == ErrorCode::kConfigValue ? Status::kBadArg : Status::kUnknownOp, set.error().detail};
 }
 
 /// The burst under way is finished first: a pause loses nothing.

@@ -46,6 +46,11 @@ class Camera {
   /// Waits for the next frame. Errors: kCamera on time-out or disconnection, kCancelled after stop() or at the end of a
   /// finite source.
   [[nodiscard]] virtual Result<CameraFrame> next_frame() = 0;
+  /// Bursts that begin from now on are exposed so long; 0: as mode() says. From any thread. Errors: kHal when this
+  /// camera cannot, kConfigValue with its limits.
+  [[nodiscard]] virtual Result<void> set_exposure(std::uint32_t) {
+    return fail(ErrorCode::kHal, "its exposure is bound to the projector's pattern and cannot be changed");
+  }
   /// How often it was stopped and started again inside next_frame(): what was measured of its stamps holds no more.
   [[nodiscard]] virtual std::uint64_t restarts() const { return 0; }
 };

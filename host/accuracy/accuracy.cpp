@@ -19,12 +19,14 @@ Pose shifted(const Vec3d& by) { return Pose(Eigen::Translation3d(by)); }
 
 struct Laid {
   std::vector<float> deviation_um;
-  std::vector<bool> is_beyond;  ///< an open border
+  std::vector<bool> is_beyond;             ///< an open border
+  Pose T_surface_mesh = Pose::Identity();  ///< origins included
 };
 
 Laid lay_on(const MeshFile& mesh, const SignedSurface& surface, const Vec3d& surface_origin_mm) {
   Laid out;
   const Pose T = align_best(mesh.mesh, surface, shifted(mesh.origin_mm - surface_origin_mm));
+  out.T_surface_mesh = shifted(surface_origin_mm) * T * shifted(-mesh.origin_mm);
   out.deviation_um.reserve(mesh.mesh.vertices.size());
   out.is_beyond.reserve(mesh.mesh.vertices.size());
   for (const Vec3f& v : mesh.mesh.vertices) {
@@ -85,7 +87,7 @@ Result<std::vector<RunDeviation>> trueness(std::span<const AccuracyRun> runs, co
     const Laid laid = lay_on(run.file, surface, reference.origin_mm);
     std::vector<double> deviation_um = counted(laid, true);
     ENAMEL_TRY(check_laid(deviation_um, run.name, "the reference"));
-    out.push_back({figures_of(std::move(deviation_um)), beyond_pct(laid)});
+    out.push_back({figures_of(std::move(deviation_um)), beyond_pct(laid), laid.T_surface_mesh});
   }
   return out;
 }

@@ -23,6 +23,7 @@ struct AccuracyRun {
 struct RunDeviation {
   DeviationFigures figures;
   double beyond_border_pct = 0;
+  Pose T_reference_run = Pose::Identity();  ///< of the files' positions, their origins included
 };
 
 /// Errors: kMeshInvalid for a mesh without triangles, and for a run that does not lie on the reference after best fit.

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "host/app/child_process.hpp"
 #include "host/app/demo_calibration.hpp"
 #include "host/app/desktop/desktop_scan.hpp"
+#include "protocol/base/file.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::app {
@@ -58,6 +60,13 @@ Result<void> wait_for(const std::string& path, Nanoseconds within, Clock& clock)
   return {};
 }
 
+/// On stdout, unless that is for a program.
+Result<void> tell_accuracy(const DesktopDemo& demo) {
+  ENAMEL_TRY_ASSIGN(const std::string text, read_file(demo.run.out + "/accuracy.txt"));
+  if (!demo.run.json) std::printf("accuracy against the truth, SIMULATED\n%s", text.c_str());
+  return {};
+}
+
 /// By best fit: the model's frame is the table's, the truth's that of the jaw.
 Result<void> compare_with_truth(const DesktopDemo& demo, const std::string& surface, Clock& clock) {
   const std::string& out = demo.run.out;
@@ -95,7 +104,10 @@ Result<int> run_desktop_demo(const DesktopDemo& demo) {
   ENAMEL_TRY_ASSIGN(const int code, run_desktop_scan(desktop));
   probe.signal(SIGTERM);
   static_cast<void>(probe.wait(clock, kSurfaceWithin));
-  if (fs::exists(surface, ec)) ENAMEL_TRY(compare_with_truth(demo, surface, clock));
+  if (fs::exists(surface, ec)) {
+    ENAMEL_TRY(compare_with_truth(demo, surface, clock));
+    ENAMEL_TRY(tell_accuracy(demo));
+  }
   return code;
 }
 

@@ -90,6 +90,7 @@ Result<LoadedConfig> load_config(const RunOptions& o) {
   if (o.fast) ENAMEL_TRY(reader.set("map.refine=false"));
   LoadedConfig config;
   host::bind(reader, config.pipeline);
+  host::bind_desktop(reader, config.desktop);
   bind(reader, config.calibration);
   ENAMEL_TRY(reader.finish());
   config.text = reader.dump();

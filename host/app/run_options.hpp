@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/app/calibration.hpp"
+#include "host/desktop/desktop_config.hpp"
 #include "host/report/report.hpp"
 #include "host/session/pipeline_config.hpp"
 #include "host/session/scan_pipeline.hpp"
@@ -29,6 +30,7 @@ void add_run_options(CLI::App& app, RunOptions& options);
 
 struct LoadedConfig {
   host::PipelineConfig pipeline;
+  host::DesktopConfig desktop;  ///< with a pipeline of its own: the one above
   CalibrationLimits calibration;
   std::string text;  ///< resolved, TOML
 };

@@ -137,7 +137,9 @@ Result<Pose> place(const Mesh& mesh, const SignedSurface& reference, const Vec3d
   result.alignment = input.alignment;
   Pose T = shifted(input.mesh_origin_mm - origin_mm);
   if (input.alignment == Alignment::kBest) {
-    T = align_best(mesh, reference, T);
+    T = input.best_T_reference_mesh == nullptr
+            ? align_best(mesh, reference, T)
+            : shifted(-origin_mm) * *input.best_T_reference_mesh * shifted(input.mesh_origin_mm);
   } else if (input.alignment == Alignment::kStart) {
     if (input.estimate_poses == nullptr || input.truth_poses == nullptr) {
       return fail(ErrorCode::kUsage, "--align start needs --poses and --truth-poses");

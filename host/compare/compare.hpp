@@ -25,7 +25,8 @@ struct CompareInput {
   Alignment alignment = Alignment::kNone;
   const std::vector<PoseRow>* estimate_poses = nullptr;  ///< both needed for kStart
   const std::vector<PoseRow>* truth_poses = nullptr;
-  Vec3d mesh_origin_mm = Vec3d::Zero();  ///< MeshFile::origin_mm of the mesh
+  Vec3d mesh_origin_mm = Vec3d::Zero();         ///< MeshFile::origin_mm of the mesh
+  const Pose* best_T_reference_mesh = nullptr;  ///< kBest: fitted before, and not again; as CompareResult tells it
 };
 
 /// Figures in um over the vertices of the mesh, each counted once. All of them count, also those beyond an open border

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "pipeline/flow/parallel.hpp"
@@ -14,6 +16,12 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 200;  // as IcpConfig::min_matches: fewer cannot be laid on anything
 constexpr double kVisibleMove_mm = 0.005;    // a preview need not follow every micron
+
+bool has_two_alike(const StopBursts& stop) {
+  std::set<std::uint32_t> seen;
+  return std::ranges::any_of(stop.bursts,
+                             [&](const auto& burst) { return !seen.insert(burst->meta.front().exposure_us).second; });
+}
 
 }  // namespace
 
@@ -66,6 +74,8 @@ SurfacePatch DesktopModel::measure(const StopBursts& stop, std::vector<StopBurst
     decoded[n] = stage::decode_burst(parts_->decoder, *stop.bursts[n], config_.calib_crc32, wave_, workspace);
   });
   std::vector<SurfacePatch> patches;
+  std::map<std::uint32_t, int> exposed;
+  int alike = 1;
   for (std::size_t n = 0; n < decoded.size(); ++n) {
     const proto::Burst& burst = *stop.bursts[n];
     bursts.push_back({burst.id(), proto::mid_burst(burst), {}, {}});
@@ -75,22 +85,27 @@ SurfacePatch DesktopModel::measure(const StopBursts& stop, std::vector<StopBurst
     }
     bursts.back().digests = decoded[n].decoded->digests;
     if (decoded[n].decoded->wave_shown) pipeline::learn(*decoded[n].decoded->wave_shown, wave_);
+    alike = std::max(alike, ++exposed[burst.meta.front().exposure_us]);
     patches.push_back(std::move(decoded[n].decoded->patch));
   }
-  return pipeline::mean_patch(patches, parts_->decoder.rays(), parts_->decoder.config().normals, config_.mean);
+  // Where one exposure sees nothing, no more bursts can agree than there are of another.
+  pipeline::MeanConfig mean = config_.mean;
+  mean.min_agreeing = std::min(mean.min_agreeing, alike);
+  return pipeline::mean_patch(patches, parts_->decoder.rays(), parts_->decoder.config().normals, mean);
 }
 
-void DesktopModel::add_empty(const StopBursts& stop) {
+std::vector<StopBurst> DesktopModel::add_empty(const StopBursts& stop) {
   std::vector<StopBurst> bursts;
   const SurfacePatch patch = measure(stop, bursts);
   relief_.add(patch, pipeline::pose_by_axes(mount_, stop.angles));
+  return bursts;
 }
 
 const MeasuredStop& DesktopModel::add(const StopBursts& stop) {
   MeasuredStop out;
   out.angles = stop.angles;
   SurfacePatch patch = measure(stop, out.bursts);
-  is_averaged_ = is_averaged_ || stop.bursts.size() > 1;
+  is_averaged_ = is_averaged_ || has_two_alike(stop);
   if (!patch.texture_dn.empty()) live_ = std::make_shared<const Map<std::uint8_t>>(stage::live_image(patch.texture_dn));
   out.table_px = relief_.take_out(pipeline::pose_by_axes(mount_, stop.angles), patch);
   out.seen_px = patch.valid_px;

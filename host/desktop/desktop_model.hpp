@@ -50,8 +50,9 @@ class DesktopModel {
   [[nodiscard]] static Result<DesktopModel> make(const calib::Rig& rig, const calib::Mount& mount,
                                                  const DesktopConfig& config, std::size_t threads);
 
-  /// Of the empty table, before the first stop that is kept: its surface is taken out of all that follow.
-  void add_empty(const StopBursts& stop);
+  /// Of the empty table, before the first stop that is kept: its surface is taken out of all that follow. Returns what
+  /// became of its bursts.
+  std::vector<StopBurst> add_empty(const StopBursts& stop);
   /// Decodes and keeps a stop, and adds it to the growing model where the axes put it.
   const MeasuredStop& add(const StopBursts& stop);
 

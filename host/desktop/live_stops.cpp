@@ -56,8 +56,9 @@ BurstCounts LiveStops::counts() const {
 }
 
 std::string LiveStops::progress() const {
+  const std::string disk = taker_->disk_warning();
   const std::lock_guard lock(mutex_);
-  return doing_;
+  return disk.empty() ? doing_ : disk + "\n" + doing_;
 }
 
 std::optional<Error> LiveStops::recording_error() const {

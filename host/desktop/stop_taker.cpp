@@ -17,13 +17,6 @@ constexpr Nanoseconds kLook{5'000'000};  ///< how soon a wait notices what it wa
 
 double seconds_of(Nanoseconds t) { return std::chrono::duration<double>(t).count(); }
 
-std::optional<HostExposure> exposure_of(const proto::Burst& burst, const ClockMap& map) {
-  const auto began = map.to_host(device_time(static_cast<std::int64_t>(burst.meta.front().t_strobe_ns)));
-  const auto ended = map.to_host(end_of_exposure(burst));
-  if (!began || !ended) return std::nullopt;
-  return HostExposure{*began, *ended, *map.uncertainty()};
-}
-
 }  // namespace
 
 Result<std::unique_ptr<StopTaker>> StopTaker::create(const dds::Participant& participant, const StopTakerConfig& config,
@@ -78,7 +71,8 @@ Result<proto::DeviceInfo> StopTaker::start() {
 
 void StopTaker::set_paused(bool paused) noexcept {
   paused_.store(paused);
-  feed_.set_scanning(!paused);
+  const std::lock_guard lock(mutex_);
+  feed_.set_scanning(!paused && !ends_here());
 }
 
 void StopTaker::request_stop() noexcept {
@@ -90,8 +84,11 @@ Result<void> StopTaker::check_going() const {
   if (stop_requested_) return fail(ErrorCode::kCancelled, "taking stops");
   const std::lock_guard lock(mutex_);
   if (feed_error_) return tl::unexpected<Error>(*feed_error_);
+  if (disk_) {
+    if (auto full = disk_->full(config_.recording_path)) return tl::unexpected<Error>(std::move(*full));
+  }
   if (has_ended_) return fail(ErrorCode::kProbeLost, "the probe ended its session");
-  if (has_restarted_ && recorder_) {
+  if (ends_here()) {
     return fail(ErrorCode::kProbeLost,
                 "it was started anew and numbers its bursts from the beginning: end this recording and begin another");
   }
@@ -120,7 +117,10 @@ Result<void> StopTaker::wait_for_bursts() {
   for (;;) {
     ENAMEL_TRY(check_going());
     const int has = bursts_at_stop();
-    if (has >= config_.bursts) return {};
+    {
+      const std::lock_guard lock(mutex_);
+      if (at_stop_.size() >= wanted_ || refused_us_.contains(wanted_us_)) return {};
+    }
     if (std::exchange(had, has) != has || is_paused()) deadline = clock_.now() + config_.burst_within;
     if (clock_.now() > deadline) return tl::unexpected(silent());
     clock_.sleep_for(kLook);
@@ -133,13 +133,52 @@ Result<TakenStop> StopTaker::take(const motion::AxesAngles& target) {
   {
     const std::lock_guard lock(mutex_);
     window_.open(clock_.now());
+    wanted_ = static_cast<std::size_t>(config_.bursts);
   }
   auto waited = wait_for_bursts();
+  if (waited) waited = take_further_exposures();
   // Whoever pushed the table meanwhile shows now, not at the next stop.
   if (waited) waited = axes_.position().map([](const motion::AxesPosition&) {});
   auto bursts = close_window(waited.has_value());
   if (!waited) return tl::unexpected<Error>(waited.error());
   return keep(std::move(bursts), position);
+}
+
+Result<void> StopTaker::take_further_exposures() {
+  if (config_.exposures.exposures == 1) return {};
+  proto::Burst first;
+  {
+    const std::lock_guard lock(mutex_);
+    first = at_stop_.front().value;
+  }
+  Result<void> waited;
+  bool has_changed = false;
+  for (const std::uint32_t us : further_exposures(first, config_.exposures)) {
+    if (!waited || is_refused(us)) continue;
+    has_changed = true;
+    want(us);
+    waited = wait_for_bursts();
+  }
+  if (!has_changed) return waited;
+  feed_.set_exposure(0);
+  const std::lock_guard lock(mutex_);
+  wanted_ = at_stop_.size();
+  wanted_us_ = first.meta.front().exposure_us;  // of the next stop; others are still under way
+  return waited;
+}
+
+void StopTaker::want(std::uint32_t exposure_us) {
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_us_ = exposure_us;
+    wanted_ = at_stop_.size() + static_cast<std::size_t>(config_.bursts);
+  }
+  feed_.set_exposure(exposure_us);
+}
+
+bool StopTaker::is_refused(std::uint32_t exposure_us) const {
+  const std::lock_guard lock(mutex_);
+  return refused_us_.contains(exposure_us);
 }
 
 std::vector<dds::Received<proto::Burst>> StopTaker::close_window(bool is_taken) {
@@ -186,6 +225,7 @@ TakeSummary StopTaker::finish() {
   if (recorder_) {
     recorder_->finish();
     summary.recording_error = recorder_->error();
+    disk_->release_reserve();
   }
   return summary;
 }
@@ -200,82 +240,14 @@ FeedState StopTaker::feed_state() const {
   return feed_state_;
 }
 
+std::string StopTaker::disk_warning() const {
+  const std::lock_guard lock(mutex_);
+  return disk_ ? disk_->warning() : std::string();
+}
+
 int StopTaker::bursts_at_stop() const {
   const std::lock_guard lock(mutex_);
   return static_cast<int>(at_stop_.size());
-}
-
-// With the lock held.
-void StopTaker::note_left_out(const proto::Burst& burst, BurstPlace place) {
-  ++(place == BurstPlace::kMoving ? moving_ : spare_);
-  ledger_.shed();
-  if (!recorder_) return;
-  const HostTime now = clock_.now();
-  recorder_->note(proto::ShedNote{burst.burst_index, burst.burst_seq, to_ns(now), proto::ShedReason::kOther}, now);
-}
-
-Result<void> StopTaker::start_recorder(const proto::DeviceInfo& info, const std::string& rig_text) {
-  if (config_.recording_path.empty()) return {};
-  ENAMEL_TRY_ASSIGN(auto recorder,
-                    Recorder::create(config_.recording_path, header_of(info, rig_text, config_.program)));
-  if (!config_.config_text.empty())
-    recorder->attach(capture::kConfigAttachment, "application/toml", config_.config_text);
-  recorder->note(info, clock_.now());
-  const std::lock_guard lock(mutex_);
-  recorder_ = std::move(recorder);
-  return {};
-}
-
-Result<void> StopTaker::on_probe(const proto::DeviceInfo& info, bool came_back) {
-  if (came_back) {
-    const std::lock_guard lock(mutex_);
-    if (info.calib_crc32 == probe_->calib_crc32) return {};
-    return fail(ErrorCode::kRigForeign, "probe " + info.serial + " came back with another calibration");
-  }
-  ENAMEL_TRY_ASSIGN(const std::string text, rig_text_of(info));
-  ENAMEL_TRY(start_recorder(info, text));
-  const std::lock_guard lock(mutex_);
-  probe_ = info;
-  return {};
-}
-
-void StopTaker::on_restart() {
-  const std::lock_guard lock(mutex_);
-  ledger_.probe_restarted();
-  has_restarted_ = true;
-}
-
-void StopTaker::on_burst(dds::Received<proto::Burst> burst, HostTime) {
-  const bool whole = burst.valid && proto::is_consistent(burst.value);
-  const std::lock_guard lock(mutex_);
-  // Of a host before this one, that was killed.
-  if (burst.valid && burst.value.session_id != config_.feed.session_id) return;
-  burst.valid ? ledger_.received(burst.value.burst_seq) : ledger_.received_unreadable();
-  if (!whole) return ledger_.damaged();
-  const BurstPlace place = window_.place_of(exposure_of(burst.value, link_->clock_map()));
-  const bool is_wanted = at_stop_.size() < static_cast<std::size_t>(config_.bursts);
-  if (place == BurstPlace::kAtStop && is_wanted) {
-    at_stop_.push_back(std::move(burst));
-    return;
-  }
-  note_left_out(burst.value, place);
-}
-
-void StopTaker::on_status(const proto::Status& status) {
-  const std::lock_guard lock(mutex_);
-  knows_clock_ = link_->clock_map().uncertainty().has_value();
-  if (recorder_) recorder_->note(status, clock_.now());
-  if (status.session_id == config_.feed.session_id) ledger_.probe_status(counts_of(status));
-}
-
-void StopTaker::on_event(const proto::Event& event) {
-  const std::lock_guard lock(mutex_);
-  if (recorder_) recorder_->note(event, clock_.now());
-}
-
-void StopTaker::on_state(FeedState state, const std::string&) {
-  const std::lock_guard lock(mutex_);
-  feed_state_ = state;
 }
 
 }  // namespace enamel::host

@@ -108,6 +108,7 @@ Result<void> LiveFeed::take_lease(const std::stop_token& stop) {
 
 Result<void> LiveFeed::open_session(const std::stop_token& stop) {
   started_ = false;
+  exposure_asked_us_ = 0;
   const std::uint32_t seq_before = link_.last_status() ? link_.last_status()->seq : 0;
   ENAMEL_TRY(take_lease(stop));
   ENAMEL_TRY_ASSIGN(const proto::Status status, fresh_status(stop));
@@ -136,6 +137,17 @@ Result<void> LiveFeed::follow_wish() {
     ENAMEL_TRY(link_.command(proto::Opcode::kScanPause));
     enter(FeedState::kPaused);
   }
+  return state_ == FeedState::kScanning ? follow_exposure() : Result<void>();
+}
+
+/// What the probe refuses is not asked again: the scan goes on as it is exposed.
+Result<void> LiveFeed::follow_exposure() {
+  const std::uint32_t wanted_us = exposure_wanted_us_.load(std::memory_order_acquire);
+  if (wanted_us == exposure_asked_us_) return {};
+  const auto reply = link_.command(proto::Opcode::kSetExposure, {wanted_us});
+  if (!reply && reply.error().code != ErrorCode::kProbeRefused) return tl::unexpected<Error>(reply.error());
+  exposure_asked_us_ = wanted_us;
+  sink_.on_exposure(wanted_us, reply ? Result<void>() : Result<void>(tl::unexpected<Error>(reply.error())));
   return {};
 }
 

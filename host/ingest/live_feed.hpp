@@ -26,6 +26,8 @@ class FeedSink {
   virtual void on_status(const proto::Status& status) = 0;
   virtual void on_event(const proto::Event& event) = 0;
   virtual void on_state(FeedState state, const std::string& message) = 0;
+  /// The probe exposes as set_exposure() asked, from some burst on that says so itself, or why it does not.
+  virtual void on_exposure(std::uint32_t, const Result<void>&) {}
 };
 
 struct FeedConfig {
@@ -50,6 +52,9 @@ class LiveFeed {
   /// From any thread: scan or pause, as the person at the screen wishes.
   void set_scanning(bool wanted) { scanning_wanted_.store(wanted, std::memory_order_release); }
   [[nodiscard]] bool scanning_wanted() const { return scanning_wanted_.load(std::memory_order_acquire); }
+  /// From any thread: how long bursts are to be exposed; 0: as the probe does by itself. FeedSink::on_exposure() hears
+  /// of it. A session begins with 0; a probe that came back is asked again.
+  void set_exposure(std::uint32_t exposure_us) { exposure_wanted_us_.store(exposure_us, std::memory_order_release); }
 
  private:
   [[nodiscard]] Result<void> wait_for_probe(const std::stop_token& stop, bool came_back);
@@ -64,6 +69,7 @@ class LiveFeed {
   [[nodiscard]] Result<void> come_back(const std::stop_token& stop, const Error& why);
   [[nodiscard]] Result<void> take_input();
   [[nodiscard]] Result<void> follow_wish();
+  [[nodiscard]] Result<void> follow_exposure();
   void close_session();
   void enter(FeedState state, const std::string& message = {});
 
@@ -72,6 +78,8 @@ class LiveFeed {
   FeedConfig config_;
   Clock& clock_;
   std::atomic<bool> scanning_wanted_;
+  std::atomic<std::uint32_t> exposure_wanted_us_{0};
+  std::uint32_t exposure_asked_us_ = 0;  ///< in this session of the probe
   FeedState state_ = FeedState::kWaiting;
   bool started_ = false;  ///< SCAN_START was accepted in this life of the probe
   bool ever_started_ = false;

@@ -54,6 +54,16 @@ DiskGuard::~DiskGuard() {
 
 void DiskGuard::release_reserve() { ::unlink(reserve_path_.c_str()); }
 
+std::string DiskGuard::warning() const {
+  if (state() == DiskState::kAmple) return {};
+  return "DISK NEARLY FULL: " + std::to_string(free_bytes() >> 20U) + " MB left";
+}
+
+std::optional<Error> DiskGuard::full(const std::string& path) const {
+  if (state() != DiskState::kFull) return std::nullopt;
+  return Error{ErrorCode::kFileWrite, path + ": the disk is nearly full: the scan was ended with what there is"};
+}
+
 void DiskGuard::run(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any tick;

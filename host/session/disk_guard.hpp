@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -36,6 +37,10 @@ class DiskGuard {
 
   [[nodiscard]] DiskState state() const noexcept { return state_.load(std::memory_order_acquire); }
   [[nodiscard]] std::uint64_t free_bytes() const noexcept { return free_.load(std::memory_order_acquire); }
+  /// For people, while a scan runs: how little is left; empty while there is enough.
+  [[nodiscard]] std::string warning() const;
+  /// Why a scan was ended that records to `path`, or nothing.
+  [[nodiscard]] std::optional<Error> full(const std::string& path) const;
   /// Gives the space that was held back to the results: before they are written.
   void release_reserve();
 

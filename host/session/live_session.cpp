@@ -221,10 +221,8 @@ PreviewFrame LiveSession::view() const {
   PreviewFrame view = view_;
   view.counters = counters_of(ledger_.counts());
   if (pipeline != nullptr) pipeline->count_into(view);
-  if (const DiskGuard* disk = disk_ready_.load(std::memory_order_acquire);
-      disk != nullptr && disk->state() != DiskState::kAmple && view.message.empty()) {
-    view.message = "DISK NEARLY FULL: " + std::to_string(disk->free_bytes() >> 20U) + " MB left";
-  }
+  if (const DiskGuard* disk = disk_ready_.load(std::memory_order_acquire); disk != nullptr && view.message.empty())
+    view.message = disk->warning();
   return view;
 }
 
@@ -264,12 +262,10 @@ Result<Outcome> LiveSession::finish() {
   outcome.device_serial = rig_->serial;
   outcome.scanned_at = utc_text(wall_time());
   outcome.broken_off = feed_error_;
-  if (disk_ && disk_->state() == DiskState::kFull) {
-    outcome.broken_off = Error{ErrorCode::kFileWrite, config_.recording_path +
-                                                          ": the disk is nearly full: the scan was ended with what "
-                                                          "there is"};
+  if (disk_) {
+    if (auto full = disk_->full(config_.recording_path)) outcome.broken_off = std::move(full);
+    disk_->release_reserve();
   }
-  if (disk_) disk_->release_reserve();
   outcome.damages = std::move(damages_);
   return outcome;
 }

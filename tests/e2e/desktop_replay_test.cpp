@@ -32,6 +32,7 @@ class Exported {
  public:
   Exported() { ran = run({program("enamel"), "capture", "export", fixture(), folder_ / "set"}); }
   [[nodiscard]] std::string mount() const { return folder_ / "set/truth/mount_true.json"; }
+  [[nodiscard]] std::string axes_folder() const { return folder_ / "set"; }
   [[nodiscard]] std::string axes() const { return read_file(folder_ / "set/axes.csv").value_or(""); }
   /// A copy with another axes.csv.
   void copy_to(const std::string& to, const std::string& axes_csv) const {
@@ -166,6 +167,16 @@ TEST(DesktopReplay, table_and_holder_are_taken_out) {
   const Ran same = replay(fixture(), tmp / "same", and_more({"--empty", fixture()}));
   EXPECT_EQ(same.code, 2) << "a table that is as empty as when it was empty";
   EXPECT_NE(same.err.find("no model in view"), std::string::npos) << same.err;
+  // Bursts that name another calibration would take nothing out.
+  const std::string foreign = tmp / "foreign";
+  std::filesystem::copy(exported().axes_folder(), foreign, std::filesystem::copy_options::recursive);
+  std::string rig = read_file(foreign + "/rig.json").value_or("");
+  ASSERT_FALSE(rig.empty());
+  ASSERT_TRUE(write_file(foreign + "/rig.json", rig + " "));
+  const Ran other = replay(fixture(), tmp / "other", and_more({"--empty", foreign}));
+  EXPECT_EQ(other.code, 2) << other.err;
+  EXPECT_NE(other.err.find("calibration of another probe"), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("10 of 10 bursts of the empty table"), std::string::npos) << other.err;
   // The plate's upper side lies 4 mm under the axes' crossing or over it, by how the scene places it; bumps stand out.
   const Ran none = replay(fixture(), tmp / "none", and_more({"--above", "60"}));
   EXPECT_EQ(none.code, 2) << "everything is lower";

@@ -55,30 +55,36 @@ class LiveTable {
   static constexpr double kTableDeg = 2 * 0.02 + 5 * kStopErrorDeg;
   static constexpr double kMotorDeg = 0.002;  // half a step and a printed digit
 
-  explicit LiveTable(unsigned seed, const std::vector<std::string>& arguments = {}) : serial_(name(seed)) {
-    EXPECT_TRUE(write_file(folder_ / "scene.toml", scene()));
-    std::vector<std::string> argv{program("enamel-probe"),
-                                  "--twin",
-                                  folder_ / "scene.toml",
-                                  "--twin-axes",
-                                  port(),
-                                  "--twin-truth",
-                                  folder_ / "truth.csv",
-                                  "--seed",
-                                  std::to_string(seed),
-                                  "--serial",
-                                  serial_,
-                                  "--dds-tag",
-                                  live_tag()};
-    argv.insert(argv.end(), arguments.begin(), arguments.end());
-    auto child = app::ChildProcess::start(argv, {folder_ / "probe.out", folder_ / "probe.err"});
-    EXPECT_TRUE(child);
-    if (child) probe.emplace(std::move(*child));
+  /// `timing`, `more`: lines of that table of the scene, and tables besides.
+  explicit LiveTable(unsigned seed, const std::vector<std::string>& arguments = {}, const std::string& timing = {},
+                     const std::string& more = {})
+      : serial_(name(seed)) {
+    EXPECT_TRUE(write_file(folder_ / "scene.toml", scene(timing) + more));
+    argv_ = {program("enamel-probe"),
+             "--twin",
+             folder_ / "scene.toml",
+             "--twin-axes",
+             port(),
+             "--twin-truth",
+             folder_ / "truth.csv",
+             "--seed",
+             std::to_string(seed),
+             "--serial",
+             serial_,
+             "--dds-tag",
+             live_tag()};
+    argv_.insert(argv_.end(), arguments.begin(), arguments.end());
+    start_probe();
     profile.feed_deg_per_s = 30.0;
     profile.settle_ms = 100.0;
     config.link.serial = serial_;
     config.feed.find_timeout = std::chrono::seconds(60);
     config.bursts = 3;
+  }
+  void start_probe() {
+    auto child = app::ChildProcess::start(argv_, {folder_ / "probe.out", folder_ / "probe.err"});
+    EXPECT_TRUE(child);
+    if (child) probe.emplace(std::move(*child));
   }
   static std::string name(unsigned seed) { return "TABLE-" + std::to_string(::getpid()) + "-" + std::to_string(seed); }
 
@@ -129,16 +135,19 @@ class LiveTable {
            std::abs(row.swing_motor_deg - told.swing_deg) < kMotorDeg &&
            std::abs(row.rot_deg - told.rot_deg) < kTableDeg && std::abs(row.swing_deg - told.swing_deg) < kTableDeg;
   }
-  static std::string scene() {
+  static std::string scene(const std::string& timing) {
     return std::string("rig = \"") + ENAMEL_SOURCE_DIR +
            "/config/rigs/probe.json\"\n"
-           "[object]\ntype = \"plate\"\n[timing]\nburst_rate_hz = 15.0\n[path]\ntype = \"mount\"\n"
+           "[object]\ntype = \"plate\"\n[timing]\nburst_rate_hz = 15.0\n" +
+           timing +
+           "[path]\ntype = \"mount\"\n"
            "[mount]\ndraw = true\nrot_deg = [0.0]\nplace_mm = [0.0, 0.0, -4.0]\n"
            "[mount.rotation]\npoint_mm = [27.0, 0.0, 48.0]\nstop_error_deg = 0.01\n"
            "[mount.swing]\nstop_error_deg = 0.01\n";
   }
   TempFolder folder_;
   std::string serial_;
+  std::vector<std::string> argv_;
 };
 
 }  // namespace enamel::test

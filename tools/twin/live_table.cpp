@@ -89,7 +89,7 @@ class LiveTable final : public fw::BurstSource {
     const bool is_moving = at.is_moving || !stood_at(first) || !stood_at(last);
     write_truth(when, at.stop, is_moving, poses.mid);
     if (!surface_.empty() && !is_moving) twin_->count_seen(poses.mid);
-    return twin_->frames(n, poses);
+    return twin_->frames(n, poses, when.share);
   }
 
   void write_truth(const fw::SimExposure& when, const StopTruth& stop, bool is_moving, const Pose& T_model_cam) {

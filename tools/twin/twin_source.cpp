@@ -121,9 +121,9 @@ struct TwinSource::Impl {
     return out;
   }
 
-  [[nodiscard]] fw::SimFrames digital(std::array<std::vector<float>, 4> mean, std::uint64_t n) const {
+  [[nodiscard]] fw::SimFrames digital(std::array<std::vector<float>, 4> mean, std::uint64_t n, double share = 1) const {
     // Light is told as full-well fraction at the scene's exposure.
-    const double share_of_exposure = exposure_ms(config.timing, n) / config.timing.exposure_ms;
+    const double share_of_exposure = share * exposure_ms(config.timing, n) / config.timing.exposure_ms;
     const auto full_well = static_cast<float>(sensor.full_well_e * share_of_exposure);
     fw::SimFrames out;
     for (int k = 0; k < 4; ++k) {
@@ -202,8 +202,8 @@ fw::SimBurst TwinSource::planned(std::uint64_t n) const {
   return burst;
 }
 
-fw::SimFrames TwinSource::frames(std::uint64_t n, const BurstPoses& poses) const {
-  return impl_->digital(impl_->light(poses, n, impl_->passing(n)), n);
+fw::SimFrames TwinSource::frames(std::uint64_t n, const BurstPoses& poses, double share) const {
+  return impl_->digital(impl_->light(poses, n, impl_->passing(n)), n, share);
 }
 
 void TwinSource::count_seen(const Pose& T_model_cam) {

@@ -44,8 +44,9 @@ class TwinSource final : public fw::BurstSource {
 
   /// Burst n as far as it is known before it is exposed: times and sizes, no frames.
   [[nodiscard]] fw::SimBurst planned(std::uint64_t n) const;
-  /// The four frames of burst n as seen from these poses, whatever the path says.
-  [[nodiscard]] fw::SimFrames frames(std::uint64_t n, const BurstPoses& poses) const;
+  /// The four frames of burst n as seen from these poses, whatever the path says, exposed `share` times as long as the
+  /// scene says.
+  [[nodiscard]] fw::SimFrames frames(std::uint64_t n, const BurstPoses& poses, double share = 1) const;
 
   /// Poses of burst n, whether rendered or not.
   [[nodiscard]] BurstPoses poses(std::uint64_t n) const;

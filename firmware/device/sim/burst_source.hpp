@@ -19,6 +19,7 @@ using SimFrames = std::array<std::vector<std::uint8_t>, 4>;  ///< rows top-down,
 struct SimExposure {
   DeviceTime first{};  ///< start of the first exposure
   DeviceTime mid{};    ///< middle between its start and the end of the last
+  double share = 1;    ///< of the exposure that the source planned
 };
 
 /// What the sensor would see during one burst. Times are device clock, ns, of the source's own time base (a capture's

@@ -34,16 +34,10 @@ Result<std::unique_ptr<SimDevice>> SimDevice::create(std::unique_ptr<BurstSource
 Result<void> SimDevice::set_mode() {
   const SimBurst& first = feed_->first();
   ENAMEL_TRY(check_exposure(first));
-  set_exposure(first.exposure_us);
+  take_exposure(first.exposure_us);
   mode_ = {first.width, first.height, first.bit_depth, timeline_.scale(frame_period_ns(first)),
            static_cast<std::uint32_t>(exposure_.count() / 1000)};
   return {};
-}
-
-/// Whole microseconds, as frames tell them.
-void SimDevice::set_exposure(std::uint32_t source_us) {
-  const Nanoseconds scaled = timeline_.scale(std::int64_t{source_us} * 1000);
-  exposure_ = Nanoseconds{std::max<std::int64_t>(1, scaled.count() / 1000) * 1000};
 }
 
 StretchCount SimDevice::stretched() const {
@@ -102,7 +96,7 @@ Result<CameraFrame> SimDevice::next_frame() {
 bool SimDevice::expose_late(const Plan& step) {
   const DeviceTime last = step.t + 3 * mode_.frame_period;
   if (!wait_until(last + exposure_)) return false;
-  SimFrames frames = step.expose({step.t, step.t + (last + exposure_ - step.t) / 2});
+  SimFrames frames = step.expose({step.t, step.t + (last + exposure_ - step.t) / 2, light_share_});
   const std::lock_guard lock(mutex_);
   if (!running_ || !burst_ || next_position_ != 0) return false;
   burst_->frames = std::move(frames);
@@ -169,7 +163,7 @@ void SimDevice::perform(const Plan& plan) {
   SimStep step;
   step.position = plan.position;
   if (step.position == SimStep::kSentinel && !armed_) step.position = SimStep::kFreeRunning;  // taken back meanwhile
-  if (step.position == SimStep::kSentinel) set_exposure(burst_->exposure_us);
+  if (step.position == SimStep::kSentinel) take_exposure(burst_->exposure_us);
   expose(plan, step);
   if (step.position == SimStep::kSentinel) {
     armed_ = false;

@@ -81,6 +81,8 @@ class SimDevice final : public Device,
   [[nodiscard]] Result<void> start() override;
   void stop() noexcept override;
   [[nodiscard]] Result<CameraFrame> next_frame() override;
+  /// Of a source whose light is made when it is exposed; its period stays, which is the limit.
+  [[nodiscard]] Result<void> set_exposure(std::uint32_t exposure_us) override;
   [[nodiscard]] std::uint64_t restarts() const override {
     const std::lock_guard lock(mutex_);
     return restarts_;
@@ -113,7 +115,7 @@ class SimDevice final : public Device,
   [[nodiscard]] DeviceTime burst_start(DeviceTime earliest);
   [[nodiscard]] bool wait_until(DeviceTime t);
   [[nodiscard]] bool expose_late(const Plan& step);
-  void set_exposure(std::uint32_t source_us);
+  void take_exposure(std::uint32_t source_us);
   void perform(const Plan& plan);
   void expose(const Plan& plan, SimStep& step);
   [[nodiscard]] bool lit() const noexcept;
@@ -123,8 +125,10 @@ class SimDevice final : public Device,
   SimConfig config_;
   CameraMode mode_;
 
-  mutable std::mutex mutex_;  ///< all below
-  Nanoseconds exposure_{};    ///< of the burst that is played, or was last
+  mutable std::mutex mutex_;    ///< all below
+  Nanoseconds exposure_{};      ///< of the burst that is played, or was last
+  double light_share_ = 1;      ///< of it, beside what the source planned
+  std::uint32_t asked_us_ = 0;  ///< by the host; 0: nothing
   SimFaults faults_;
   PlayTimeline timeline_;
   bool running_ = false;

@@ -62,10 +62,12 @@ Result<void> check_enough(const AccuracyOptions& o) {
               "precision needs two runs, trueness --reference or --artefact, and there is one run and neither");
 }
 
-/// The first run as `enamel compare` shows it.
-Result<void> write_picture(const AccuracyOptions& o, const host::MeshFile& run, const host::MeshFile& reference) {
+/// The first run as `enamel compare` shows it, where trueness() has laid it.
+Result<void> write_picture(const AccuracyOptions& o, const host::MeshFile& run, const host::MeshFile& reference,
+                           const Pose& T_reference_run) {
   if (o.out.empty()) return {};
-  const host::CompareInput input{.alignment = host::Alignment::kBest, .mesh_origin_mm = run.origin_mm};
+  const host::CompareInput input{
+      .alignment = host::Alignment::kBest, .mesh_origin_mm = run.origin_mm, .best_T_reference_mesh = &T_reference_run};
   ENAMEL_TRY_ASSIGN(const auto result, host::compare(run.mesh, {&reference, 1}, input));
   return host::write_deviation(o.out, run, result);
 }
@@ -82,7 +84,7 @@ Result<int> run_accuracy(const AccuracyOptions& o) {
   if (!o.reference.empty()) {
     ENAMEL_TRY_ASSIGN(const host::MeshFile reference, host::read_mesh(o.reference));
     ENAMEL_TRY_ASSIGN(report.trueness, host::trueness(runs, reference));
-    ENAMEL_TRY(write_picture(o, runs.front().file, reference));
+    ENAMEL_TRY(write_picture(o, runs.front().file, reference, report.trueness.front().T_reference_run));
     report.reference = o.reference;
   }
   if (!o.artefact.empty()) {

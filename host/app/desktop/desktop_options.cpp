@@ -1,25 +1,54 @@
 #include "host/app/desktop/desktop_options.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "host/app/input.hpp"
 #include "host/desktop/desktop_session.hpp"
 #include "host/desktop/recorded_stops.hpp"
 #include "host/record/axes_readings.hpp"
+#include "protocol/base/file.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::app {
 namespace {
 
+/// An empty table whose bursts do not decode would take nothing out, and nobody would know.
+Result<void> check_seen(const std::string& path, std::size_t bursts, const std::vector<host::StopBurst>& rejected) {
+  if (rejected.empty()) return {};
+  const auto foreign = std::ranges::count(rejected, "foreign_calibration", &host::StopBurst::rejected);
+  if (foreign > 0) {
+    return fail(ErrorCode::kRigForeign, fmt::format("{}: {} of {} bursts of the empty table name another calibration "
+                                                    "than the scan: record the table anew, with this one",
+                                                    path, foreign, bursts));
+  }
+  const std::string first = fmt::format("{} of {} bursts of the empty table cannot be used, the first, {}, as {}",
+                                        rejected.size(), bursts, rejected.front().id.value, rejected.front().rejected);
+  if (rejected.size() < bursts) {
+    log::warn("desktop", "{}: {}", path, first);
+    return {};
+  }
+  return fail(ErrorCode::kEmptyInput, path + ": " + first);
+}
+
 Result<void> take_empty_table(const std::string& path, host::DesktopModel& model) {
   ENAMEL_TRY_ASSIGN(const auto stream, host::open_bursts(path));
   ENAMEL_TRY_ASSIGN(const auto stops, host::RecordedStops::open(*stream));
+  std::vector<host::StopBurst> rejected;
+  std::size_t bursts = 0;
   for (;;) {
     ENAMEL_TRY_ASSIGN(const auto stop, stops->next(model));
-    if (!stop) return {};
-    model.add_empty(*stop);
+    if (!stop) break;
+    for (host::StopBurst& burst : model.add_empty(*stop)) {
+      ++bursts;
+      if (!burst.rejected.empty()) rejected.push_back(std::move(burst));
+    }
   }
+  if (bursts == 0) return fail(ErrorCode::kEmptyInput, path + ": no burst of an empty table");
+  return check_seen(path, bursts, rejected);
 }
 
 }  // namespace
@@ -31,17 +60,24 @@ void add_desktop_options(CLI::App& app, DesktopOptions& o) {
       ->check(CLI::Range(-100.0, 100.0));
 }
 
-Result<calib::Mount> mount_for(const std::string& path, host::BurstStream* stream) {
-  if (!path.empty()) return calib::load_mount(path);
-  const std::string text = stream != nullptr ? attached_text(*stream, kMountAttachment) : std::string();
-  if (text.empty())
+Result<MountFile> mount_for(const std::string& path, host::BurstStream* stream) {
+  MountFile out;
+  if (!path.empty()) {
+    ENAMEL_TRY_ASSIGN(out.text, read_file(path));
+  } else if (stream != nullptr) {
+    out.text = attached_text(*stream, kMountAttachment);
+  }
+  if (path.empty() && out.text.empty())
     return fail(ErrorCode::kMountInvalid, "none: pass --mount mount.json, as `enamel calibrate axes` wrote it");
-  return calib::parse_mount(text);
+  auto mount = calib::parse_mount(out.text);
+  if (!mount) return fail(mount.error().code, (path.empty() ? "" : path + ": ") + mount.error().detail);
+  out.mount = std::move(*mount);
+  return out;
 }
 
 Result<host::DesktopModel> desktop_model(const calib::Rig& rig, std::uint32_t calib_crc32, const calib::Mount& mount,
                                          const LoadedConfig& config, const DesktopOptions& options, int workers) {
-  host::DesktopConfig desktop;
+  host::DesktopConfig desktop = config.desktop;
   desktop.pipeline = config.pipeline;
   desktop.calib_crc32 = calib_crc32;
   desktop.above_mm = options.above_mm;
@@ -65,7 +101,7 @@ Result<std::unique_ptr<host::Session>> recorded_desktop(const RecordedDesktop& o
   }
   if (!mount) return tl::unexpected<Error>(mount.error());
   ENAMEL_TRY_ASSIGN(auto source, host::RecordedStops::open(of.stream));
-  ENAMEL_TRY_ASSIGN(auto model, desktop_model(of.rig, of.calib_crc32, *mount, of.config, o, of.run.workers));
+  ENAMEL_TRY_ASSIGN(auto model, desktop_model(of.rig, of.calib_crc32, mount->mount, of.config, o, of.run.workers));
   const auto recorded_rig = calib::parse_rig(of.stream.rig_text());
   host::DesktopRun about{.simulated = host::says_simulated(of.stream.info()),
                          .device_serial = recorded_rig ? recorded_rig->serial : std::string(),

@@ -26,8 +26,12 @@ struct DesktopOptions {
 /// Adds --mount, --empty, --above.
 void add_desktop_options(CLI::App& app, DesktopOptions& options);
 
-/// Errors: those of load_mount and parse_mount; kMountInvalid where neither option nor recording has one.
-[[nodiscard]] Result<calib::Mount> mount_for(const std::string& path, host::BurstStream* stream);
+struct MountFile {
+  calib::Mount mount;
+  std::string text;  ///< of the file, byte for byte
+};
+/// Errors: of reading the file and of parse_mount; kMountInvalid where neither option nor recording has one.
+[[nodiscard]] Result<MountFile> mount_for(const std::string& path, host::BurstStream* stream);
 
 /// The model of a scan by stops with what an empty table showed, `options.empty`, taken out. calib_crc32: that the
 /// bursts have to name; 0: any. Errors: those of DesktopModel::make, of the recording of the empty table.

@@ -13,7 +13,6 @@
 #include "host/desktop/live_stops.hpp"
 #include "host/ingest/probe_facts.hpp"
 #include "host/record/calibration_attachment.hpp"
-#include "protocol/base/file.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::app {
@@ -27,6 +26,7 @@ host::StopTakerConfig taker_config(const DesktopScan& scan, const LoadedConfig& 
   out.feed.session_id = host::new_session_id(clock);
   out.feed.find_timeout = nanoseconds(scan.scan.wait_seconds);
   out.bursts = scan.bursts;
+  out.exposures = config.desktop.exposures;
   if (scan.scan.record) out.recording_path = scan.scan.run.out + "/capture.mcap";
   out.program = "enamel " ENAMEL_VERSION;
   out.config_text = config.text;
@@ -49,13 +49,11 @@ Result<Measuring> rig_of(const DesktopScan& scan, const proto::DeviceInfo& info)
 }
 
 /// What a replay needs to lay it again.
-Result<void> attach_to(host::StopTaker& taker, const DesktopScan& scan, const Measuring& measuring) {
-  ENAMEL_TRY_ASSIGN(const std::string mount, read_file(scan.desktop.mount));
-  taker.attach(kMountAttachment, "application/json", mount);
-  if (!measuring.calibration) return {};
+void attach_to(host::StopTaker& taker, const MountFile& mount, const Measuring& measuring) {
+  taker.attach(kMountAttachment, "application/json", mount.text);
+  if (!measuring.calibration) return;
   taker.attach(host::kCalibrationAttachment, "application/json", measuring.calibration->rig.text);
   taker.attach(host::kCalibrationReportAttachment, "application/json", measuring.calibration->report_json);
-  return {};
 }
 
 /// None for the plan that is made as it goes. The axes' limits are known, and nothing has moved.
@@ -71,10 +69,10 @@ Result<std::optional<host::StopPlan>> fixed_plan(const std::string& plan, const 
 }
 
 std::unique_ptr<host::StopChooser> chooser_of(std::optional<host::StopPlan> fixed, const motion::AxesLimits& limits,
-                                              const calib::Mount& mount, const calib::Rig& rig) {
+                                              const calib::Mount& mount, const calib::Rig& rig,
+                                              const pipeline::PlannerConfig& planner) {
   if (fixed) return std::make_unique<host::FixedPlan>(std::move(*fixed));
-  return std::make_unique<host::PlannedStops>(
-      pipeline::StopPlanner(mount, rig, host::within(pipeline::PlannerConfig{}, limits)));
+  return std::make_unique<host::PlannedStops>(pipeline::StopPlanner(mount, rig, host::within(planner, limits)));
 }
 
 Result<void> home(motion::Axes& axes, double within_s) {
@@ -93,7 +91,7 @@ Result<proto::DeviceInfo> start(host::StopTaker& taker) {
 Result<int> run_desktop_scan(const DesktopScan& scan) {
   SteadyClock clock;
   ENAMEL_TRY_ASSIGN(const LoadedConfig config, load_config(scan.scan.run));
-  ENAMEL_TRY_ASSIGN(const calib::Mount mount, mount_for(scan.desktop.mount, nullptr));
+  ENAMEL_TRY_ASSIGN(const MountFile mount, mount_for(scan.desktop.mount, nullptr));
   ENAMEL_TRY_ASSIGN(const OutFolder folder, OutFolder::open(scan.scan.run.out));
   ENAMEL_TRY(keep_recording(scan.scan, folder));
   folder.clear_results();
@@ -106,10 +104,10 @@ Result<int> run_desktop_scan(const DesktopScan& scan) {
   ENAMEL_TRY_ASSIGN(auto taker, host::StopTaker::create(participant, taker_config(scan, config, clock), *axes, clock));
   ENAMEL_TRY_ASSIGN(const proto::DeviceInfo info, start(*taker));
   ENAMEL_TRY_ASSIGN(const Measuring measuring, rig_of(scan, info));
-  ENAMEL_TRY(attach_to(*taker, scan, measuring));
-  ENAMEL_TRY_ASSIGN(auto model, desktop_model(measuring.rig, measuring.rig.crc32, mount, config, scan.desktop,
+  attach_to(*taker, mount, measuring);
+  ENAMEL_TRY_ASSIGN(auto model, desktop_model(measuring.rig, measuring.rig.crc32, mount.mount, config, scan.desktop,
                                               scan.scan.run.workers));
-  auto plan = chooser_of(std::move(fixed), axes->limits(), mount, measuring.rig);
+  auto plan = chooser_of(std::move(fixed), axes->limits(), mount.mount, measuring.rig, config.desktop.planner);
   host::DesktopRun about{.simulated = host::says_simulated(info),
                          .device_serial = info.serial,
                          .scanned_at = {},

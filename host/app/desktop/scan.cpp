@@ -24,6 +24,14 @@ DesktopCommand add_desktop_scan(CLI::App& app) {
   sub->add_option("--bursts", o->bursts, "at every stop; their mean is taken")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  sub->add_option_function<std::string>(
+         "--exposures",
+         [o](const std::string& of) {
+           o->scan.run.settings.push_back("desktop.exposure.exposures=" + (of == "auto" ? "0" : of));
+         },
+         "of every stop's bursts: 1 the probe's own, 2 a shorter one too, 3 a longer one too; auto: as each stop needs")
+      ->check(CLI::IsMember({"auto", "1", "2", "3"}))
+      ->default_str("auto");
   sub->add_option("--out", o->scan.run.out,
                   "folder for recording and results (default: a new one, out/session-DATE-TIME)");
   sub->add_option("--probe", o->scan.serial, "serial of the probe; needed when there is more than one");

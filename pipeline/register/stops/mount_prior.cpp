@@ -2,18 +2,10 @@
 
 #include <Eigen/Dense>
 
+#include "pipeline/types/pose_rows.hpp"
+
 namespace enamel::pipeline {
 namespace {
-
-Pose motion_of(const calib::Mount& mount, const calib::AxisAngles& angles) {
-  const calib::Matrix4 m = calib::table_motion(mount, angles);
-  Pose T = Pose::Identity();
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) T.linear()(r, c) = m[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
-    T.translation()[r] = m[static_cast<std::size_t>(r)][3];
-  }
-  return T;
-}
 
 /// Right-hand turn by a radian about a line.
 Vector6 turn_about(const Vec3d& direction, const Vec3d& point, const Vec3d& centre, double rho_mm) {
@@ -26,7 +18,7 @@ Vector6 turn_about(const Vec3d& direction, const Vec3d& point, const Vec3d& cent
 }  // namespace
 
 Pose pose_by_axes(const calib::Mount& mount, const calib::AxisAngles& angles) {
-  return motion_of(mount, angles).inverse();
+  return pose_of_rows(calib::table_motion(mount, angles)).inverse();
 }
 
 calib::AxisAngles turned_by(const calib::AxisAngles& angles, const AxesOffset& by) {
@@ -45,7 +37,7 @@ AxisMotions axis_motions(const calib::Mount& mount, const calib::AxisAngles& ang
   const Vec3d s(mount.swing.direction.data()), p_s(mount.swing.point_mm.data());
   calib::AxisAngles turned = angles;
   turned.swing_command = turned.swing_read = 0;
-  const Pose T_model_cradle = motion_of(mount, turned).inverse();
+  const Pose T_model_cradle = pose_of_rows(calib::table_motion(mount, turned)).inverse();
   return {-turn_about(r, p_r, centre, rho_mm),
           -turn_about(T_model_cradle.linear() * s, T_model_cradle * p_s, centre, rho_mm)};
 }

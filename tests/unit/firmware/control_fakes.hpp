@@ -42,6 +42,13 @@ class FakeAcquisition final : public AcquisitionPort {
     return report;
   }
 
+  [[nodiscard]] Result<void> set_exposure(std::uint32_t exposure_us) override {
+    if (exposure_us > 3800) return fail(ErrorCode::kConfigValue, "must be up to 3800");
+    if (is_fixed && exposure_us != 0) return fail(ErrorCode::kHal, "bound to the pattern");
+    exposure = exposure_us;
+    return {};
+  }
+
   void end(AcquisitionPhase phase, proto::ReplyStatus fault = proto::ReplyStatus::kOk, bool stuck = false) {
     now = {phase, fault, stuck};
     light_.want(false);
@@ -50,6 +57,8 @@ class FakeAcquisition final : public AcquisitionPort {
   ScanTag last_session;
   std::optional<std::uint64_t> last_limit;
   int scans = 0;
+  std::uint32_t exposure = 0;
+  bool is_fixed = false;  ///< it cannot be changed
   int drains = 0;
   bool drains_at_once = true;
   bool hangs = false;  ///< in a driver, with the light wanted

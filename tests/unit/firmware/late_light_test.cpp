@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <utility>
+#include <vector>
 
 #include "firmware/device/sim/sim_device.hpp"
 #include "tests/unit/firmware/tagged_source.hpp"
@@ -78,6 +80,40 @@ TEST_F(LateLight, comes_late_with_the_stamps_of_its_exposure) {
   }
   EXPECT_EQ(lit, 20U);
   EXPECT_EQ(exposed_.size(), 5U) << "made once a burst";
+}
+
+TEST_F(LateLight, is_exposed_as_long_as_asked_and_says_so) {
+  const auto lit_exposures = [&](int frames) {
+    std::vector<std::uint32_t> out;
+    for (int i = 0; i < 200 && std::cmp_less(out.size(), frames); ++i) {
+      if (out.size() % 4 == 0) EXPECT_TRUE(device_->arm());
+      const auto frame = device_->next_frame();
+      if (frame && tag_of(frame->pixels.bytes())) out.push_back(frame->exposure_us);
+    }
+    return out;
+  };
+  EXPECT_EQ(lit_exposures(4), std::vector<std::uint32_t>(4, 3700));
+  EXPECT_EQ(exposed_.back().share, 1);
+  ASSERT_TRUE(device_->set_exposure(925));
+  EXPECT_EQ(lit_exposures(4), std::vector<std::uint32_t>(4, 925));
+  EXPECT_EQ(exposed_.back().share, 0.25);
+  EXPECT_EQ(exposed_.back().mid - exposed_.back().first, (3 * Nanoseconds{kPeriodNs} + Nanoseconds{925'000}) / 2);
+  for (const std::uint32_t wrong : {1U, 4000U, 4'000'000'000U}) {
+    const auto set = device_->set_exposure(wrong);
+    ASSERT_FALSE(set) << wrong;
+    EXPECT_EQ(set.error().code, ErrorCode::kConfigValue);
+  }
+  EXPECT_EQ(lit_exposures(4), std::vector<std::uint32_t>(4, 925)) << "what is refused changes nothing";
+  ASSERT_TRUE(device_->set_exposure(0));
+  EXPECT_EQ(lit_exposures(4), std::vector<std::uint32_t>(4, 3700));
+}
+
+TEST(EarlyLight, cannot_be_exposed_otherwise) {
+  VirtualClock clock;
+  auto made = SimDevice::create(std::make_unique<TaggedSource>(TaggedSource::Config{}), clock, {.read_ahead = 0});
+  ASSERT_TRUE(made);
+  EXPECT_EQ((*made)->set_exposure(925).error().code, ErrorCode::kHal);
+  EXPECT_TRUE((*made)->set_exposure(0));
 }
 
 TEST_F(LateLight, a_stop_meanwhile_gives_the_burst_up) {

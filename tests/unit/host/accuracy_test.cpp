@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "host/compare/compare.hpp"
 #include "tests/unit/host/mesh_shapes.hpp"
 
 namespace enamel::host {
@@ -82,6 +83,25 @@ TEST(Trueness, of_noise_is_the_noise) {
       EXPECT_NEAR(f.mean_um, 0, 4 * s / std::sqrt(n) + 0.02 * s) << seed;
     }
   }
+}
+
+TEST(Trueness, a_comparison_lies_where_the_run_was_laid_and_fits_nothing_anew) {
+  const std::vector<AccuracyRun> runs{scan(21, 8)};
+  const std::vector<MeshFile> reference{relief(kStep_mm)};
+  const auto laid = trueness(runs, reference[0]);
+  ASSERT_TRUE(laid) << laid.error().message();
+  const auto rms_at = [&](const Pose& T) {
+    const CompareInput input{
+        .alignment = Alignment::kBest, .mesh_origin_mm = runs[0].file.origin_mm, .best_T_reference_mesh = &T};
+    const auto result = compare(runs[0].file.mesh, reference, input);
+    EXPECT_TRUE(result) << result.error().message();
+    return result->rms_um;
+  };
+  const DeviationFigures& f = (*laid)[0].figures;
+  EXPECT_NEAR(rms_at((*laid)[0].T_reference_run), f.rms_um, 0.01);
+  // A fit of its own would undo this.
+  const Pose off = Pose(Eigen::Translation3d(0, 0, 0.05)) * (*laid)[0].T_reference_run;
+  EXPECT_GT(rms_at(off), 3 * f.rms_um);
 }
 
 TEST(Trueness, a_dent_shows) {
