@@ -36,10 +36,17 @@ bool find_jumps(const FloodMaps& flood, std::size_t at, const MicroCode& code, f
   }
   if (work.columns.empty()) return false;
   found.resize(work.columns.size());
-  for (std::size_t k = 0; k < work.columns.size(); ++k) {
-    found.left.put(k, work.windows.sums.at(work.columns[k] - kStepReach_px));
-    found.right.put(k, work.windows.sums.at(work.columns[k] + kStepGap_px));
-  }
+  const CodeSumRow& windows = work.windows.sums;
+  const auto bring = [&](const std::vector<float>& from, std::vector<float>& left, std::vector<float>& right) {
+    const float* at_left = from.data() - kStepReach_px, * at_right = from.data() + kStepGap_px;
+    float* to_left = left.data(), * to_right = right.data();
+    const std::size_t* column = work.columns.data();
+    const std::size_t count = work.columns.size();
+    for (std::size_t k = 0; k < count; ++k) to_left[k] = at_left[column[k]], to_right[k] = at_right[column[k]];
+  };
+  bring(windows.xx, found.left.xx, found.right.xx), bring(windows.xy, found.left.xy, found.right.xy);
+  bring(windows.yy, found.left.yy, found.right.yy), bring(windows.xd, found.left.xd, found.right.xd);
+  bring(windows.yd, found.left.yd, found.right.yd), bring(windows.dd, found.left.dd, found.right.dd);
   find_misfits(code, cost, found);
   bool jumps = false;
   for (std::size_t k = 0; k < work.columns.size(); ++k) {
