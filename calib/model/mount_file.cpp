@@ -122,8 +122,8 @@ Result<Mount> parse_mount(std::string_view text) {
   Mount mount;
   mount.rotation = read_axis(top.section("rotation"));
   mount.swing = read_axis(top.section("swing"));
+  if (format == kFormat || top.has("serial")) mount.serial = top.string("serial");
   if (format == kFormat) {
-    mount.serial = top.string("serial");
     mount.calibrated_at = top.string("calibrated_at");
     read_corrections(json, top, mount, faults);
     read_covariance(json, top, mount, faults);

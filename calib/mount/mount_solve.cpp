@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "calib/mount/adjust.hpp"
+#include "calib/mount/loose_stops.hpp"
 #include "calib/mount/mount_checks.hpp"
 #include "calib/solve/disc_centres.hpp"
 
@@ -189,8 +190,15 @@ Result<MountSolution> solve_mount(std::vector<MountStop> stops, const TargetDesi
     state.stops.erase(state.stops.begin() + at);
     ENAMEL_TRY(check_stops(stops));
   }
-  ENAMEL_TRY_ASSIGN(const Round final_round, settle(stops, target, rig, options, state, true));
+  ENAMEL_TRY_ASSIGN(Round final_round, settle(stops, target, rig, options, state, true));
+  Adjusted& a = final_round.adjusted;
+  const LineSigma by_pictures[2] = {sigma_of(a, 0), sigma_of(a, 4)};
+  if (options.rig_covariance.size() > 0)
+    a.covariance += rig_share(stops, target, rig, final_round.priors, a, options.rig_covariance);
   MountSolution out = solution_of(final_round, stops);
+  out.rotation_by_pictures = by_pictures[0];
+  out.swing_by_pictures = by_pictures[1];
+  out.has_rig_share = options.rig_covariance.size() > 0;
   out.left_out = std::move(left_out);
   return out;
 }

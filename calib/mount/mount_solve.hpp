@@ -18,6 +18,7 @@ struct MountOptions {
   double wobble_prior_mm = 0.003;       ///< sigma of the table's run-out a stop, to start with
   double gross = 4;                     ///< a correction beyond so many priors is a wrong stop
   double max_gross_share = 0.15;        ///< of the stops: more wrong ones are a slipping table
+  Eigen::MatrixXd rig_covariance = {};  ///< of rig_parameter_names(); empty: the rig is taken for perfect
 };
 
 /// A stop in the solution.
@@ -44,7 +45,9 @@ struct MountSolution {
   Pose T_camera_board = Pose::Identity();  ///< at both angles 0
   std::vector<StopResult> stops;
   std::vector<StopNote> left_out;
-  LineSigma rotation, swing;
+  LineSigma rotation, swing;                                       ///< with what the rig's own uncertainty adds
+  LineSigma rotation_by_pictures, swing_by_pictures;               ///< without it
+  bool has_rig_share = false;                                      ///< MountOptions::rig_covariance was there
   double misfit = 0;                                               ///< chi² of the dots over their redundancy
   std::array<double, 2> stop_sigma_rad{};                          ///< of the corrections, estimated
   double wobble_sigma_mm = 0;                                      ///< of the shifts, estimated

@@ -72,10 +72,10 @@ Result<int> run_compare(const CompareOptions& o) {
     input.estimate_poses = &*estimate;
     input.truth_poses = &*truth;
   }
-  ENAMEL_TRY_ASSIGN(const host::MeshFile mesh, host::read_mesh(o.mesh));
+  ENAMEL_TRY_ASSIGN(const host::MeshFile mesh, host::read_measured_mesh(o.mesh));
   std::vector<host::MeshFile> references;
   for (const std::string& path : o.references) {
-    ENAMEL_TRY_ASSIGN(references.emplace_back(), host::read_mesh(path));
+    ENAMEL_TRY_ASSIGN(references.emplace_back(), host::read_measured_mesh(path));
   }
   input.mesh_origin_mm = mesh.origin_mm;
   ENAMEL_TRY_ASSIGN(const auto result, host::compare(mesh.mesh, references, input));

@@ -123,6 +123,7 @@ void add(const LeftOut& file, LeftOut& sum) {
   sum.broken_vertices += file.broken_vertices;
   sum.broken_faces += file.broken_faces;
   sum.flat_faces += file.flat_faces;
+  sum.synthetic_faces += file.synthetic_faces;
   sum.normals = sum.normals || file.normals;
 }
 
@@ -130,7 +131,8 @@ nlohmann::ordered_json counts(const LeftOut& left_out) {
   return {{"unused_vertices", left_out.unused_vertices},
           {"broken_vertices", left_out.broken_vertices},
           {"broken_faces", left_out.broken_faces},
-          {"flat_faces", left_out.flat_faces}};
+          {"flat_faces", left_out.flat_faces},
+          {"synthetic_faces", left_out.synthetic_faces}};
 }
 
 }  // namespace

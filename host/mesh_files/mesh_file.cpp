@@ -21,6 +21,7 @@ std::string left_out_text(const LeftOut& left_out) {
   add(left_out.broken_vertices, "vertex", "vertices", "without a finite position");
   add(left_out.broken_faces, "face", "faces", "with such a corner");
   add(left_out.flat_faces, "face", "faces", "without area");
+  add(left_out.synthetic_faces, "face", "faces", "made up, not measured");
   if (left_out.normals) {
     text += std::string(text.empty() ? "" : ", ") + "normals (some are not finite)";
   }
@@ -65,6 +66,15 @@ Result<MeshFile> read_mesh(const std::string& path) {
     mesh.error().detail = path + ": " + mesh.error().detail;
   }
   return mesh;
+}
+
+Result<MeshFile> read_measured_mesh(const std::string& path) {
+  ENAMEL_TRY_ASSIGN(auto file, read_mesh(path));
+  auto measured = leave_out_synthetic(std::move(file));
+  if (!measured) {
+    measured.error().detail = path + ": " + measured.error().detail;
+  }
+  return measured;
 }
 
 std::string ply_bytes(const Mesh& mesh, const VertexColours& colours, const Vec3d& origin_mm) {

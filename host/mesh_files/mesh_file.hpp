@@ -19,6 +19,7 @@ struct LeftOut {
   std::uint64_t broken_vertices = 0;  ///< a coordinate that is no finite number, or farther than 1 km from the others
   std::uint64_t broken_faces = 0;     ///< with such a corner
   std::uint64_t flat_faces = 0;       ///< no area, or fewer than three corners
+  std::uint64_t synthetic_faces = 0;  ///< made up, not measured: leave_out_synthetic()
   bool normals = false;               ///< all of them: some are no finite numbers
 };
 
@@ -35,7 +36,14 @@ struct MeshFile {
   Vec3d origin_mm = Vec3d::Zero();
   double step_mm = 0;  ///< where origin_mm is not 0: the step of the file's numbers there; 0: none seen
   LeftOut left_out;
+  /// Empty, or one a triangle: 1 where the file says that it was made up, not measured (PLY: property `synthetic` of
+  /// faces; OBJ: group `synthetic`).
+  std::vector<std::uint8_t> synthetic = {};
 };
+
+/// Takes out what was made up, counted in `left_out`: measurements are of what was measured. Errors: kMeshInvalid where
+/// nothing else is left.
+[[nodiscard]] Result<MeshFile> leave_out_synthetic(MeshFile file);
 
 enum class MeshFormat { kPly, kStl, kObj };
 
@@ -51,6 +59,8 @@ enum class MeshFormat { kPly, kStl, kObj };
 
 /// Errors: kFileNotFound, kFileRead and those of mesh_format and parse_mesh (with the path).
 [[nodiscard]] Result<MeshFile> read_mesh(const std::string& path);
+/// As read_mesh, without what was made up.
+[[nodiscard]] Result<MeshFile> read_measured_mesh(const std::string& path);
 
 using VertexColours = std::vector<std::array<std::uint8_t, 3>>;
 

@@ -72,14 +72,19 @@ void keep_only(std::vector<T>& values, const std::vector<bool>& kept) {
 
 void leave_out_faces(MeshFile& file) {
   const auto& vertices = file.mesh.vertices;
-  std::erase_if(file.mesh.triangles, [&](const std::array<std::uint32_t, 3>& t) {
+  auto& triangles = file.mesh.triangles;
+  std::vector<bool> kept;
+  kept.reserve(triangles.size());
+  for (const std::array<std::uint32_t, 3>& t : triangles) {
     const Vec3f &a = vertices[t[0]], &b = vertices[t[1]], &c = vertices[t[2]];
     const bool whole = is_position(a) && is_position(b) && is_position(c);
     const bool flat = whole && !has_area(a.cast<double>(), b.cast<double>(), c.cast<double>());
     file.left_out.broken_faces += whole ? 0U : 1U;
     file.left_out.flat_faces += flat ? 1U : 0U;
-    return !whole || flat;
-  });
+    kept.push_back(whole && !flat);
+  }
+  keep_only(triangles, kept);
+  keep_only(file.synthetic, kept);
 }
 
 void leave_out_vertices(MeshFile& file) {
@@ -123,6 +128,37 @@ void MeshSoup::add_face(const std::vector<std::uint32_t>& corners) {
   }
 }
 
+void MeshSoup::tag_synthetic(bool made_up) {
+  if (!made_up && synthetic.empty()) {
+    tagged = triangles.size();
+    return;
+  }
+  synthetic.resize(std::max(tagged, synthetic.size()), 0);  // those before the first that was made up
+  synthetic.resize(triangles.size(), made_up ? 1 : 0);
+  tagged = triangles.size();
+}
+
+Result<MeshFile> leave_out_synthetic(MeshFile file) {
+  if (file.synthetic.empty()) {
+    return file;
+  }
+  std::vector<bool> kept;
+  for (const std::uint8_t made_up : file.synthetic) {
+    kept.push_back(made_up == 0);
+    file.left_out.synthetic_faces += made_up != 0 ? 1U : 0U;
+  }
+  keep_only(file.mesh.triangles, kept);
+  file.synthetic.clear();
+  if (file.mesh.triangles.empty()) {
+    return fail(ErrorCode::kMeshInvalid, "all of its faces are synthetic: nothing was measured");
+  }
+  const LeftOut before = file.left_out;
+  leave_out_vertices(file);
+  file.left_out.unused_vertices = before.unused_vertices;  // theirs belong to the faces, which are counted
+  file.left_out.broken_vertices = before.broken_vertices;
+  return file;
+}
+
 Result<MeshFile> finish_mesh(MeshSoup soup, const std::string& format) {
   MeshFile file;
   std::uint64_t budget = kMostPoints;
@@ -140,6 +176,10 @@ Result<MeshFile> finish_mesh(MeshSoup soup, const std::string& format) {
   file.mesh.normals = std::move(soup.normals);
   file.mesh.quality = std::move(soup.quality);
   file.mesh.triangles = std::move(soup.triangles);
+  file.synthetic = std::move(soup.synthetic);
+  if (!file.synthetic.empty()) {
+    file.synthetic.resize(file.mesh.triangles.size(), 0);
+  }
   file.vertex_values = std::move(soup.vertex_values);
   file.left_out.flat_faces = soup.short_faces;
   leave_out_faces(file);

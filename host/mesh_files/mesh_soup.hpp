@@ -19,8 +19,11 @@ struct MeshSoup {
   std::vector<float> quality;
   std::map<std::string, std::vector<float>> vertex_values;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< every corner is a position's index
+  std::vector<std::uint8_t> synthetic;                  ///< empty or one a triangle: MeshFile::synthetic
   std::uint64_t short_faces = 0;                        ///< with fewer than three corners, not among the triangles
   bool floats = false;                                  ///< the file keeps positions in single precision
+
+  std::size_t tagged = 0;  ///< triangles that tag_synthetic() has seen
 
   struct Fan {
     std::size_t first = 0, count = 0;  ///< among the triangles
@@ -29,6 +32,8 @@ struct MeshSoup {
 
   /// A face of any number of corners, as a fan until all positions are known.
   void add_face(const std::vector<std::uint32_t>& corners);
+  /// All triangles since the last call.
+  void tag_synthetic(bool made_up);
 };
 
 /// Leaves out and counts what is no surface, moves what lies far from the origin (MeshFile::origin_mm), rounds to

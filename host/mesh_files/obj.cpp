@@ -77,8 +77,12 @@ class ObjReader {
         word == "v" ? soup_.positions.push_back(*v) : soup_.normals.push_back(v->cast<float>());
       } else if (word == "f" && !face(statement(rest), first)) {
         return bad_obj(first, "names a vertex that does not exist");
+      } else if (word == "g") {
+        soup_.tag_synthetic(made_up_);
+        made_up_ = next_word(rest) == "synthetic";
       }
     }
+    soup_.tag_synthetic(made_up_);
     if (farthest_ >= soup_.positions.size() && farthest_line_ > 0) {
       return bad_obj(farthest_line_, "names a vertex that does not exist");
     }
@@ -133,6 +137,7 @@ class ObjReader {
   MeshSoup soup_;
   std::vector<std::uint32_t> corners_;
   std::size_t farthest_ = 0, farthest_line_ = 0;  ///< largest index that a face names
+  bool made_up_ = false;                          ///< the group that faces are in now is called synthetic
   bool normals_match_ = true;                     ///< every corner names the normal of its own index
 };
 

@@ -205,8 +205,14 @@ Result<void> read_face(std::uint64_t row, const FaceKind& kind, std::vector<doub
 
 Result<void> read_faces(const PlyElement& element, const FaceKind& kind, Values& values, MeshSoup& out) {
   std::vector<double> corners;
+  const PlyProperty* synthetic = scalar(element, "synthetic");
   for (std::uint64_t row = 0; row < element.count && values.ok(); ++row) {
+    bool made_up = false;
     for (const PlyProperty& p : element.properties) {
+      if (&p == synthetic) {
+        made_up = values.next(p.type) > 0.5;
+        continue;
+      }
       if (!p.is_list || (p.name != "vertex_indices" && p.name != "vertex_index")) {
         ENAMEL_TRY(skip(p, values));
         continue;
@@ -222,6 +228,9 @@ Result<void> read_faces(const PlyElement& element, const FaceKind& kind, Values&
       if (values.ok()) {
         ENAMEL_TRY(read_face(row, kind, corners, out));
       }
+    }
+    if (synthetic != nullptr) {
+      out.tag_synthetic(made_up);
     }
   }
   return {};

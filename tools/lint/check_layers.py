@@ -77,6 +77,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "host/record": (4, PROTOCOL + ["pipeline/flow", "calib/model", "host/report"]),
     "host/report": (4, BASE + ["protocol/types"]),
     "host/mesh_files": (4, BASE + ["pipeline/types"]),
+    "host/mesh_base": (4, BASE + ["pipeline/types", "host/mesh_files"]),
     "host/compare": (4, BASE + ["pipeline/types", "host/mesh_files"]),
     "host/accuracy": (4, BASE + ["pipeline/types", "pipeline/register/map", "host/mesh_files", "host/compare"]),
     "host/motion": (4, BASE),

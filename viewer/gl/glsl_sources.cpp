@@ -24,8 +24,8 @@ const std::string_view kModelFragment = R"(
 in vec3 position_view;
 in vec3 normal_view;
 in float quality;
-uniform vec3 albedo;       // sRGB
-uniform vec3 ramp_low;     // sRGB, quality 0, 0.5, 1
+uniform vec3 albedo;       // linear, as the ramp is
+uniform vec3 ramp_low;     // quality 0, 0.5, 1
 uniform vec3 ramp_mid;
 uniform vec3 ramp_high;
 uniform float ramp_share;  // 0 = albedo, 1 = quality map
@@ -33,7 +33,12 @@ uniform float gloss;       // 0 = matte
 uniform float mm_per_px;
 out vec4 colour;
 
-vec3 linear(vec3 c) { return pow(c, vec3(2.2)); }
+// Powers are what shading costs in software: whole ones are products, the display's gamma of
+// 2.2 is a fit of roots, within 0.7 grey levels. Alpha is brightness, for the filter of edges.
+vec3 display(vec3 c) {
+  vec3 a = sqrt(c);
+  return 0.99035 * a + 0.07811 * sqrt(a) - 0.06980 * c;
+}
 
 void main() {
   vec3 v = normalize(-position_view);
@@ -41,12 +46,13 @@ void main() {
   if (!gl_FrontFacing) {
     // Seen through a hole: the surface's back, cold and dark, so that a gap is never taken for a tooth.
     float facing = abs(dot(n, v));
-    colour = vec4(pow(vec3(0.020, 0.026, 0.036) * (0.5 + facing), vec3(1.0 / 2.2)), 1.0);
+    colour.rgb = display(vec3(0.020, 0.026, 0.036) * (0.5 + facing));
+    colour.a = dot(colour.rgb, vec3(0.299, 0.587, 0.114));
     return;
   }
-  vec3 ramp = quality < 0.5 ? mix(linear(ramp_low), linear(ramp_mid), clamp(2.0 * quality, 0.0, 1.0))
-                            : mix(linear(ramp_mid), linear(ramp_high), clamp(2.0 * quality - 1.0, 0.0, 1.0));
-  vec3 base = mix(linear(albedo), ramp, ramp_share);
+  vec3 ramp = quality < 0.5 ? mix(ramp_low, ramp_mid, clamp(2.0 * quality, 0.0, 1.0))
+                            : mix(ramp_mid, ramp_high, clamp(2.0 * quality - 1.0, 0.0, 1.0));
+  vec3 base = mix(albedo, ramp, ramp_share);
 
   // Concave places (fissures, gaps between teeth) gather less light: curvature from the normal's change over a pixel.
   vec3 dx = dFdx(n);
@@ -62,16 +68,23 @@ void main() {
   float facing = max(dot(n, v), 0.0);
   vec3 ambient = mix(vec3(0.105, 0.080, 0.072), vec3(0.175, 0.185, 0.205), 0.5 + 0.5 * n.y);
   vec3 light = ambient + key * vec3(0.80, 0.765, 0.715) + fill * vec3(0.105, 0.125, 0.155) + facing * vec3(0.10);
-  float rim = pow(1.0 - facing, 3.5) * (0.35 + 0.65 * max(n.y, 0.0));
+  float away = 1.0 - facing;
+  float rim = away * away * away * sqrt(away) * (0.35 + 0.65 * max(n.y, 0.0));
   vec3 shaded = base * light * hollow + rim * vec3(0.10, 0.115, 0.135);
 
   vec3 h = normalize(key_dir + v);
   float nh = max(dot(n, h), 0.0);
-  shaded += gloss * (0.16 * pow(nh, 70.0) + 0.045 * pow(nh, 14.0)) * vec3(1.0, 0.98, 0.95);
+  float nh2 = nh * nh;
+  float nh4 = nh2 * nh2;
+  float nh8 = nh4 * nh4;
+  float nh16 = nh8 * nh8;
+  float nh64 = nh16 * nh16 * nh16 * nh16;
+  shaded += gloss * (0.16 * nh64 * nh4 * nh2 + 0.045 * nh8 * nh4 * nh2) * vec3(1.0, 0.98, 0.95);
   // Shoulder: highlights keep their shape instead of clipping.
   shaded = shaded * (1.0 + shaded * 0.12) / (1.0 + shaded * 0.42);
   shaded *= 1.16;
-  colour = vec4(pow(clamp(shaded, 0.0, 1.0), vec3(1.0 / 2.2)), 1.0);
+  colour.rgb = display(clamp(shaded, 0.0, 1.0));
+  colour.a = dot(colour.rgb, vec3(0.299, 0.587, 0.114));
 }
 )";
 
@@ -144,7 +157,7 @@ void main() {
   vec3 c = mix(vec3(0.235, 0.262, 0.300), vec3(0.058, 0.067, 0.082), r);
   // Half a grey level of fixed noise keeps the gradient free of bands.
   float noise = fract(sin(dot(gl_FragCoord.xy, vec2(12.9898, 78.233))) * 43758.5453) - 0.5;
-  colour = vec4(c + noise / 255.0, 1.0);
+  colour = vec4(c + noise / 255.0, dot(c, vec3(0.299, 0.587, 0.114)));
 }
 )";
 
@@ -205,9 +218,30 @@ void main() {
 }
 )";
 
+const std::string_view kQuickCompose = R"(
+uniform sampler2D scene;  // alpha: brightness
+uniform vec2 scene_px;
+out vec4 colour;
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  ivec2 low = max(at - 1, ivec2(0));
+  ivec2 high = min(at + 1, ivec2(scene_px) - 1);
+  vec4 c = texelFetch(scene, at, 0);
+  vec4 a = texelFetch(scene, low, 0);
+  vec4 b = texelFetch(scene, high, 0);
+  vec4 d = texelFetch(scene, ivec2(low.x, high.y), 0);
+  vec4 e = texelFetch(scene, ivec2(high.x, low.y), 0);
+  float least = min(min(a.a, b.a), min(d.a, e.a));
+  float most = max(max(a.a, b.a), max(d.a, e.a));
+  float share = clamp((most - least - 0.06) * 6.0, 0.0, 0.6);
+  colour = vec4(mix(c.rgb, 0.25 * (a.rgb + b.rgb + d.rgb + e.rgb), share), 1.0);
+}
+)";
+
 const std::string_view kComposeFragment = R"(
 in vec2 uv;
-uniform sampler2D scene;
+uniform sampler2D scene;     // alpha: brightness
 uniform float smooth_edges;  // 1: edge filter for a scene at the picture's own size
 uniform vec2 scene_px;
 out vec4 colour;
@@ -215,13 +249,16 @@ out vec4 colour;
 float luma(vec3 c) { return dot(c, vec3(0.299, 0.587, 0.114)); }
 
 // FXAA, console variant: blend along the edge that the four diagonal neighbours show.
-vec3 smoothed(vec3 c) {
+vec3 smoothed(vec3 c, float m) {
   vec2 px = 1.0 / scene_px;
-  float nw = luma(texture(scene, uv + vec2(-1.0, 1.0) * px).rgb);
-  float ne = luma(texture(scene, uv + vec2(1.0, 1.0) * px).rgb);
-  float sw = luma(texture(scene, uv + vec2(-1.0, -1.0) * px).rgb);
-  float se = luma(texture(scene, uv + vec2(1.0, -1.0) * px).rgb);
-  float m = luma(c);
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  ivec2 last = ivec2(scene_px) - 1;
+  ivec2 low_at = max(at - 1, ivec2(0));
+  ivec2 high_at = min(at + 1, last);
+  float nw = texelFetch(scene, ivec2(low_at.x, high_at.y), 0).a;
+  float ne = texelFetch(scene, high_at, 0).a;
+  float sw = texelFetch(scene, low_at, 0).a;
+  float se = texelFetch(scene, ivec2(high_at.x, low_at.y), 0).a;
   float low = min(m, min(min(nw, ne), min(sw, se)));
   float high = max(m, max(max(nw, ne), max(sw, se)));
   if (high - low < max(0.04, high * 0.12)) {
@@ -237,8 +274,12 @@ vec3 smoothed(vec3 c) {
 }
 
 void main() {
-  vec3 c = texture(scene, uv).rgb;
-  colour = vec4(smooth_edges > 0.5 ? smoothed(c) : c, 1.0);
+  if (smooth_edges > 0.5) {
+    vec4 c = texelFetch(scene, ivec2(gl_FragCoord.xy), 0);
+    colour = vec4(smoothed(c.rgb, c.a), 1.0);
+  } else {
+    colour = vec4(texture(scene, uv).rgb, 1.0);
+  }
 }
 )";
 

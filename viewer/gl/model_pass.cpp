@@ -24,12 +24,14 @@ struct GpuVertex {
 };
 static_assert(sizeof(GpuVertex) == kGpuVertexBytes);
 
+/// Light is added linear: colours are sRGB of gamma 2.2.
+Colour linear(const Colour& c) { return {std::pow(c.r, 2.2F), std::pow(c.g, 2.2F), std::pow(c.b, 2.2F)}; }
+
 /// A buffer of `bytes`, the first `kept` of them copied from `old`.
 GlBuffer enlarged(const GlBuffer& old, std::size_t kept, std::size_t bytes) {
   GlBuffer buffer = GlBuffer::make();
   glBindBuffer(GL_COPY_WRITE_BUFFER, buffer.id());
-  const std::vector<std::uint8_t> zeros(bytes, 0);  // index 0 three times: a triangle without area
-  glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), zeros.data(), GL_DYNAMIC_DRAW);
+  glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_DYNAMIC_DRAW);
   if (old && kept > 0) {
     glBindBuffer(GL_COPY_READ_BUFFER, old.id());
     glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(kept));
@@ -43,19 +45,15 @@ Result<std::unique_ptr<ModelPass>> ModelPass::make() {
   std::unique_ptr<ModelPass> pass(new ModelPass);
   ENAMEL_TRY_ASSIGN(pass->program_, build_program("model", glsl::kModelVertex, glsl::kModelFragment));
   pass->vertex_array_ = GlVertexArray::make();
-  pass->grow_buffers();
+  pass->indices_ = GlBuffer::make();
+  pass->grow_buffer();
   return pass;
 }
 
-void ModelPass::grow_buffers() {
+void ModelPass::grow_buffer() {
   if (vertex_arena_.capacity() > vertex_room_) {
     vertices_ = enlarged(vertices_, vertex_room_ * kGpuVertexBytes, vertex_arena_.capacity() * kGpuVertexBytes);
     vertex_room_ = vertex_arena_.capacity();
-    point_attributes();
-  }
-  if (triangle_arena_.capacity() > triangle_room_) {
-    indices_ = enlarged(indices_, triangle_room_ * kGpuTriangleBytes, triangle_arena_.capacity() * kGpuTriangleBytes);
-    triangle_room_ = triangle_arena_.capacity();
     point_attributes();
   }
 }
@@ -77,38 +75,27 @@ void ModelPass::update(const ModelSnapshot& model, std::size_t budget_bytes) {
     remove(index);
   }
   for (const auto& block : plan.upload) {
-    upload(*block);
+    upload(block);
   }
   pending_ = plan.pending;
 }
 
-void ModelPass::upload(const BlockMesh& block) {
-  auto known = placed_.find(block.block);
-  const std::size_t count = block.triangles.size();
-  if (known != placed_.end() &&
-      (known->second.vertices.size < block.vertices.size() || known->second.triangles.size < count)) {
-    remove(block.block);
+void ModelPass::upload(const std::shared_ptr<const BlockMesh>& block) {
+  auto known = placed_.find(block->block);
+  if (known != placed_.end() && (block->triangles.empty() || known->second.size < block->vertices.size())) {
+    remove(block->block);
     known = placed_.end();
   }
-  if (count == 0) {
-    if (known != placed_.end()) {
-      remove(block.block);
-    }
+  if (block->triangles.empty()) {
     return;
   }
   if (known == placed_.end()) {
-    Placed place{vertex_arena_.allocate(with_slack(block.vertices.size())), triangle_arena_.allocate(with_slack(count)),
-                 0};
-    grow_buffers();
-    known = placed_.emplace(block.block, place).first;
+    known = placed_.emplace(block->block, vertex_arena_.allocate(with_slack(block->vertices.size()))).first;
+    grow_buffer();
   }
-  Placed& placed = known->second;
-  triangles_ += count;
-  triangles_ -= placed.count;
-  placed.count = count;
-  write_vertices(block, placed.vertices);
-  write_triangles(block, placed);
-  uploaded_bytes_ += gpu_bytes(block);
+  write_vertices(*block, known->second);
+  parts_.put(block, static_cast<std::uint32_t>(known->second.offset));
+  uploaded_bytes_ += gpu_bytes(*block);
 }
 
 void ModelPass::write_vertices(const BlockMesh& block, const Slot& slot) {
@@ -125,56 +112,47 @@ void ModelPass::write_vertices(const BlockMesh& block, const Slot& slot) {
                   static_cast<GLsizeiptr>(bytes_.size()), bytes_.data());
 }
 
-void ModelPass::write_triangles(const BlockMesh& block, const Placed& placed) {
-  const auto base = static_cast<std::uint32_t>(placed.vertices.offset);
-  index_scratch_.assign(3 * placed.triangles.size, 0);  // what is left of the slot stays without area
-  std::size_t at = 0;
-  for (const auto& triangle : block.triangles) {
-    for (const std::uint32_t index : triangle) {
-      index_scratch_[at++] = base + index;
-    }
-  }
-  send_indices(placed.triangles);
-}
-
-void ModelPass::send_indices(const Slot& slot) {
-  glBindBuffer(GL_COPY_WRITE_BUFFER, indices_.id());
-  glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(slot.offset * kGpuTriangleBytes),
-                  static_cast<GLsizeiptr>(slot.size * kGpuTriangleBytes), index_scratch_.data());
-}
-
 void ModelPass::remove(const BlockIndex& index) {
   const auto known = placed_.find(index);
   if (known == placed_.end()) {
     return;
   }
-  const Placed& placed = known->second;
-  index_scratch_.assign(3 * placed.triangles.size, 0);
-  send_indices(placed.triangles);
-  vertex_arena_.release(placed.vertices);
-  triangle_arena_.release(placed.triangles);
-  triangles_ -= placed.count;
+  parts_.remove(index);
+  vertex_arena_.release(known->second);
   placed_.erase(known);
 }
 
-void ModelPass::draw(const ViewCamera& camera, double aspect, int height_px, const DisplayToggles& toggles) {
+void ModelPass::draw(const DetailView& view, const DisplayToggles& toggles, std::size_t budget) {
+  draw_listed(parts_.select(view, budget), view, toggles);
+}
+
+void ModelPass::draw_exact(const DetailView& view, const DisplayToggles& toggles, std::optional<std::size_t>& next,
+                           std::size_t budget) {
+  draw_listed(parts_.exact(view, next, budget), view, toggles);
+}
+
+void ModelPass::draw_listed(const std::vector<IndexTriangle>& triangles, const DetailView& view,
+                            const DisplayToggles& toggles) {
   draw_calls_ = 0;
-  if (triangles_ == 0) {
+  drawn_triangles_ = triangles.size();
+  if (triangles.empty()) {
     return;
   }
   glUseProgram(program_.id());
-  set_uniform(program_, "view", view_matrix(camera));
-  set_uniform(program_, "projection", projection_matrix(camera, aspect));
-  set_uniform(program_, "albedo", toggles.mono && tone_ == kTooth ? kMonoGrey : tone_);
-  set_uniform(program_, "ramp_low", kQualityRamp[0]);
-  set_uniform(program_, "ramp_mid", kQualityRamp[1]);
-  set_uniform(program_, "ramp_high", kQualityRamp[2]);
+  set_uniform(program_, "view", view_matrix(view.camera));
+  set_uniform(program_, "projection", projection_matrix(view.camera, view.aspect));
+  set_uniform(program_, "albedo", linear(toggles.mono && tone_ == kTooth ? kMonoGrey : tone_));
+  set_uniform(program_, "ramp_low", linear(kQualityRamp[0]));
+  set_uniform(program_, "ramp_mid", linear(kQualityRamp[1]));
+  set_uniform(program_, "ramp_high", linear(kQualityRamp[2]));
   set_uniform(program_, "ramp_share", toggles.quality_map ? 1.0F : 0.0F);
   set_uniform(program_, "gloss", toggles.mono || toggles.quality_map ? 0.0F : 1.0F);
-  const double height_mm = 2 * camera.distance_mm * std::tan(0.5 * camera.fov_y_rad);
-  set_uniform(program_, "mm_per_px", static_cast<float>(height_mm / std::max(height_px, 1)));
+  const double height_mm = 2 * view.camera.distance_mm * std::tan(0.5 * view.camera.fov_y_rad);
+  set_uniform(program_, "mm_per_px", static_cast<float>(height_mm / std::max(view.height_px, 1)));
   glBindVertexArray(vertex_array_.id());
-  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * triangle_arena_.end()), GL_UNSIGNED_INT, nullptr);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(triangles.size() * kGpuTriangleBytes), triangles.data(),
+               GL_STREAM_DRAW);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * triangles.size()), GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);
   draw_calls_ = 1;
 }

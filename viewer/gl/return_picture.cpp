@@ -32,6 +32,7 @@ Result<void> ReturnPicture::update(const PreviewFrame& frame, const Style& style
   view.probe_colour = kAccent;
   view.T_model_cam = frame.T_model_return;
   view.line_scale = style.scale;
+  view.triangle_budget = DetailBudget::kSoftwareStart;  // small, and drawn once
   ENAMEL_TRY(scene_->draw(view, Quality::kLive, *out_));
   drawn_ = frame.whole;
   return {};

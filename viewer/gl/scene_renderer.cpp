@@ -1,6 +1,7 @@
 #include "viewer/gl/scene_renderer.hpp"
 
 #include <cmath>
+#include <tuple>
 
 #include "viewer/gl/shader.hpp"
 
@@ -19,7 +20,27 @@ Eigen::Vector2f size_of(const RenderTarget& target) {
   return {static_cast<float>(target.width()), static_cast<float>(target.height())};
 }
 
+bool same_camera(const ViewCamera& a, const ViewCamera& b) {
+  return a.target == b.target && a.R_model_view.coeffs() == b.R_model_view.coeffs() && a.distance_mm == b.distance_mm &&
+         a.fov_y_rad == b.fov_y_rad;
+}
+
+bool same_probe(const SceneView& a, const SceneView& b) {
+  if (a.T_model_cam.has_value() != b.T_model_cam.has_value() || a.probe_colour != b.probe_colour) return false;
+  return (!a.T_model_cam || a.T_model_cam->matrix() == b.T_model_cam->matrix()) &&
+         a.field.corner_rays == b.field.corner_rays && a.field.near_mm == b.field.near_mm &&
+         a.field.far_mm == b.field.far_mm;
+}
+
 }  // namespace
+
+bool same_view(const SceneView& a, const SceneView& b) {
+  const auto shown = [](const SceneView& v) {
+    const DisplayToggles& t = v.toggles;
+    return std::tuple(t.quality_map, t.mono, t.frustum, t.trail, v.line_scale, v.trail.size());
+  };
+  return same_camera(a.camera, b.camera) && same_probe(a, b) && shown(a) == shown(b);
+}
 
 Result<std::unique_ptr<SceneRenderer>> SceneRenderer::make() {
   std::unique_ptr<SceneRenderer> out(new SceneRenderer);
@@ -28,6 +49,7 @@ Result<std::unique_ptr<SceneRenderer>> SceneRenderer::make() {
   ENAMEL_TRY_ASSIGN(out->backdrop_, build_program("backdrop", glsl::kScreenVertex, glsl::kBackdropFragment));
   ENAMEL_TRY_ASSIGN(out->occlusion_, build_program("occlusion", glsl::kScreenVertex, glsl::kOcclusionFragment));
   ENAMEL_TRY_ASSIGN(out->darken_, build_program("darken", glsl::kScreenVertex, glsl::kDarkenFragment));
+  ENAMEL_TRY_ASSIGN(out->quick_compose_, build_program("quick compose", glsl::kScreenVertex, glsl::kQuickCompose));
   ENAMEL_TRY_ASSIGN(out->compose_, build_program("compose", glsl::kScreenVertex, glsl::kComposeFragment));
   out->screen_ = GlVertexArray::make();
   return out;
@@ -40,6 +62,7 @@ Result<void> SceneRenderer::prepare_targets(const RenderTarget& out, Quality qua
   if (!scene_ || scene_->width() != width || scene_->height() != height) {
     scene_.reset();
     shade_.reset();
+    still_.reset();
     ENAMEL_TRY_ASSIGN(scene_, RenderTarget::make(width, height, true));
   }
   if (quality == Quality::kFine && !shade_) {
@@ -48,36 +71,97 @@ Result<void> SceneRenderer::prepare_targets(const RenderTarget& out, Quality qua
   return {};
 }
 
-Result<void> SceneRenderer::draw(const SceneView& view, Quality quality, const RenderTarget& out) {
-  ENAMEL_TRY(prepare_targets(out, quality));
-  const double aspect = static_cast<double>(out.width()) / out.height();
-  const float scale = view.line_scale * static_cast<float>(scene_->width()) / static_cast<float>(out.width());
-  const LinePass::View screen{projection_matrix(view.camera, aspect) * view_matrix(view.camera), scene_->width(),
-                              scene_->height()};
-  scene_->bind();
+/// The same for every view: drawn once a size.
+Result<void> SceneRenderer::draw_backdrop(const RenderTarget& onto) {
+  if (!backdrop_picture_ || backdrop_picture_->width() != onto.width() ||
+      backdrop_picture_->height() != onto.height()) {
+    backdrop_picture_.reset();
+    ENAMEL_TRY_ASSIGN(backdrop_picture_, RenderTarget::make(onto.width(), onto.height(), false));
+    backdrop_picture_->bind();
+    glDisable(GL_DEPTH_TEST);
+    glUseProgram(backdrop_.id());
+    set_uniform(backdrop_, "aspect", static_cast<float>(onto.width()) / static_cast<float>(onto.height()));
+    glBindVertexArray(screen_.id());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, backdrop_picture_->framebuffer());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, onto.framebuffer());
+  glBlitFramebuffer(0, 0, onto.width(), onto.height(), 0, 0, onto.width(), onto.height(), GL_COLOR_BUFFER_BIT,
+                    GL_NEAREST);
+  return {};
+}
+
+void SceneRenderer::begin_scene(const RenderTarget& onto) const {
+  onto.bind();
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
   glDisable(GL_SCISSOR_TEST);
-  glDisable(GL_DEPTH_TEST);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  glDepthMask(GL_TRUE);
-  glClearDepth(1.0);
-  glClear(GL_DEPTH_BUFFER_BIT);
-  glUseProgram(backdrop_.id());
-  set_uniform(backdrop_, "aspect", static_cast<float>(aspect));
-  glBindVertexArray(screen_.id());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
-  model_->draw(view.camera, aspect, scene_->height(), view.toggles);
+  glDepthMask(GL_TRUE);
+}
+
+void SceneRenderer::draw_lines(const SceneView& view, const RenderTarget& onto, const RenderTarget& out) {
+  const double aspect = static_cast<double>(out.width()) / out.height();
+  const float scale = view.line_scale * static_cast<float>(onto.width()) / static_cast<float>(out.width());
+  const LinePass::View screen{projection_matrix(view.camera, aspect) * view_matrix(view.camera), onto.width(),
+                              onto.height()};
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);  // brightness stays the model's: lines have soft edges already
+  draw_trail(view, screen, scale);
+  draw_probe(view, screen, scale);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+Result<void> SceneRenderer::draw(const SceneView& view, Quality quality, const RenderTarget& out) {
+  ENAMEL_TRY(prepare_targets(out, quality));
+  const double aspect = static_cast<double>(out.width()) / out.height();
+  begin_scene(*scene_);
+  ENAMEL_TRY(draw_backdrop(*scene_));
+  begin_scene(*scene_);
+  glClearDepth(1.0);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  model_->draw({view.camera, aspect, scene_->height(), view.focus}, view.toggles, view.triangle_budget);
   if (quality == Quality::kFine) {
     draw_occlusion(view.camera, aspect);
   }
-  draw_trail(view, screen, scale);
-  draw_probe(view, screen, scale);
-  compose(out, quality);
+  draw_lines(view, *scene_, out);
+  quality_ = quality;
+  next_part_.reset();
+  finished_ = false;
+  compose_again(out);
   return {};
+}
+
+Result<void> SceneRenderer::refine(const SceneView& view, const RenderTarget& out) {
+  if (!still_) {
+    ENAMEL_TRY_ASSIGN(still_, RenderTarget::make(scene_->width(), scene_->height(), true));
+  }
+  const double aspect = static_cast<double>(out.width()) / out.height();
+  if (!next_part_) {
+    begin_scene(*still_);
+    ENAMEL_TRY(draw_backdrop(*still_));
+    begin_scene(*still_);
+    glClearDepth(1.0);
+    glClear(GL_DEPTH_BUFFER_BIT);
+  }
+  begin_scene(*still_);
+  model_->draw_exact({view.camera, aspect, still_->height(), view.focus}, view.toggles, next_part_,
+                     view.triangle_budget);
+  finished_ = !next_part_;
+  if (finished_) {
+    draw_lines(view, *still_, out);
+    compose_again(out);
+  }
+  return {};
+}
+
+void SceneRenderer::compose_again(const RenderTarget& out) {
+  if (finished_) {
+    compose(*still_, out, Edges::kSmooth);
+  } else {
+    compose(*scene_, out, quality_ == Quality::kFine ? Edges::kAsTheyAre : Edges::kQuick);
+  }
 }
 
 void SceneRenderer::draw_trail(const SceneView& view, const LinePass::View& screen, float scale) {
@@ -147,14 +231,19 @@ void SceneRenderer::draw_occlusion(const ViewCamera& camera, double aspect) {
   glEnable(GL_DEPTH_TEST);
 }
 
-void SceneRenderer::compose(const RenderTarget& out, Quality quality) {
+void SceneRenderer::compose(const RenderTarget& scene, const RenderTarget& out, Edges edges) {
   out.bind();
   glDisable(GL_DEPTH_TEST);
-  glUseProgram(compose_.id());
-  set_uniform(compose_, "scene", 0);
-  set_uniform(compose_, "smooth_edges", quality == Quality::kFine ? 0.0F : 1.0F);
-  set_uniform(compose_, "scene_px", size_of(*scene_));
-  bind_texture(0, scene_->colour());
+  glDisable(GL_BLEND);
+  glDisable(GL_SCISSOR_TEST);
+  const GlProgram& program = edges == Edges::kQuick ? quick_compose_ : compose_;
+  glUseProgram(program.id());
+  set_uniform(program, "scene", 0);
+  if (edges != Edges::kQuick) {
+    set_uniform(program, "smooth_edges", edges == Edges::kSmooth ? 1.0F : 0.0F);
+  }
+  set_uniform(program, "scene_px", size_of(scene));
+  bind_texture(0, scene.colour());
   glBindVertexArray(screen_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   bind_texture(0, 0);

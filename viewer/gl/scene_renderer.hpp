@@ -27,7 +27,12 @@ struct SceneView {
   Colour probe_colour = kIdle;
   AppendLog<Vec3f>::View trail;
   float line_scale = 1;
+  std::optional<Ball> focus;  ///< what is being scanned: drawn as fine as it is
+  std::size_t triangle_budget = ~std::size_t{0};
 };
+
+/// Whether both make the same picture of the same model, but for the budget.
+[[nodiscard]] bool same_view(const SceneView& a, const SceneView& b);
 
 class SceneRenderer {
  public:
@@ -38,23 +43,41 @@ class SceneRenderer {
   /// Fills `out`. Errors: kDisplay when the driver refuses an intermediate picture.
   [[nodiscard]] Result<void> draw(const SceneView& view, Quality quality, const RenderTarget& out);
 
+  /// One more part, of about view.triangle_budget triangles, of the picture that the mesh as it is and the full filter
+  /// of edges make of the view that draw() had last, at kLive. Once finished() it is what `out` gets; until then what
+  /// draw() made. Errors as draw().
+  [[nodiscard]] Result<void> refine(const SceneView& view, const RenderTarget& out);
+  [[nodiscard]] bool finished() const noexcept { return finished_; }
+  /// What `out` had from draw() or refine() last.
+  void compose_again(const RenderTarget& out);
+
  private:
   SceneRenderer() = default;
   [[nodiscard]] Result<void> prepare_targets(const RenderTarget& out, Quality quality);
+  [[nodiscard]] Result<void> draw_backdrop(const RenderTarget& onto);
+  void begin_scene(const RenderTarget& onto) const;
+  void draw_lines(const SceneView& view, const RenderTarget& onto, const RenderTarget& out);
   void draw_probe(const SceneView& view, const LinePass::View& screen, float scale);
   void draw_trail(const SceneView& view, const LinePass::View& screen, float scale);
   void draw_occlusion(const ViewCamera& camera, double aspect);
-  void compose(const RenderTarget& out, Quality quality);
+  enum class Edges { kAsTheyAre, kQuick, kSmooth };
+  void compose(const RenderTarget& scene, const RenderTarget& out, Edges edges);
 
   std::unique_ptr<ModelPass> model_;
   std::unique_ptr<LinePass> lines_;
   GlProgram backdrop_;
   GlProgram occlusion_;
   GlProgram darken_;
+  GlProgram quick_compose_;
   GlProgram compose_;
   GlVertexArray screen_;
   std::optional<RenderTarget> scene_;
   std::optional<RenderTarget> shade_;
+  std::optional<RenderTarget> still_;  ///< the mesh as it is, part by part
+  std::optional<RenderTarget> backdrop_picture_;
+  std::optional<std::size_t> next_part_;  ///< of still_; none: not begun, or finished
+  bool finished_ = false;
+  Quality quality_ = Quality::kLive;
   LineBatch batch_;
 };
 

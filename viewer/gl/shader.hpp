@@ -16,7 +16,7 @@ namespace enamel::view {
 
 void set_uniform(const GlProgram& program, const char* name, const Eigen::Matrix4f& value);
 void set_uniform(const GlProgram& program, const char* name, const Eigen::Vector2f& value);
-void set_uniform(const GlProgram& program, const char* name, const Colour& srgb);
+void set_uniform(const GlProgram& program, const char* name, const Colour& value);
 void set_uniform(const GlProgram& program, const char* name, float value);
 void set_uniform(const GlProgram& program, const char* name, int value);
 
@@ -29,6 +29,7 @@ extern const std::string_view kScreenVertex;  ///< one triangle over the screen
 extern const std::string_view kBackdropFragment;
 extern const std::string_view kOcclusionFragment;
 extern const std::string_view kDarkenFragment;
+extern const std::string_view kQuickCompose;  ///< with edges blurred a little: all that software has time for
 extern const std::string_view kComposeFragment;
 }  // namespace glsl
 

@@ -83,6 +83,7 @@ Result<void> ViewerCore::draw(std::shared_ptr<const PreviewFrame> frame, const D
   }
   if (!out_ || out_->width() != request.width || out_->height() != request.height) {
     out_.reset();
+    drawn_.reset();
     ENAMEL_TRY_ASSIGN(out_, RenderTarget::make(request.width, request.height, false));
   }
   const PreviewFrame& now = *frame_;
@@ -93,25 +94,51 @@ Result<void> ViewerCore::draw(std::shared_ptr<const PreviewFrame> frame, const D
   move_camera(now, static_cast<double>(request.width) / request.height, request.dt_s);
   send_live_image(now);
 
-  SceneView view;
-  view.camera = camera_;
-  view.toggles = toggles_;
-  view.field = field_;
-  view.probe_colour = status_line(now).colour;
-  if (now.segment == kModelSegment) {
-    view.trail = now.trail;
+  Drawn next{scene_view(now, request), request.quality, scene_->model().revision(), now.segment};
+  const bool same = drawn_ && drawn_->quality == next.quality && drawn_->revision == next.revision &&
+                    drawn_->segment == next.segment && same_view(drawn_->view, next.view);
+  if (same) {
+    scene_->compose_again(*out_);
+  } else {
+    drawn_.reset();
+    ENAMEL_TRY(scene_->draw(next.view, request.quality, *out_));
+    drawn_ = std::move(next);
   }
-  view.line_scale = scale_;
-  if (now.placed) {
-    view.T_model_cam = now.T_model_cam;
-  }
-  ENAMEL_TRY(scene_->draw(view, request.quality, *out_));
   draw_panels(now, request);
   return {};
 }
 
+Result<void> ViewerCore::refine(const DrawRequest& request) {
+  activate();
+  drawn_->view.triangle_budget = request.triangle_budget;
+  ENAMEL_TRY(scene_->refine(drawn_->view, *out_));
+  if (scene_->finished()) {
+    draw_panels(*frame_, request);
+  }
+  return {};
+}
+
+SceneView ViewerCore::scene_view(const PreviewFrame& frame, const DrawRequest& request) const {
+  SceneView view;
+  view.camera = camera_;
+  view.toggles = toggles_;
+  view.field = field_;
+  view.probe_colour = status_line(frame).colour;
+  if (frame.segment == kModelSegment) {
+    view.trail = frame.trail;
+  }
+  view.line_scale = scale_;
+  view.triangle_budget = request.triangle_budget;
+  if (frame.placed) {
+    view.T_model_cam = frame.T_model_cam;
+    view.focus = field_ball(field_, frame.T_model_cam);
+  }
+  return view;
+}
+
 void ViewerCore::draw_panels(const PreviewFrame& frame, const DrawRequest& request) {
   rescale_text(wanted_scale_);
+  shown_toggles_ = toggles_;
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = ImVec2(static_cast<float>(request.width), static_cast<float>(request.height));
   io.DisplayFramebufferScale = ImVec2(1, 1);
@@ -243,7 +270,8 @@ void ViewerCore::wheel(double steps) {
 }
 
 bool ViewerCore::settled() const {
-  return !follow_.moving() && !recentre_ && scene_->model().pending() == 0 && wanted_scale_ == scale_;
+  return !follow_.moving() && !recentre_ && scene_->model().pending() == 0 && wanted_scale_ == scale_ &&
+         shown_toggles_ == toggles_;
 }
 
 Picture ViewerCore::read_picture() const {

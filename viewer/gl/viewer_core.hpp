@@ -26,6 +26,7 @@ struct DrawRequest {
   int height = 0;
   Quality quality = Quality::kLive;
   std::size_t upload_budget_bytes = 0;
+  std::size_t triangle_budget = ~std::size_t{0};
   bool interactive = true;
   double dt_s = 0;  ///< since the previous draw, for the camera's motion
 };
@@ -39,8 +40,13 @@ class ViewerCore {
 
   void activate() const { ImGui::SetCurrentContext(imgui_); }
 
-  /// Draws into picture_target(). Errors: kDisplay.
+  /// Draws into picture_target(), the 3-D part only where it is another than last time. Errors: kDisplay.
   [[nodiscard]] Result<void> draw(std::shared_ptr<const PreviewFrame> frame, const DrawRequest& request);
+  /// One more part of the picture that the last view gets while it rests; picture_target() changes with the last part
+  /// alone. Errors: kDisplay.
+  [[nodiscard]] Result<void> refine(const DrawRequest& request);
+  /// The last view can be drawn finer than it was.
+  [[nodiscard]] bool refinable() const { return drawn_ && drawn_->quality == Quality::kLive && !scene_->finished(); }
   [[nodiscard]] const RenderTarget& picture_target() const { return *out_; }
   [[nodiscard]] Picture read_picture() const;
 
@@ -61,12 +67,13 @@ class ViewerCore {
   explicit ViewerCore(const ViewerOptions& options);
   void move_camera(const PreviewFrame& frame, double aspect, double dt_s);
   [[nodiscard]] std::optional<ViewCamera> camera_goal(const PreviewFrame& frame, double aspect);
+  [[nodiscard]] SceneView scene_view(const PreviewFrame& frame, const DrawRequest& request) const;
   void send_live_image(const PreviewFrame& frame);
   void draw_panels(const PreviewFrame& frame, const DrawRequest& request);
   void rescale_text(float scale);
 
   ProbeField field_;
-  DisplayToggles toggles_;
+  DisplayToggles toggles_, shown_toggles_;
   FollowConfig follow_config_;
   FollowCamera follow_;
   ViewCamera camera_;
@@ -84,6 +91,13 @@ class ViewerCore {
   std::shared_ptr<const ModelSnapshot> overview_of_;
   std::optional<ViewCamera> overview_;
   std::shared_ptr<const PreviewFrame> frame_;
+  struct Drawn {
+    SceneView view;
+    Quality quality = Quality::kLive;
+    std::uint64_t revision = 0;  ///< of the model
+    SegmentId segment = kModelSegment;
+  };
+  std::optional<Drawn> drawn_;  ///< 3-D part of out_
   bool recentre_ = false;
   bool scan_clicked_ = false;
   bool software_ = true;

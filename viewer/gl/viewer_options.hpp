@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include "viewer/scene/detail.hpp"
 #include "viewer/scene/probe_field.hpp"
 #include "viewer/scene/toggles.hpp"
 
@@ -16,8 +17,10 @@ struct ViewerOptions {
   bool visible = true;
   double max_fps = 20;  ///< software rendering shares the cores with the pipeline
   double max_busy_share =
-      0.4;                ///< of one thread: after a frame that took t, the next starts t / share later at the earliest
-  double ui_scale = 1.0;  ///< 1.0 … 2.0
+      0.4;               ///< of one thread: after a frame that took t, the next starts t / share later at the earliest
+  double frame_ms = 20;  ///< that a frame may take: what is too much for that is drawn coarser while the view moves
+  std::size_t triangle_budget = DetailBudget::kSoftwareStart;  ///< of the first frames, when drawn in software
+  double ui_scale = 1.0;                                       ///< 1.0 … 2.0
   std::size_t upload_budget_bytes = std::size_t{4} << 20;  ///< mesh data sent to the GPU per frame; the rest follows
   ProbeField field;
   DisplayToggles toggles;

@@ -13,7 +13,9 @@
 
 #include "viewer/gl/viewer_core.hpp"
 #include "viewer/gl/window_input.hpp"
+#include "viewer/scene/detail.hpp"
 #include "viewer/scene/frame_pacer.hpp"
+#include "viewer/scene/same_picture.hpp"
 
 namespace enamel::view {
 namespace {
@@ -40,6 +42,8 @@ struct GlfwWindow {
     }
   }
 };
+
+double seconds(Nanoseconds time) { return 1e-9 * static_cast<double>(time.count()); }
 
 Result<void> create(GlfwWindow& window, const ViewerOptions& options) {
   if (glfwInit() != GLFW_TRUE) {
@@ -69,7 +73,10 @@ Result<void> create(GlfwWindow& window, const ViewerOptions& options) {
 
 struct ViewerWindow::Impl {
   Impl(const ViewerOptions& wanted, Clock& time)
-      : options(wanted), clock(time), pacer(wanted.max_fps, wanted.max_busy_share) {}
+      : options(wanted),
+        clock(time),
+        pacer(wanted.max_fps, wanted.max_busy_share),
+        detail(wanted.frame_ms, wanted.triangle_budget) {}
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
@@ -97,15 +104,44 @@ struct ViewerWindow::Impl {
     glfwSwapBuffers(window.handle);
   }
 
+  [[nodiscard]] bool fits(const DrawRequest& request) const {
+    return core->picture_target().width() == request.width && core->picture_target().height() == request.height;
+  }
+
+  [[nodiscard]] Result<void> refine(const DrawRequest& request, HostTime began) {
+    glfwMakeContextCurrent(window.handle);
+    core->activate();
+    ImGui_ImplGlfw_NewFrame();
+    ENAMEL_TRY(core->refine(request));
+    if (core->refinable()) {
+      glFinish();  // a part is over when it is drawn: else the last one would take the time of all
+      pacer.drawn(began, clock.now());
+      return {};
+    }
+    show(request.width, request.height);
+    end_frame(began);
+    return {};
+  }
+
+  void end_frame(HostTime began) {
+    const HostTime ended = clock.now();
+    pacer.drawn(began, ended);
+    last_draw = began;
+    ever_drawn = true;
+    ++stats.frames_drawn;
+    stats.last_frame_ms = 1e3 * seconds(ended - began);
+  }
+
   ViewerOptions options;
   Clock& clock;
   FramePacer pacer;
+  DetailBudget detail;
   GlfwWindow window;  // outlives the core: GL names are released in its context
   WindowInput input;
   std::unique_ptr<ViewerCore> core;
   bool imgui_connected = false;
   std::shared_ptr<const PreviewFrame> shown;
-  HostTime last_draw{};
+  HostTime last_draw{}, last_change{};
   bool ever_drawn = false;
   ViewerStats stats;
 };
@@ -120,6 +156,9 @@ Result<std::unique_ptr<ViewerWindow>> ViewerWindow::open(const ViewerOptions& op
   glfwSwapInterval(0);  // the cap comes from the pacer; swapping never blocks
   connect_input(impl->window.handle, impl->input);
   ENAMEL_TRY_ASSIGN(impl->core, ViewerCore::make(options));
+  if (!impl->core->software()) {
+    impl->detail = DetailBudget(options.frame_ms, DetailBudget::kMost);
+  }
   impl->imgui_connected = ImGui_ImplGlfw_InitForOpenGL(impl->window.handle, true);
   return std::unique_ptr<ViewerWindow>(new ViewerWindow(std::move(impl)));
 }
@@ -172,14 +211,27 @@ UserCommands ViewerWindow::poll() {
 
 Result<void> ViewerWindow::render(std::shared_ptr<const PreviewFrame> frame) {
   constexpr double kIdleRedrawS = 0.5;
+  constexpr double kRestS = 0.25;  // chosen: shorter pauses of a hand are no rest
   Impl& me = *impl_;
   const HostTime began = me.clock.now();
-  const double since_s = 1e-9 * static_cast<double>((began - me.last_draw).count());
-  const bool same = !frame || frame == me.shown;
+  const double since_s = seconds(began - me.last_draw);
+  const bool same = !frame || frame == me.shown || (me.shown && same_picture(*frame, *me.shown));
   DrawRequest request;
   glfwGetFramebufferSize(me.window.handle, &request.width, &request.height);
-  const bool minimised = request.width <= 0 || request.height <= 0;
-  if (minimised || (me.ever_drawn && same && !me.input.any && me.core->settled() && since_s < kIdleRedrawS)) {
+  request.quality = me.core->software() ? Quality::kLive : Quality::kFine;
+  request.upload_budget_bytes = me.options.upload_budget_bytes;
+  request.triangle_budget = me.detail.triangles();
+  request.dt_s = me.ever_drawn ? since_s : 0;
+  if (request.width <= 0 || request.height <= 0) {
+    me.pacer.drawn(began, began);
+    return {};
+  }
+  const bool rests = me.ever_drawn && same && !me.input.any && me.core->settled() && me.fits(request);
+  if (!rests) {
+    me.last_change = began;
+  } else if (seconds(began - me.last_change) >= kRestS && me.core->refinable()) {
+    return me.refine(request, began);
+  } else if (since_s < kIdleRedrawS) {
     me.pacer.drawn(began, began);
     return {};
   }
@@ -187,17 +239,10 @@ Result<void> ViewerWindow::render(std::shared_ptr<const PreviewFrame> frame) {
   if (frame) {
     me.shown = frame;
   }
-  request.quality = me.core->software() ? Quality::kLive : Quality::kFine;
-  request.upload_budget_bytes = me.options.upload_budget_bytes;
-  request.dt_s = me.ever_drawn ? since_s : 0;
   ENAMEL_TRY(me.draw(std::move(frame), request));
   me.show(request.width, request.height);
-  const HostTime ended = me.clock.now();
-  me.pacer.drawn(began, ended);
-  me.last_draw = began;
-  me.ever_drawn = true;
-  ++me.stats.frames_drawn;
-  me.stats.last_frame_ms = 1e-6 * static_cast<double>((ended - began).count());
+  me.end_frame(began);
+  me.detail.drawn(me.stats.last_frame_ms, me.core->model().drawn_triangles());
   return {};
 }
 
@@ -227,6 +272,9 @@ ViewerStats ViewerWindow::stats() const {
   out.blocks_pending = model.pending();
   out.triangles = model.triangles();
   out.draw_calls = model.draw_calls();
+  out.drawn_triangles = model.drawn_triangles();
+  out.triangle_budget = impl_->detail.triangles();
+  out.refined = !impl_->core->refinable();
   return out;
 }
 

@@ -30,7 +30,10 @@ struct ViewerStats {
   std::uint64_t frames_drawn = 0;
   std::uint64_t bytes_uploaded = 0;  ///< mesh data since the window opened
   std::size_t blocks_pending = 0;    ///< changed blocks that wait for the next frames' upload budget
-  std::size_t triangles = 0;         ///< drawn
+  std::size_t triangles = 0;         ///< of the model as far as it was sent
+  std::size_t drawn_triangles = 0;   ///< in the last frame, or the last part of a picture that rests
+  std::size_t triangle_budget = 0;   ///< of the next frame
+  bool refined = false;              ///< the view rests: its picture is of the mesh as it is
   int draw_calls = 0;                ///< of the model in the last frame
   double last_frame_ms = 0;
 };

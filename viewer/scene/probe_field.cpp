@@ -1,5 +1,6 @@
 #include "viewer/scene/probe_field.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -39,6 +40,14 @@ FrustumGeometry frustum(const ProbeField& field, const Pose& T_dst_cam) {
     out.points[5 + i] = (T_dst_cam * Vec3d(ray * field.far_mm)).cast<float>();
   }
   return out;
+}
+
+Ball field_ball(const ProbeField& field, const Pose& T_dst_cam) {
+  const double near_mm = field.optimum_near_mm, far_mm = field.optimum_far_mm;
+  const Vec3d middle(0, 0, 0.5 * (near_mm + far_mm));
+  double radius = 0;
+  for (const Vec3f& ray : field.corner_rays) radius = std::max(radius, (far_mm * ray.cast<double>() - middle).norm());
+  return {T_dst_cam * middle, radius};
 }
 
 }  // namespace enamel::view

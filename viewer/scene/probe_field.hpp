@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pipeline/types/geometry.hpp"
+#include "viewer/scene/ball.hpp"
 
 namespace enamel::view {
 
@@ -37,5 +38,8 @@ struct FrustumGeometry {
 
 /// Corners of the field in the destination frame of T_dst_cam.
 [[nodiscard]] FrustumGeometry frustum(const ProbeField& field, const Pose& T_dst_cam);
+
+/// About the optimum's depths, where the surface is.
+[[nodiscard]] Ball field_ball(const ProbeField& field, const Pose& T_dst_cam);
 
 }  // namespace enamel::view

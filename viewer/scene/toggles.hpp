@@ -13,6 +13,7 @@ struct DisplayToggles {
   bool panels = true;   ///< the outline and the state's words always stay
   bool stages = false;  ///< how long each stage of the pipeline takes and which one is the bottleneck
   bool help = false;
+  friend constexpr bool operator==(const DisplayToggles&, const DisplayToggles&) = default;
 };
 
 }  // namespace enamel::view

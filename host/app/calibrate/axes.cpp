@@ -9,6 +9,7 @@
 
 #include "calib/io/rig_writer.hpp"
 #include "calib/mount/mount_solve.hpp"
+#include "calib/mount/rig_uncertainty.hpp"
 #include "host/app/calibrate/mount_report.hpp"
 #include "host/app/calibrate/set.hpp"
 #include "host/app/calibrate/subcommand.hpp"
@@ -63,7 +64,8 @@ Result<int> run_axes(const AxesCommand& o) {
   ENAMEL_TRY_ASSIGN(calib::CalibFolder folder, calib::open_calib_folder(o.folder, calib::FringeNeed::kNone));
   std::vector<calib::StopNote> unusable;
   ENAMEL_TRY_ASSIGN(auto stops, gather(folder, clock, unusable));
-  auto solution = calib::solve_mount(std::move(stops), folder.target, calib::state_of(rig));
+  const calib::MountOptions options{.rig_covariance = calib::rig_covariance_of(rig)};
+  auto solution = calib::solve_mount(std::move(stops), folder.target, calib::state_of(rig), options);
   if (!solution) {
     if (o.json) std::puts(json_text(unsolved_json(solution.error(), unusable), 1).c_str());
     return tl::unexpected<Error>(solution.error());

@@ -12,6 +12,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMaxDirection_deg = 0.003, kMaxPlace_um = 3;
+constexpr const char* kPerfectRig =
+    "rig.json states no covariance: the rig is taken for perfect, and the sigmas are smaller than the truth";
 constexpr double kReach_mm = 30;  // of an arch from the field's middle
 
 Json axis_json(const calib::AxisLine& line, const calib::LineSigma& sigma, bool is_play_seen) {
@@ -31,15 +33,28 @@ Json notes_of(const std::vector<calib::StopNote>& notes) {
   return out;
 }
 
+bool is_direction_known(const calib::LineSigma& sigma) {
+  return sigma.direction_rad * calib::kDegreesPerRad <= kMaxDirection_deg;
+}
+
+bool is_place_known(const calib::LineSigma& sigma) { return sigma.place_mm * 1000 <= kMaxPlace_um; }
+
 Json reasons_of(const calib::MountSolution& s) {
+  struct Line {
+    const char* name;
+    const calib::LineSigma &all, &by_pictures;
+  };
+  const Line lines[] = {{"rotation", s.rotation, s.rotation_by_pictures}, {"swing", s.swing, s.swing_by_pictures}};
   Json reasons = Json::array();
-  const std::pair<const char*, const calib::LineSigma*> lines[] = {{"rotation", &s.rotation}, {"swing", &s.swing}};
-  for (const auto& [name, sigma] : lines) {
-    if (!(sigma->direction_rad * calib::kDegreesPerRad <= kMaxDirection_deg))
-      reasons.push_back(std::string(name) +
-                        " axis: its direction is not known to 0.003 degrees; take more stops, wider apart");
-    if (!(sigma->place_mm * 1000 <= kMaxPlace_um))
-      reasons.push_back(std::string(name) + " axis: its place is not known to 3 um; take more stops, wider apart");
+  const auto add = [&](const char* name, const char* what, bool is_of_rig) {
+    reasons.push_back(std::string(name) + " axis: its " + what +
+                      (is_of_rig ? "; the rig's own uncertainty leaves it open: calibrate the rig with more poses"
+                                 : "; take more stops, wider apart"));
+  };
+  for (const Line& line : lines) {
+    if (!is_direction_known(line.all))
+      add(line.name, "direction is not known to 0.003 degrees", is_direction_known(line.by_pictures));
+    if (!is_place_known(line.all)) add(line.name, "place is not known to 3 um", is_place_known(line.by_pictures));
   }
   return reasons;
 }
@@ -57,6 +72,7 @@ Json mount_json(const calib::MountSolution& s) {
   Json json{{"verdict", reasons.empty() ? "accepted" : "refused"}, {"reasons", reasons}};
   json["rotation"] = axis_json(s.mount.rotation, s.rotation, s.is_rotation_play_seen);
   json["swing"] = axis_json(s.mount.swing, s.swing, s.is_swing_play_seen);
+  json["with_rig_uncertainty"] = s.has_rig_share;
   json["misfit"] = s.misfit;
   json["stop_sigma_deg"] = {s.stop_sigma_rad[0] * calib::kDegreesPerRad, s.stop_sigma_rad[1] * calib::kDegreesPerRad};
   json["wobble_sigma_um"] = s.wobble_sigma_mm * 1000;
@@ -97,6 +113,7 @@ void print_mount(const Json& json) {
               json["stops_used"].get<std::size_t>(), json["stop_sigma_deg"][0].get<double>(),
               json["stop_sigma_deg"][1].get<double>(), json["wobble_sigma_um"].get<double>(),
               json["misfit"].get<double>());
+  if (!json["with_rig_uncertainty"].get<bool>()) std::printf("rig       %s\n", kPerfectRig);
   for (const auto& p : json["stops_left_out"])
     std::printf("stop %s left out: %s\n", p["pose"].get<std::string>().c_str(), p["reason"].get<std::string>().c_str());
 }
@@ -111,6 +128,7 @@ std::string mount_page(const calib::MountSolution& s, const Json& json) {
             "</td><td>" + number(json[axis]["place_sigma_um"], "%.2f µm") + "</td></tr>";
   }
   head += "</table>";
+  if (!s.has_rig_share) head += std::string("<p>") + kPerfectRig + "</p>";
   std::string stops =
       "<table><tr><th>stop</th><th>rotation</th><th>swing</th><th>shift</th><th>dots</th><th>camera rms</th>"
       "<th>projector rms</th></tr>";

@@ -50,7 +50,7 @@ Result<std::vector<host::AccuracyRun>> read_runs(const std::vector<std::string>&
     std::error_code ignored;
     if (!known.insert(fs::weakly_canonical(mesh, ignored).string()).second)
       return fail(ErrorCode::kUsage, path + " is given twice: it agrees with itself, which says nothing of precision");
-    ENAMEL_TRY_ASSIGN(host::MeshFile file, host::read_mesh(mesh));
+    ENAMEL_TRY_ASSIGN(host::MeshFile file, host::read_measured_mesh(mesh));
     out.push_back({path, std::move(file)});
   }
   return out;
@@ -82,7 +82,7 @@ Result<int> run_accuracy(const AccuracyOptions& o) {
   ENAMEL_TRY_ASSIGN(const std::vector<host::AccuracyRun> runs, read_runs(o.runs));
   for (const std::string& run : o.runs) report.simulated = report.simulated || says_simulated(run);
   if (!o.reference.empty()) {
-    ENAMEL_TRY_ASSIGN(const host::MeshFile reference, host::read_mesh(o.reference));
+    ENAMEL_TRY_ASSIGN(const host::MeshFile reference, host::read_measured_mesh(o.reference));
     ENAMEL_TRY_ASSIGN(report.trueness, host::trueness(runs, reference));
     ENAMEL_TRY(write_picture(o, runs.front().file, reference, report.trueness.front().T_reference_run));
     report.reference = o.reference;

@@ -1,5 +1,6 @@
 #include "pipeline/decode/mode_m/code_phasors.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/types/simd.hpp"
@@ -47,6 +48,21 @@ void phasor_loop(const CodeSumRow& sums, float outlier_cost, CodePhasors& phasor
   }
 }
 
+void orders_loop(const CodePhasors& said, const TurnTable& table, std::size_t first,
+                 std::span<const std::int32_t> first_orders, StateNats* out) {
+  const auto last = static_cast<std::int32_t>(table.cosine.size() - kOrderStates);
+  for (std::size_t k = 0; k < first_orders.size(); ++k) {
+    const CodePhasor z = said.at(first + k);
+    const auto at = static_cast<std::size_t>(std::clamp(first_orders[k] + kStates, 0, last));
+    const float* __restrict cosine = &table.cosine[at], * __restrict sine = &table.sine[at];
+    float* __restrict cost = out[k].data();
+    for (std::size_t j = 0; j < kOrderStates; ++j) {
+      const float p = z.p - cosine[j], q = z.q - sine[j];
+      cost[j] = smaller(0.5F * (p * p * z.wpp + 2 * p * q * z.wpq + q * q * z.wqq), z.most);
+    }
+  }
+}
+
 }  // namespace enamel::pipeline::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -54,6 +70,21 @@ HWY_AFTER_NAMESPACE();
 namespace enamel::pipeline {
 
 HWY_EXPORT(phasor_loop);
+HWY_EXPORT(orders_loop);
+
+void TurnTable::make(const MicroCode& code) {
+  const std::size_t orders = code.cosine.size();
+  cosine.assign(orders + 2 * kOrderStates, 0.0F), sine.assign(orders + 2 * kOrderStates, 0.0F);
+  for (std::size_t k = 0; k < orders; ++k) {
+    cosine[k + kOrderStates] = kCodeGain * code.cosine[k];
+    sine[k + kOrderStates] = kCodeGain * code.sine[k];
+  }
+}
+
+void cost_of_orders(const CodePhasors& said, const TurnTable& table, std::size_t first,
+                    std::span<const std::int32_t> first_orders, StateNats* out) {
+  HWY_DYNAMIC_DISPATCH(orders_loop)(said, table, first, first_orders, out);
+}
 
 void CodeSumRow::resize(std::size_t count) {
   for (auto* v : {&xx, &xy, &yy, &xd, &yd, &dd}) v->resize(count);

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pipeline/decode/mode_m/chosen.hpp"
 #include "pipeline/decode/mode_m/micro_code.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
+#include "pipeline/decode/unwrap/code_evidence.hpp"
 
 namespace enamel::pipeline {
 
@@ -51,6 +54,18 @@ struct CodePhasors {
 
 /// One of each of the sums; no code, no phasor: all zeros. outlier_cost: of a segment whose code may be anything.
 void find_phasors(const CodeSumRow& sums, float outlier_cost, CodePhasors& out);
+
+/// kCodeGain times cosine and sine of each order's turn, and kOrderStates entries on either side for orders beyond the
+/// frame, whose costs nobody asks for.
+struct TurnTable {
+  std::vector<float> cosine, sine;
+
+  void make(const MicroCode& code);
+};
+
+/// Costs of each phasor from `first` on at kOrderStates orders, of which the first of each is given.
+void cost_of_orders(const CodePhasors& said, const TurnTable& table, std::size_t first,
+                    std::span<const std::int32_t> first_orders, StateNats* out);
 
 /// Negative log probability of the phasor if its pixels had an order with this cosine and sine of the code's turn.
 [[nodiscard, gnu::always_inline]] inline float cost_of_turn(const CodePhasor& z, float cosine, float sine) noexcept {

@@ -8,23 +8,6 @@
 namespace enamel::pipeline {
 namespace {
 
-/// derived: half of the code ratio of 7, rounded down: a jump of more orders looks like one of these.
-constexpr int kMostOrders = 3;
-constexpr float kNoJump = 1e30F;  ///< layout: above any misfit
-
-/// Half the squares that a jump at the border left of u leaves unexplained; kNoJump unless the jump is a better
-/// explanation than none by `cost`.
-float misfit_of_jump(const CodeSumRow& windows, std::size_t u, const MicroCode& code, float cost) {
-  const CodeSums left = windows.at(u - kStepReach_px), right = windows.at(u + kStepGap_px);
-  const float same = explained(left + right);
-  float best = 0;
-  for (std::size_t d = 1; d <= kMostOrders; ++d) {
-    for (const float sign : {-1.0F, 1.0F})
-      best = std::max(best, explained(left + turned(right, code.cosine[d], sign * code.sine[d])));
-  }
-  return 0.5F * (best - same) > cost ? 0.5F * (left.dd + right.dd - best) : kNoJump;
-}
-
 bool one_component(const FloodMaps& flood, std::size_t first, std::size_t count) {
   const std::int32_t c = flood.component[first];
   if (c < 0) return false;
@@ -43,6 +26,36 @@ void mark_best(const std::vector<float>& misfit, std::uint8_t* cut) {
   }
 }
 
+/// Fills the misfits of a row's borders that hide a jump; false: none does.
+bool find_jumps(const FloodMaps& flood, std::size_t at, const MicroCode& code, float cost, CodeSteps::Work& work) {
+  const std::size_t width = work.misfit.size();
+  auto& found = work.candidates;
+  work.columns.clear();
+  for (std::size_t u = end_of_run(work.asked.data(), 0, 0); u < width; u = end_of_run(work.asked.data(), u + 1, 0)) {
+    if (one_component(flood, at + u - kStepReach_px, 2 * kStepReach_px)) work.columns.push_back(u);
+  }
+  if (work.columns.empty()) return false;
+  found.resize(work.columns.size());
+  const CodeSumRow& windows = work.windows.sums;
+  const auto bring = [&](const std::vector<float>& from, std::vector<float>& left, std::vector<float>& right) {
+    const float* at_left = from.data() - kStepReach_px, * at_right = from.data() + kStepGap_px;
+    float* to_left = left.data(), * to_right = right.data();
+    const std::size_t* column = work.columns.data();
+    const std::size_t count = work.columns.size();
+    for (std::size_t k = 0; k < count; ++k) to_left[k] = at_left[column[k]], to_right[k] = at_right[column[k]];
+  };
+  bring(windows.xx, found.left.xx, found.right.xx), bring(windows.xy, found.left.xy, found.right.xy);
+  bring(windows.yy, found.left.yy, found.right.yy), bring(windows.xd, found.left.xd, found.right.xd);
+  bring(windows.yd, found.left.yd, found.right.yd), bring(windows.dd, found.left.dd, found.right.dd);
+  find_misfits(code, cost, found);
+  bool jumps = false;
+  for (std::size_t k = 0; k < work.columns.size(); ++k) {
+    work.misfit[work.columns[k]] = found.misfit[k];
+    jumps = jumps || found.misfit[k] < kNoJump;
+  }
+  return jumps;
+}
+
 }  // namespace
 
 void find_code_steps(const PhaseMaps& phase, const NoiseModel& noise, const MicroCode& code, const FloodMaps& flood,
@@ -51,23 +64,15 @@ void find_code_steps(const PhaseMaps& phase, const NoiseModel& noise, const Micr
   if (out.cut.width() != w || out.cut.height() != h) out.cut = Map<std::uint8_t>(w, h);
   std::fill(out.cut.pixels().begin(), out.cut.pixels().end(), std::uint8_t{0});
   const auto width = static_cast<std::size_t>(w);
-  if (width < 2 * kStepReach_px || code.cosine.size() <= kMostOrders) return;
-  const TurnTable table(code);
+  if (width < 2 * kStepReach_px || code.cosine.size() <= kMostJump) return;
   auto& work = out.work;
   work.misfit.assign(width, kNoJump);
   work.asked.assign(width + kRunPadding, 1);  // what follows a row ends every run
   for (std::size_t v = 0; v < static_cast<std::size_t>(h); ++v) {
     const std::size_t at = v * width;
-    code_sums_of_row(phase, noise, code, v, work.sums);
-    unwrap_sums_row(&flood.wraps[at], &flood.component[at], table, work.sums);
+    unwrapped_sums_of_row(phase, noise, code, &flood.wraps[at], v, work.sums);
     step_windows_row(work.sums, &flood.component[at], cost, work.windows, work.asked.data());
-    bool jumps = false;
-    for (std::size_t u = end_of_run(work.asked.data(), 0, 0); u < width; u = end_of_run(work.asked.data(), u + 1, 0)) {
-      if (!one_component(flood, at + u - kStepReach_px, 2 * kStepReach_px)) continue;
-      work.misfit[u] = misfit_of_jump(work.windows, u, code, cost);
-      jumps = jumps || work.misfit[u] < kNoJump;
-    }
-    if (!jumps) continue;
+    if (!find_jumps(flood, at, code, cost, work)) continue;
     mark_best(work.misfit, &out.cut[at]);
     std::fill(work.misfit.begin(), work.misfit.end(), kNoJump);
   }

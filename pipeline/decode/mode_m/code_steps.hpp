@@ -3,11 +3,12 @@
 // the labelling would have to be talked into a jump by a single segment.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/decode/mode_m/code_sum_rows.hpp"
 #include "pipeline/decode/mode_m/micro_code.hpp"
-#include "pipeline/decode/mode_m/micro_evidence.hpp"
 #include "pipeline/decode/phase/phase.hpp"
 #include "pipeline/decode/unwrap/flood.hpp"
 
@@ -17,7 +18,10 @@ struct CodeSteps {
   Map<std::uint8_t> cut;  ///< 1: the code jumps between the pixel and its left neighbour
 
   struct Work {
-    CodeSumRow sums, windows;
+    CodeSumRow sums;
+    StepWindows windows;
+    std::vector<std::size_t> columns;  ///< of the candidates
+    StepCandidates candidates;
     std::vector<float> misfit;
     std::vector<std::uint8_t> asked;
   } work;

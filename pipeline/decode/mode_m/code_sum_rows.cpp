@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 
+#include "pipeline/decode/mode_m/micro_pixel.hpp"
+#include "pipeline/decode/phase/frame_turns.hpp"
 #include "pipeline/decode/phase/polar_rows.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 #include "pipeline/types/simd.hpp"
@@ -33,10 +34,14 @@ struct Sums {
   }
 };
 
-void sums_loop(const PhaseMaps& phase, const NoiseModel& noise, float inverse_ratio, std::size_t at, CodeSumRow& out) {
+/// wrap_counts: of the flood, if kUnwrapped.
+template <bool kUnwrapped>
+void add_sums(const PhaseMaps& phase, const NoiseModel& noise, float inverse_ratio, const std::int16_t* wrap_counts,
+              std::size_t at, CodeSumRow& out) {
   const float* __restrict phi = &phase.phase_rad[at], * __restrict cosine = &phase.cosine_dn[at];
   const float* __restrict sine = &phase.sine_dn[at], * __restrict d = &phase.code_dn[at];
   const float* __restrict mean = &phase.mean_dn[at];
+  const std::int16_t* __restrict wraps = wrap_counts;
   const Sums<float> o(out);
   const NoiseModel model = noise;
   const std::size_t width = out.xx.size();
@@ -45,8 +50,14 @@ void sums_loop(const PhaseMaps& phase, const NoiseModel& noise, float inverse_ra
   const float noise_of_code = 1 + 1.0F / 3 + 2.0F / 3 * step * step;
   ENAMEL_INDEPENDENT
   for (std::size_t u = 0; u < width; ++u) {
-    const float t = phi[u] * inverse_ratio, ct = cos_poly(t), st = sin_poly(t);
-    const float x = cosine[u] * ct - sine[u] * st, y = -(cosine[u] * st + sine[u] * ct);
+    const float t = phi[u] * inverse_ratio;
+    Turn turn{0, 0};
+    if constexpr (kUnwrapped) {
+      turn = turn_of(wrap_once(t + kTwoPiF * fraction(static_cast<float>(wraps[u]) * inverse_ratio)));
+    } else {
+      turn = {cos_poly(t), sin_poly(t)};
+    }
+    const float x = cosine[u] * turn.cos - sine[u] * turn.sin, y = -(cosine[u] * turn.sin + sine[u] * turn.cos);
     const bool known = d[u] == d[u];
     const float weight = select(known, 1, 0) / (noise_of_code * model.variance(mean[u]));
     const float seen = select(known, d[u], 0);
@@ -55,30 +66,23 @@ void sums_loop(const PhaseMaps& phase, const NoiseModel& noise, float inverse_ra
   }
 }
 
-void unwrap_loop(const std::int16_t* wrap_counts, const std::int32_t* components, const TurnTable& table,
-                 CodeSumRow& sums) {
-  const std::int16_t* __restrict wraps = wrap_counts;
-  const std::int32_t* __restrict component = components;
-  const std::int32_t last = table.last;
-  const float *cosine = table.cosine.data() + last, *sine = table.sine.data() + last;
-  const Sums<float> o(sums);
-  const std::size_t width = sums.xx.size();
-  ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
-    const std::int32_t k = component[u] < 0 ? 0 : wraps[u];
-    const std::int32_t order = k < -last ? -last : (k > last ? last : k);
-    o.put(u, turned(o.at(u), cosine[order], sine[order]));
-  }
+void sums_loop(const PhaseMaps& phase, const NoiseModel& noise, float inverse_ratio, const std::int16_t* wraps,
+               std::size_t at, CodeSumRow& out) {
+  (wraps == nullptr ? add_sums<false> : add_sums<true>)(phase, noise, inverse_ratio, wraps, at, out);
 }
 
-void windows_loop(const CodeSumRow& sums, const std::int32_t* components, float cost, CodeSumRow& windows,
+void windows_loop(const CodeSumRow& sums, const std::int32_t* components, float cost, StepWindows& windows,
                   std::uint8_t* flags) {
   const Sums<const float> in(sums);
-  const Sums<float> out(windows);
+  const Sums<float> out(windows.sums);
+  float* __restrict by_one = windows.explained.data();
   const std::size_t width = sums.xx.size();
   ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width - kStepWindow_px + 1; ++u)
-    out.put(u, in.at(u) + in.at(u + 1) + in.at(u + 2) + in.at(u + 3));
+  for (std::size_t u = 0; u < width - kStepWindow_px + 1; ++u) {
+    const CodeSums sum = in.at(u) + in.at(u + 1) + in.at(u + 2) + in.at(u + 3);
+    out.put(u, sum);
+    by_one[u] = explained(sum);
+  }
   const std::int32_t* __restrict component = components;
   std::uint8_t* __restrict asked = flags;
   std::array<std::int32_t, kPolarStretch> wide;  // a loop that mixes widths would not fit the registers
@@ -88,14 +92,33 @@ void windows_loop(const CodeSumRow& sums, const std::int32_t* components, float 
     wide.fill(0);
     ENAMEL_INDEPENDENT
     for (std::size_t u = begin; u < end; ++u) {
-      const CodeSums left = out.at(u - kStepReach_px), right = out.at(u + kStepGap_px);
-      const float gain = 0.5F * (explained(left) + explained(right) - explained(left + right));
+      const CodeSums both = out.at(u - kStepReach_px) + out.at(u + kStepGap_px);
+      const float gain = 0.5F * (by_one[u - kStepReach_px] + by_one[u + kStepGap_px] - explained(both));
       const std::int32_t first = component[u - kStepReach_px], last = component[u + kStepReach_px - 1];
       wide[u - from] =
           static_cast<std::int32_t>((first >= 0) & (first == last)) & static_cast<std::int32_t>(!(gain < cost));
     }
     const std::size_t count = std::min(kPolarStretch, width - from);
     for (std::size_t j = 0; j < count; ++j) asked[from + j] = static_cast<std::uint8_t>(wide[j]);
+  }
+}
+
+void misfits_loop(const MicroCode& code, float cost, StepCandidates& candidates) {
+  const Sums<const float> l(candidates.left), r(candidates.right);
+  float* __restrict misfit = candidates.misfit.data();
+  std::array<Turn, kMostJump> jump;
+  for (std::size_t d = 0; d < kMostJump; ++d) jump[d] = {code.cosine[d + 1], code.sine[d + 1]};
+  const std::size_t count = candidates.misfit.size();
+  ENAMEL_INDEPENDENT
+  for (std::size_t k = 0; k < count; ++k) {
+    const CodeSums left = l.at(k), right = r.at(k);
+    float best = 0;
+    for (std::size_t d = 0; d < kMostJump; ++d) {
+      best = larger(best, explained(left + turned(right, jump[d].cos, -jump[d].sin)));
+      best = larger(best, explained(left + turned(right, jump[d].cos, jump[d].sin)));
+    }
+    const bool jumps = 0.5F * (best - explained(left + right)) > cost;
+    misfit[k] = select(jumps, 0.5F * (left.dd + right.dd - best), kNoJump);
   }
 }
 
@@ -108,32 +131,33 @@ namespace enamel::pipeline {
 static_assert(kStepWindow_px == 4);
 
 HWY_EXPORT(sums_loop);
-HWY_EXPORT(unwrap_loop);
 HWY_EXPORT(windows_loop);
+HWY_EXPORT(misfits_loop);
 
 void code_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const MicroCode& code, std::size_t row,
                       CodeSumRow& out) {
+  unwrapped_sums_of_row(phase, noise, code, nullptr, row, out);
+}
+
+void unwrapped_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const MicroCode& code,
+                           const std::int16_t* wraps, std::size_t row, CodeSumRow& out) {
   const auto width = static_cast<std::size_t>(phase.phase_rad.width());
   out.resize(width);
-  HWY_DYNAMIC_DISPATCH(sums_loop)(phase, noise, code.inverse_ratio, row * width, out);
+  HWY_DYNAMIC_DISPATCH(sums_loop)(phase, noise, code.inverse_ratio, wraps, row * width, out);
 }
 
-TurnTable::TurnTable(const MicroCode& code) : last(static_cast<std::int32_t>(code.cosine.size()) - 1) {
-  cosine.assign(code.cosine.rbegin(), code.cosine.rend());
-  cosine.insert(cosine.end(), code.cosine.begin() + 1, code.cosine.end());
-  std::transform(code.sine.rbegin(), code.sine.rend(), std::back_inserter(sine), [](float s) { return -s; });
-  sine.back() = 0;
-  sine.insert(sine.end(), code.sine.begin() + 1, code.sine.end());
+void StepCandidates::resize(std::size_t count) {
+  left.resize(count), right.resize(count), misfit.resize(count);
 }
 
-void unwrap_sums_row(const std::int16_t* wraps, const std::int32_t* component, const TurnTable& table,
-                     CodeSumRow& sums) {
-  HWY_DYNAMIC_DISPATCH(unwrap_loop)(wraps, component, table, sums);
+void find_misfits(const MicroCode& code, float cost, StepCandidates& candidates) {
+  HWY_DYNAMIC_DISPATCH(misfits_loop)(code, cost, candidates);
 }
 
-void step_windows_row(const CodeSumRow& sums, const std::int32_t* component, float cost, CodeSumRow& windows,
+void step_windows_row(const CodeSumRow& sums, const std::int32_t* component, float cost, StepWindows& windows,
                       std::uint8_t* asked) {
-  windows.resize(sums.xx.size());
+  windows.sums.resize(sums.xx.size());
+  windows.explained.resize(sums.xx.size());
   HWY_DYNAMIC_DISPATCH(windows_loop)(sums, component, cost, windows, asked);
 }
 

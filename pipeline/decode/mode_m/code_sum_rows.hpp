@@ -29,23 +29,35 @@ inline constexpr float kStepRidge = 1e-2F;
           s.dd};
 }
 
-/// cosine and sine of 2 pi k/L for k = -last ... last.
-struct TurnTable {
-  std::vector<float> cosine, sine;
-  std::int32_t last = 0;
+/// As code_sums_of_row, but of w = B exp(i(phi + Phi/L)) with the flood's Phi, so that pixels of one surface have one z
+/// whatever their fringe. wraps: the row's; of no meaning, as the sums are then, where there is no component.
+void unwrapped_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, const MicroCode& code,
+                           const std::int16_t* wraps, std::size_t row, CodeSumRow& out);
 
-  explicit TurnTable(const MicroCode& code);
+/// layout: half of the code ratio of 7, rounded down: a jump of more orders looks like one of these.
+inline constexpr std::size_t kMostJump = 3;
+inline constexpr float kNoJump = 1e30F;  ///< layout: above any misfit
+
+/// Borders that may hide a jump, with the sums of the windows on either side.
+struct StepCandidates {
+  CodeSumRow left, right;
+  std::vector<float> misfit;
+
+  void resize(std::size_t count);
 };
 
-/// Turns each pixel's sums by its flood's wrap count, so that they belong to one surface's unwrapped phase; pixels of
-/// no component stay.
-void unwrap_sums_row(const std::int16_t* wraps, const std::int32_t* component, const TurnTable& table,
-                     CodeSumRow& sums);
+/// misfit: half the squares that the best jump of up to kMostJump orders leaves unexplained; kNoJump unless it is a
+/// better explanation than none by `cost`. The code has kMostJump orders at least.
+void find_misfits(const MicroCode& code, float cost, StepCandidates& candidates);
 
-/// Sums of kStepWindow_px pixels from each pixel on. asked: 1 at the pixels whose left border may hide a jump; 0 where
+/// Sums of kStepWindow_px pixels from each pixel on, and what they explain. asked: 1 at the pixels whose left border may hide a jump; 0 where
 /// the components at the windows' far ends differ, or where even two independent fits, than which no jump can do
 /// better, explain less than `cost` beyond one. It has kRunPadding bytes beyond the row, which stay as they are.
-void step_windows_row(const CodeSumRow& sums, const std::int32_t* component, float cost, CodeSumRow& windows,
+struct StepWindows {
+  CodeSumRow sums;
+  std::vector<float> explained;
+};
+void step_windows_row(const CodeSumRow& sums, const std::int32_t* component, float cost, StepWindows& windows,
                       std::uint8_t* asked);
 
 }  // namespace enamel::pipeline

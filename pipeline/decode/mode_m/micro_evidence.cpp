@@ -1,5 +1,7 @@
 #include "pipeline/decode/mode_m/micro_evidence.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pipeline/decode/mode_m/chosen.hpp"
@@ -9,15 +11,17 @@
 namespace enamel::pipeline {
 namespace {
 
-/// Of pixels [begin, end). Every second one by itself: a sum waits for the one before.
+/// Of pixels [begin, end), but for dd, which nobody asks for. Every second one by itself: a sum waits for the one
+/// before.
 CodeSums sum_over(const CodeSumRow& row, std::int32_t begin, std::int32_t end) {
+  const float *xx = row.xx.data(), *xy = row.xy.data(), *yy = row.yy.data(), *xd = row.xd.data(), *yd = row.yd.data();
   CodeSums even, odd;
+  const auto add = [&](CodeSums& to, std::int32_t u) {
+    to.xx += xx[u], to.xy += xy[u], to.yy += yy[u], to.xd += xd[u], to.yd += yd[u];
+  };
   std::int32_t u = begin;
-  for (; u + 1 < end; u += 2) {
-    even = even + row.at(static_cast<std::size_t>(u));
-    odd = odd + row.at(static_cast<std::size_t>(u) + 1);
-  }
-  if (u < end) even = even + row.at(static_cast<std::size_t>(u));
+  for (; u + 1 < end; u += 2) add(even, u), add(odd, u + 1);
+  if (u < end) add(even, u);
   return even + odd;
 }
 
@@ -38,6 +42,7 @@ void MicroEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, con
     segments_.put(k, sum_over(row_, core.begin, core.end));
   }
   find_phasors(segments_, outlier_cost, said_);
+  turns_.make(code);
   least_sharp_ = least_sharp();
 }
 
@@ -60,6 +65,17 @@ void MicroEvidence::costs(std::size_t segment, std::int32_t first_cell, std::spa
   const std::size_t count = out.size();
   ENAMEL_INDEPENDENT
   for (std::size_t k = 0; k < count; ++k) cost[k] = cost_of_turn(z, cosine[k], sine[k]);
+}
+
+void MicroEvidence::costs_of_states(std::size_t first, std::span<const std::int32_t> first_cells,
+                                    StateNats* out) const {
+  constexpr std::size_t kMost = 64;  // layout: at a time
+  std::array<std::int32_t, kMost> orders;
+  for (std::size_t from = 0; from < first_cells.size(); from += kMost) {
+    const auto cells = first_cells.subspan(from, std::min(kMost, first_cells.size() - from));
+    std::ranges::transform(cells, orders.begin(), wraps_of_cell);
+    cost_of_orders(said_, turns_, first + from, {orders.data(), cells.size()}, out + from);
+  }
 }
 
 MicroEvidence::Turned MicroEvidence::turned(std::size_t segment, std::int32_t cell) const {

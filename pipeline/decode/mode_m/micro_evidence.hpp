@@ -29,6 +29,7 @@ class MicroEvidence final : public CodeEvidence {
   [[nodiscard]] int cells() const override { return code_->cells; }
   [[nodiscard]] int repeats_after() const override { return code_->repeats_after; }
   void costs(std::size_t segment, std::int32_t first_cell, std::span<float> out) const override;
+  void costs_of_states(std::size_t first, std::span<const std::int32_t> first_cells, StateNats* out) const override;
 
   /// Mean angle of the code against the decided orders, rad; stances are taken about it from then on. It is what motion
   /// between code frame and phase frames, or a cyclic permutation of the phase frames, does to all segments alike.
@@ -53,6 +54,7 @@ class MicroEvidence final : public CodeEvidence {
   Turned mean_{1, 0};      ///< direction of the code's mean angle
   CodeSumRow row_, segments_;
   CodePhasors said_;
+  TurnTable turns_;
 };
 
 }  // namespace enamel::pipeline

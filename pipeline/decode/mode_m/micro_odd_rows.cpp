@@ -69,6 +69,7 @@ void odd_loop(const CodeRow& row, const NoiseModel& noise, float limit, std::siz
   OddStretch stretch;
   for (std::size_t from = 0; from < width; from += kPolarStretch) {
     const std::size_t count = std::min(kPolarStretch, width - from);
+    if (!has_surface(row.wraps, kUnplaced, {from, from + count})) continue;
     (row.steady ? odd_columns<true> : odd_columns<false>)(row, noise, limit, from, count, stretch);
     float* to = sums + from;
     for (std::size_t i = 0; i < kOddColumns; ++i) {

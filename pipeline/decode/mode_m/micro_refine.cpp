@@ -1,5 +1,6 @@
 // Mode M's best phase: harmonic and motion undone, then the code frame joins as a fourth measurement.
 #include "pipeline/decode/mode_m/micro_gates.hpp"
+#include "pipeline/decode/mode_m/micro_join.hpp"
 #include "pipeline/decode/mode_m/micro_light.hpp"
 #include "pipeline/decode/mode_m/micro_memory.hpp"
 #include "pipeline/decode/mode_m/micro_phase.hpp"
@@ -78,9 +79,8 @@ RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface
   tell(hook, "motion");
   if (linear) undo_light(m, diagnostics, phase);
   tell(hook, "light");
-  undo_micro_motion(m.wraps, m.motion, phase);
-  join_code_frame({orders.spans, m.wraps, code_, m.motion, diagnostics.third_rad, diagnostics.noise}, config_.refit,
-                  phase, {m.strips, diagnostics.rigid.moved ? &m.misfit : nullptr});
+  undo_motion_and_join({orders.spans, m.wraps, code_, m.motion, diagnostics.third_rad, diagnostics.noise},
+                       config_.refit, phase, {m.strips, diagnostics.rigid.moved ? &m.misfit : nullptr});
   m.filled.clear();
   if (linear)
     solve_micro_saturated(

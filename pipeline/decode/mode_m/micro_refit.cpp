@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "pipeline/decode/mode_m/micro_join.hpp"
 #include "pipeline/decode/mode_m/micro_spans.hpp"
 #include "pipeline/decode/phase/block_fit.hpp"
 
@@ -118,6 +119,31 @@ MovedRow moved_row(PhaseMaps& m, int v) {
   return {&m.mean_dn[at], &m.cosine_dn[at], &m.sine_dn[at], &m.code_dn[at], &m.modulation_dn[at], &m.phase_rad[at]};
 }
 
+/// undo: undo_micro_motion as well, of each row before it is joined.
+void join(const CodeJoin& in, const MicroRefitConfig& config, bool undo, PhaseMaps& maps,
+          const CodeJoinChecks& checks) {
+  const auto width = static_cast<std::size_t>(in.wraps.width());
+  std::vector<float> missed(width), noise_share(width), one_more(width), one_less(width);
+  const OrderDoubt doubt{one_more.data(), one_less.data()};
+  const JoinLimits limits{
+      {in.code.cosine[1], in.code.sine[1]}, config.outlier_sigmas, config.torn_sigmas, config.largest_gain};
+  CodeRows rows(in.motion, maps, &in.wraps);
+  rows.expect(in.code, in.third_rad);
+  checks.strips.find_ends(in.spans, in.wraps.height());
+  if (checks.misfit != nullptr) checks.misfit->start(in.wraps.width(), in.wraps.height());
+  for (int v = 0; v < in.wraps.height(); ++v) {
+    const CodeRow row = rows.at(v);
+    if (undo) undo_motion_row(row, width, moved_row(maps, v));
+    join_code_row(
+        row, in.noise, limits, width,
+        {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data(), noise_share.data(), doubt, &maps.reject(0, v)});
+    checks.strips.take_row(v, doubt);
+    if (checks.misfit != nullptr) checks.misfit->take_row(v, {missed.data(), noise_share.data()});
+  }
+  if (checks.misfit != nullptr) checks.misfit->add_to(maps.sigma_rad, kPhaseOfCode);
+  checks.strips.withdraw(config.strip_evidence, maps.reject);
+}
+
 }  // namespace
 
 void fit_micro_motion(const MicroBurst& burst, const MicroRefitConfig& config, MicroMotion& out) {
@@ -145,29 +171,12 @@ void move_to_code_frame(const MicroMotion& motion, const PhaseMaps& maps, PhaseM
 
 void join_code_frame(const CodeJoin& in, const MicroRefitConfig& config, PhaseMaps& maps,
                      const CodeJoinChecks& checks) {
-  const auto width = static_cast<std::size_t>(in.wraps.width());
-  const float torn = config.torn_sigmas * config.torn_sigmas;
-  std::vector<float> missed(width), noise_share(width), one_more(width), one_less(width);
-  const OrderDoubt doubt{one_more.data(), one_less.data()};
-  const JoinLimits limits{{in.code.cosine[1], in.code.sine[1]}, config.outlier_sigmas, config.largest_gain};
-  CodeRows rows(in.motion, maps, &in.wraps);
-  rows.expect(in.code, in.third_rad);
-  checks.strips.find_ends(in.spans, in.wraps.height());
-  if (checks.misfit != nullptr) checks.misfit->start(in.wraps.width(), in.wraps.height());
-  for (int v = 0; v < in.wraps.height(); ++v) {
-    PixelReject* reject = &maps.reject(0, v);
-    join_code_row(rows.at(v), in.noise, limits, width,
-                  {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data(), noise_share.data(), doubt});
-    checks.strips.take_row(v, doubt);
-    for (std::size_t u = 0; u < width; ++u) {
-      const bool edge = (missed[u] > torn) & (reject[u] == PixelReject::kNone);
-      reject[u] = edge ? PixelReject::kEdge : reject[u];
-      noise_share[u] = reject[u] == PixelReject::kNone ? noise_share[u] : 0;
-    }
-    if (checks.misfit != nullptr) checks.misfit->take_row(v, {missed.data(), noise_share.data()});
-  }
-  if (checks.misfit != nullptr) checks.misfit->add_to(maps.sigma_rad, kPhaseOfCode);
-  checks.strips.withdraw(config.strip_evidence, maps.reject);
+  join(in, config, false, maps, checks);
+}
+
+void undo_motion_and_join(const CodeJoin& in, const MicroRefitConfig& config, PhaseMaps& maps,
+                          const CodeJoinChecks& checks) {
+  join(in, config, true, maps, checks);
 }
 
 }  // namespace enamel::pipeline

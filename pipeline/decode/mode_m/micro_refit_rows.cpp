@@ -22,13 +22,13 @@ HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
 template <bool kSteady>
-void add_pixels(const Row& in, const NoiseModel& model, float limit, std::size_t width, float* sums) {
+void add_pixels(const Row& in, const NoiseModel& model, float limit, std::size_t width, PixelRange of, float* sums) {
   const NoiseModel noise = model;  // copies cannot alias what is written
   const Row row = in;
   float* __restrict s0 = sums, * __restrict s1 = s0 + width, * __restrict s2 = s1 + width;
   float* __restrict s3 = s2 + width, * __restrict s4 = s3 + width;
   ENAMEL_INDEPENDENT
-  for (std::size_t u = 0; u < width; ++u) {
+  for (std::size_t u = of.begin; u < of.end; ++u) {
     const Residual k = row.residual<kSteady>(u);
     const bool placed = row.placed(u), used = (std::abs(k.rest) < limit * k.modulation) & placed;  // false for NaN
     const float w = select(used, 1 / (kResidualVariance * noise.variance(row.mean[u])), 0);
@@ -42,7 +42,10 @@ void add_pixels(const Row& in, const NoiseModel& model, float limit, std::size_t
 }
 
 void add_loop(const CodeRow& row, const NoiseModel& noise, float limit, std::size_t width, float* sums) {
-  (row.steady ? add_pixels<true> : add_pixels<false>)(Row(row), noise, limit, width, sums);
+  const auto add = row.steady ? add_pixels<true> : add_pixels<false>;
+  for (PixelRange r = next_surface(row.wraps, kUnplaced, 0, width); r.begin < width;
+       r = next_surface(row.wraps, kUnplaced, r.end, width))
+    add(Row(row), noise, limit, width, r, sums);
 }
 
 template <bool kSteady>
@@ -84,12 +87,12 @@ void mid_burst_loop(const CodeRow& row, std::size_t count, float* phase_rad, flo
 
 /// As at mid-burst; kAtCode: cosine, sine and phase turned on to the instant of the code frame.
 template <bool kSteady, bool kAtCode>
-void undo(const Row& in, std::size_t width, const MovedRow& out) {
+void undo(const Row& in, PixelRange of, const MovedRow& out) {
   const Row row = in;
   float *mean = out.mean, *cosine = out.cosine, *sine = out.sine;
   float *code = out.code, *modulation = out.modulation, *phase = out.phase;
   ENAMEL_INDEPENDENT  // what is written may be the row's own
-      for (std::size_t u = 0; u < width; ++u) {
+      for (std::size_t u = of.begin; u < of.end; ++u) {
     const bool inside = row.wraps[u] > kNoSurface;
     const PixelChange d = row.change<kSteady>(u);
     const Lights lights = lights_of<kSteady>(d);
@@ -107,11 +110,14 @@ void undo(const Row& in, std::size_t width, const MovedRow& out) {
 }
 
 void undo_loop(const CodeRow& row, std::size_t width, const MovedRow& out) {
-  (row.steady ? undo<true, false> : undo<false, false>)(Row(row), width, out);
+  const auto undo_range = row.steady ? undo<true, false> : undo<false, false>;
+  for (PixelRange r = next_surface(row.wraps, kNoSurface, 0, width); r.begin < width;
+       r = next_surface(row.wraps, kNoSurface, r.end, width))
+    undo_range(Row(row), r, out);
 }
 
 void at_code_loop(const CodeRow& row, std::size_t width, const MovedRow& out) {
-  (row.steady ? undo<true, true> : undo<false, true>)(Row(row), width, out);
+  (row.steady ? undo<true, true> : undo<false, true>)(Row(row), {0, width}, out);
 }
 
 /// How much better than with `squares` the code frame is explained where the order turns its angle: off is what it
@@ -123,8 +129,8 @@ void at_code_loop(const CodeRow& row, std::size_t width, const MovedRow& out) {
   return smaller(larger(better, -kMostDoubt), kMostDoubt);
 }
 
-void join_loop(const CodeRow& in, const NoiseModel& model, const JoinLimits& limits, std::size_t width,
-               const JoinedRow& out) {
+void join_range(const CodeRow& in, const NoiseModel& model, const JoinLimits& limits, PixelRange of,
+                const JoinedRow& out) {
   const NoiseModel noise = model;  // copies cannot alias what is written
   const Row row(in);
   const float r = 1 + row.wave.inverse_ratio, gate = limits.outlier_sigmas * limits.outlier_sigmas;
@@ -133,7 +139,7 @@ void join_loop(const CodeRow& in, const NoiseModel& model, const JoinLimits& lim
   float *phase = out.phase, *sigma = out.sigma, *missed = out.missed, *share_of_noise = out.noise;
   float *one_more = out.doubt.one_more, *one_less = out.doubt.one_less;
   ENAMEL_INDEPENDENT  // `phase` may be the row's own
-      for (std::size_t u = 0; u < width; ++u) {
+      for (std::size_t u = of.begin; u < of.end; ++u) {
     const float turned = row.change<false>(u).turned(kCodeTime), was = row.phase[u], gain = row.gain[u];
     const CodeModel k = code_model(row.wraps[u], was, r * turned, row.wave);
     const float gb = gain * row.modulation[u] * k.modulation, off = row.code[u] - gb * k.light;
@@ -156,6 +162,31 @@ void join_loop(const CodeRow& in, const NoiseModel& model, const JoinLimits& lim
     const float share = select(joins, variance * slope * inverse, 0);
     phase[u] = was + share * select(joins, off, 0);
     sigma[u] = root(variance * (1 - share * slope));
+  }
+}
+
+/// Rejects what an edge has passed, and forgets the noise of pixels that are rejected.
+void reject_torn(float torn, PixelRange of, const JoinedRow& out) {
+  const float* __restrict missed = out.missed;
+  float* __restrict noise = out.noise;
+  PixelReject* __restrict reject = out.reject;
+  for (std::size_t u = of.begin; u < of.end; ++u) {
+    const auto was = static_cast<unsigned>(reject[u]);
+    const bool edge = (missed[u] > torn) & (was == 0);  // kNone
+    noise[u] = select(!edge & (was == 0), noise[u], 0);
+    reject[u] = static_cast<PixelReject>(edge ? static_cast<unsigned>(PixelReject::kEdge) : was);
+  }
+}
+
+void join_loop(const CodeRow& row, const NoiseModel& noise, const JoinLimits& limits, std::size_t width,
+               const JoinedRow& out) {
+  for (std::size_t done = 0; done < width;) {
+    const PixelRange r = next_surface(row.wraps, kUnplaced, done, width);
+    for (float* v : {out.missed, out.noise, out.doubt.one_more, out.doubt.one_less})
+      std::fill(v + done, v + r.begin, 0.0F);
+    join_range(row, noise, limits, r, out);
+    reject_torn(limits.torn_sigmas * limits.torn_sigmas, r, out);
+    done = r.end;
   }
 }
 

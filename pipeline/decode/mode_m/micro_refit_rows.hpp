@@ -66,24 +66,27 @@ void add_micro_odd_row(const CodeRow& row, const NoiseModel& noise, float max_re
 /// code and orders are not read.
 void sparse_mid_burst_row(const CodeRow& row, std::size_t count, float* phase_rad, float* light_dn);
 
-/// A row's pixels as they were at mid-burst; those of no surface as they are. May be the row's own.
+/// A row's pixels as they were at mid-burst. May be the row's own.
 struct MovedRow {
   float *mean, *cosine, *sine, *code, *modulation, *phase;
 };
+/// Stretches of no surface are left as they are.
 void undo_motion_row(const CodeRow& row, std::size_t width, const MovedRow& out);
 
-/// The same, but phase, cosine and sine as they were when the code frame was taken, kCodeTime after mid-burst.
+/// Of all pixels that are of a surface, the others as they are; but phase, cosine and sine as they were when the code frame was taken, kCodeTime after mid-burst.
 void move_to_code_row(const CodeRow& row, std::size_t width, const MovedRow& out);
 
 struct JoinedRow {
   float *phase, *sigma;  ///< may be the row's own
   float* missed;  ///< by how many sigmas the code is off its prediction, squared; 0 without order, NaN without code
-  float* noise;   ///< variance of what it is off by, by noise, over B squared (misfit.hpp); 0 without order
+  /// Variance of what it is off by, by noise, over B squared (misfit.hpp); 0 without order and of rejected pixels.
+  float* noise;
   OrderDoubt doubt;
+  PixelReject* reject;  ///< kNone becomes kEdge where the code is torn_sigmas off
 };
 struct JoinLimits {
   Turn order_step;                     ///< angle by which the next order turns the code
-  float outlier_sigmas, largest_gain;  ///< MicroRefitConfig's
+  float outlier_sigmas, torn_sigmas, largest_gain;  ///< MicroRefitConfig's
 };
 void join_code_row(const CodeRow& row, const NoiseModel& noise, const JoinLimits& limits, std::size_t width,
                    const JoinedRow& out);

@@ -8,6 +8,8 @@
 
 #include <hwy/highway.h>
 
+#include <cstdint>
+
 #include "pipeline/decode/mode_m/micro_pixel.hpp"
 #include "pipeline/decode/mode_m/micro_refit_rows.hpp"
 
@@ -54,6 +56,29 @@ struct Row {
     return code_residual<kSteady>(raw(u), code[u], phase[u], wraps[u], change<kSteady>(u), gain[u], wave);
   }
 };
+
+/// Pixels begin ... end-1 of a row.
+struct PixelRange {
+  std::size_t begin, end;
+};
+
+/// Whether a pixel of them has more turns than `least`, which is kUnplaced or kNoSurface.
+[[gnu::always_inline]] inline bool has_surface(const float* wraps, float least, PixelRange of) {
+  std::int32_t found = 0;
+  for (std::size_t u = of.begin; u < of.end; ++u) found |= static_cast<std::int32_t>(wraps[u] > least);
+  return found != 0;
+}
+
+/// The next stretches of a row from `from` on that have_surface, one after the other; none: empty, at the row's end.
+[[gnu::always_inline]] inline PixelRange next_surface(const float* wraps, float least, std::size_t from,
+                                                      std::size_t width) {
+  constexpr std::size_t kStretch = 32;  // layout: pixels that are looked at together
+  const auto stretch = [width](std::size_t u) { return PixelRange{u, u + kStretch < width ? u + kStretch : width}; };
+  while (from < width && !has_surface(wraps, least, stretch(from))) from = stretch(from).end;
+  std::size_t end = from;
+  while (end < width && has_surface(wraps, least, stretch(end))) end = stretch(end).end;
+  return {from, end};
+}
 
 }  // namespace enamel::pipeline::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -1,5 +1,8 @@
 #include "pipeline/decode/mode_t/polarity_evidence.hpp"
 
+#include <algorithm>
+#include <cstdint>
+
 #include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/polarity_columns.hpp"
 
@@ -28,6 +31,7 @@ PolaritySaid say(const PolarityColumn* columns, SegmentCore core) {
 void PolarityEvidence::measure(const PhaseMaps& phase, const NoiseModel& noise, const std::vector<Segment>& segments,
                                const CellSigns& signs, float outlier_cost) {
   signs_ = &signs;
+  split_signs();
   const auto width = static_cast<std::size_t>(phase.phase_rad.width());
   columns_.resize(width);
   said_.resize(segments.size());
@@ -46,6 +50,24 @@ void PolarityEvidence::costs(std::size_t segment, std::int32_t first_cell, std::
   const PolaritySaid& said = said_[segment];
   const float* sign = &signs_->sign[static_cast<std::size_t>(first_cell)];
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = sign[2 * k] > 0 ? said.plus : said.minus;
+}
+
+void PolarityEvidence::split_signs() {
+  const std::size_t cells = signs_->sign.size();
+  for (auto& half : halves_) half.assign((cells + 1) / 2 + 2 * kOrderStates, 0.0F);
+  for (std::size_t cell = 0; cell < cells; ++cell) halves_[cell % 2][cell / 2 + kOrderStates] = signs_->sign[cell];
+}
+
+void PolarityEvidence::costs_of_states(std::size_t first, std::span<const std::int32_t> first_cells,
+                                       StateNats* out) const {
+  for (std::size_t k = 0; k < first_cells.size(); ++k) {
+    const std::vector<float>& half = halves_[static_cast<std::size_t>(first_cells[k] & 1)];
+    const auto last = static_cast<std::int32_t>(half.size() - kOrderStates);
+    const float* __restrict sign = half.data() + std::clamp((first_cells[k] >> 1) + kStates, 0, last);
+    const float plus = said_[first + k].plus, minus = said_[first + k].minus;
+    float* __restrict cost = out[k].data();
+    for (std::size_t j = 0; j < kOrderStates; ++j) cost[j] = sign[j] > 0 ? plus : minus;
+  }
 }
 
 Stance PolarityEvidence::stance(std::size_t segment, std::int32_t cell) const {

@@ -2,6 +2,10 @@
 // or -1 (docs/decode.md §2), against the signs of the pattern's cells.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pipeline/decode/mode_t/cell_signs.hpp"
@@ -30,12 +34,17 @@ class PolarityEvidence final : public CodeEvidence {
   [[nodiscard]] int cells() const override { return signs_->cells(); }
   [[nodiscard]] int repeats_after() const override { return signs_->repeats_after; }
   void costs(std::size_t segment, std::int32_t first_cell, std::span<float> out) const override;
+  void costs_of_states(std::size_t first, std::span<const std::int32_t> first_cells, StateNats* out) const override;
   [[nodiscard]] Stance stance(std::size_t segment, std::int32_t cell) const override;
 
  private:
+  void split_signs();
+
   const CellSigns* signs_ = nullptr;
   std::vector<PolaritySaid> said_;
   std::vector<PolarityColumn> columns_;  ///< of one row
+  /// Signs of the even and of the odd cells, with kOrderStates more on either side, which nobody asks for.
+  std::array<std::vector<float>, 2> halves_;
 };
 
 }  // namespace enamel::pipeline

@@ -191,16 +191,27 @@ class Solver {
   void find_specks() {
     SegmentSets sets(segments_.size(), work_.parent);
     for (std::size_t i = 0; i < segments_.size(); ++i) {
-      each_neighbour(segments_[i], i, [&](std::size_t o) {
-        const SegmentOrder &a = out_.segments[i], &b = out_.segments[o];
-        if (a.decided && b.decided && a.shift == b.shift) sets.unite(i, o);
-      });
+      const SegmentOrder own = out_.segments[i];
+      if (!own.decided) continue;
+      const auto alike = [&](std::size_t o) {
+        return out_.segments[o].decided && out_.segments[o].shift == own.shift;
+      };
+      const Segment& p = segments_[i];
+      if (p.joined && !p.kink && alike(i - 1)) sets.unite(i, i - 1);
+      if (p.up >= 0 && alike(index(p.up))) sets.unite(i, index(p.up));
+      // One that has this one for its upper neighbour asks itself.
+      if (p.down >= 0 && segments_[index(p.down)].up != static_cast<std::int32_t>(i) && alike(index(p.down)))
+        sets.unite(i, index(p.down));
     }
     work_.size.assign(segments_.size(), 0);
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+      // The first of a set comes before the others, whose parent it then is.
+      const std::size_t root = sets.root(i);
+      work_.parent[i] = static_cast<std::int32_t>(root);
+      work_.size[root] += segments_[i].end - segments_[i].begin;
+    }
     for (std::size_t i = 0; i < segments_.size(); ++i)
-      work_.size[sets.root(i)] += segments_[i].end - segments_[i].begin;
-    for (std::size_t i = 0; i < segments_.size(); ++i)
-      out_.segments[i].speck = out_.segments[i].decided && work_.size[sets.root(i)] < config_.min_region_px;
+      out_.segments[i].speck = out_.segments[i].decided && work_.size[index(work_.parent[i])] < config_.min_region_px;
   }
 
   const std::vector<Segment>& segments_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "pipeline/decode/phase/poly_trig.hpp"
 #include "pipeline/decode/unwrap/order_windows.hpp"
 #include "pipeline/types/simd.hpp"
 
@@ -10,6 +11,8 @@
 #define HWY_TARGET_INCLUDE "pipeline/decode/unwrap/order_rows.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include "pipeline/decode/unwrap/order_states-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
@@ -24,7 +27,6 @@ class Rows {
     if (segments_.empty()) return;
     along_rows();
     between_rows();
-    choose();
   }
 
  private:
@@ -32,56 +34,57 @@ class Rows {
     find_bases(segments_, components, work_);
     for (auto* v : {&work_.unary, &work_.row, &work_.right, &work_.up, &work_.down}) v->resize(segments_.size());
     work_.margin.resize(segments_.size());
-    out_.segments.assign(segments_.size(), {});
+    out_.segments.resize(segments_.size());
     // In batches: what was just written one by one cannot be read as a vector without waiting.
-    std::array<Asked, kBatch> asked;
-    for (std::size_t begin = 0; begin < segments_.size(); begin += kBatch) {
-      const std::size_t end = std::min(begin + kBatch, segments_.size());
-      for (std::size_t i = begin; i < end; ++i) ask(i, asked[i - begin]);
-      for (std::size_t i = begin; i < end; ++i) price(i, asked[i - begin]);
-    }
+    for (std::size_t begin = 0; begin < segments_.size(); begin += kBatch)
+      price(begin, std::min(kBatch, segments_.size() - begin));
   }
 
   static constexpr std::size_t kBatch = 16;  ///< layout: segments asked before they are priced
 
-  /// What the code says about a segment's shifts first ... last; state 0 is shift `base`.
-  struct Asked {
-    std::int32_t base, first, last;
-    std::array<float, kOrderStates> nats;
-  };
-
-  /// The code's evidence for the shifts that the range allows, a little beyond it, as far as the states reach and
-  /// within the projector's frame.
-  void ask(std::size_t i, Asked& out) const {
-    const Segment& p = segments_[i];
-    const std::int32_t base = work_.base[i];
-    out.base = base;
-    out.first = std::max({base, p.low - kBeyond, first_in_frame(p.cell)});
-    out.last = std::min({base + kStates - 1, p.high + kBeyond, (evidence_.cells() - 1 - p.cell) >> 1});
-    out.nats = {};
-    if (out.first > out.last) return;
-    evidence_.costs(i, p.cell + 2 * out.first,
-                    {out.nats.data() + (out.first - base), static_cast<std::size_t>(out.last - out.first + 1)});
+  /// What the code says about the shifts of segments begin ... begin + count - 1, which the range allows, a little
+  /// beyond it, as far as the states reach and within the projector's frame.
+  void price(std::size_t begin, std::size_t count) {
+    std::array<std::int32_t, kBatch> cells;
+    std::array<StateNats, kBatch> nats;
+    for (std::size_t k = 0; k < count; ++k) cells[k] = segments_[begin + k].cell + 2 * work_.base[begin + k];
+    evidence_.costs_of_states(begin, {cells.data(), count}, nats.data());
+    const std::int32_t period = evidence_.repeats_after(), last_cell = evidence_.cells() - 1;
+    for (std::size_t k = 0; k < count; ++k) {
+      const Segment& p = segments_[begin + k];
+      const std::int32_t base = work_.base[begin + k], low = p.low - base, high = p.high - base;
+      StateRange range{low, high, std::max(low - kBeyond, first_in_frame(cells[k])),
+                       std::min(high + kBeyond, (last_cell - cells[k]) >> 1)};
+      if (period != 0 && p.joined) {
+        range.repeats_to = std::min(low - 1, high - period);
+        range.repeats_from = std::max(high + 1, low + period);
+      }
+      price_states(nats[k], range, work_.unary[begin + k]);
+    }
   }
+
+  /// Of a segment's states: those within the depth range and those asked; up to and from which on the code of one
+  /// beyond the range is that of one within.
+  struct StateRange {
+    std::int32_t low, high, first, last;
+    std::int32_t repeats_to = -1, repeats_from = kStates;
+  };
 
   /// Where nothing but the range tells an order beyond it from one within, the range counts once a run: summed over
   /// the segments of a run it would outvote the rows and columns around that follow the surface out of the range.
-  void price(std::size_t i, const Asked& asked) {
-    const std::int32_t low = segments_[i].low, high = segments_[i].high;
-    const std::int32_t base = asked.base, first = asked.first, last = asked.last;
+  void price_states(const StateNats& said, const StateRange& of, OrderCosts& out) const {
+    const StateRange r = of;
     const float per_order = config_.beyond_range_cost;
-    const std::int32_t period = segments_[i].joined ? evidence_.repeats_after() : 0;
-    const std::array<float, kOrderStates> nats = asked.nats;
-    OrderCosts unary;
+    const float* __restrict nats = said.data();
+    std::array<std::int32_t, kOrderStates> priced;
     for (std::int32_t k = 0; k < kStates; ++k) {
-      const std::int32_t shift = base + k;
-      const std::int32_t beyond =
-          repeats_range(segments_[i], shift, period) ? 0 : std::max({low - shift, shift - high, 0});
-      const float cost = nats[static_cast<std::size_t>(k)] + per_order * static_cast<float>(beyond);
-      const Cost priced = to_cost(std::min(cost, kImpossibleNats));
-      unary.of[static_cast<std::size_t>(k)] = ((shift >= first) & (shift <= last)) ? priced : kImpossible;
+      const std::int32_t below = r.low - k, above = k - r.high, off = below > above ? below : above;
+      const bool counts = (off > 0) & (k > r.repeats_to) & (k < r.repeats_from);
+      const float cost = nats[k] + per_order * static_cast<float>(counts ? off : 0);
+      const std::int32_t in_64ths = (static_cast<std::int32_t>(smaller(cost, kImpossibleNats) * 128) + 1) >> 1;
+      priced[static_cast<std::size_t>(k)] = (k >= r.first) & (k <= r.last) ? in_64ths : kImpossible;
     }
-    work_.unary[i] = unary;
+    for (std::size_t k = 0; k < kOrderStates; ++k) out.of[k] = static_cast<Cost>(priced[k]);
   }
 
   /// Least shift that brings the cell to 0 or more.
@@ -125,16 +128,15 @@ class Rows {
     if (!segment.joined && segment.gap.rise == 0) {
       out = work_.unary[to];
     } else if (segment.gap.rise == 0 && lean_of_bases(later) == 0) {  // as pass_gap would, but faster
-      pass_joined(said, work_.unary[to], to_cost(config_.unseen_jump_cost), out);
+      passed_on(States::load(said), States::load(work_.unary[to]), unseen_jump_).store(out);
     } else {
       const GapCosts g = before(later);
       pass_gap(said, work_.unary[to], from < to ? g : GapCosts{-g.lean, g.below, g.above}, out);
     }
   }
 
-  /// Forward messages of each row, in `row`, and backward ones; then row = their sum, the segment's own evidence once,
-  /// less its least.
-  /// The two directions take turns: each waits for its own message before.
+  /// Forward messages of each row, in `row`, and backward ones, in `right`. The two directions take turns: each waits
+  /// for its own message before.
   void along_rows() {
     const std::size_t n = segments_.size();
     work_.row[0] = work_.unary[0];
@@ -143,37 +145,35 @@ class Rows {
       tell(work_.row[i - 1], i - 1, i, work_.row[i]);
       tell(work_.right[n - i], n - i, n - 1 - i, work_.right[n - 1 - i]);
     }
-    for (std::size_t i = 0; i < n; ++i) {
-      const CostPair right(work_.right[i]), unary(work_.unary[i]);
-      CostPair row(work_.row[i]);
-      row.low += right.low - unary.low;
-      row.high += right.high - unary.high;
-      level(row, work_.row[i]);
-    }
   }
 
-  /// Running means over the rows above and below. A mean, not a sum: what misleads the code (an edge, a moving shadow)
-  /// misleads many rows alike, so that repeating it makes it no truer.
+  /// row = the sum of both, the segment's own evidence once, less its least; then running means over the rows above and below. A mean, not a sum: what misleads the code (an edge,
+  /// a moving shadow) misleads many rows alike, so that repeating it makes it no truer.
   void between_rows() {
     const std::size_t n = segments_.size();
-    for (std::size_t i = 0; i < n; ++i) mean_of_rows(work_.up, segments_[i].up, i);
-    for (std::size_t i = n; i-- > 0;) mean_of_rows(work_.down, segments_[i].down, i);
+    for (std::size_t i = 0; i < n; ++i) {
+      const States sum = States::each([](auto a, auto b, auto own) HWY_ATTR { return hn::Add(a, hn::Sub(b, own)); },
+                                      States::load(work_.row[i]), States::load(work_.right[i]),
+                                      States::load(work_.unary[i]));
+      const States row = levelled(sum);
+      row.store(work_.row[i]);
+      mean_of_rows(work_.up, segments_[i].up, i, row).store(work_.up[i]);
+    }
+    const Cost margin = to_cost(config_.decided_margin);
+    for (std::size_t i = n; i-- > 0;) {
+      const States down = mean_of_rows(work_.down, segments_[i].down, i, States::load(work_.row[i]));
+      down.store(work_.down[i]);
+      choose(i, cheapest_state(mean_of_states(States::load(work_.up[i]), down)), margin);
+    }
   }
 
-  void mean_of_rows(std::vector<OrderCosts>& mean, std::int32_t neighbour, std::size_t i) {
-    const OrderCosts& own = work_.row[i];
-    if (neighbour < 0) {
-      mean[i] = own;
-      return;
-    }
+  [[nodiscard]] HWY_INLINE States mean_of_rows(const std::vector<OrderCosts>& mean, std::int32_t neighbour,
+                                               std::size_t i, const States& own) const {
+    if (neighbour < 0) return own;
     const auto o = static_cast<std::size_t>(neighbour);
-    const Cost most = to_cost(4 * config_.unseen_jump_cost);
     const std::int32_t offset = work_.base[i] - work_.base[o];
-    if (offset == 0) {
-      blend(mean[o], own, config_.row_memory, most, mean[i]);
-    } else {
-      blend(moved(mean[o], offset, most), own, config_.row_memory, most, mean[i]);
-    }
+    if (offset == 0) return blended(States::load(mean[o]), own, share_, most_above_);
+    return blended(States::load(moved(mean[o], offset, hn::GetLane(most_above_))), own, share_, most_above_);
   }
 
   /// Costs by the states of a segment whose base is higher by `offset`; of those that the other segment lacks, `most`
@@ -189,15 +189,13 @@ class Rows {
     return out;
   }
 
-  void choose() {
-    const Cost margin = to_cost(config_.decided_margin);
-    for (std::size_t i = 0; i < segments_.size(); ++i) {
-      const Choice choice = cheapest(mean_of(work_.up[i], work_.down[i]));
-      const bool possible = choice.least < kImpossible;
-      out_.segments[i].shift = work_.base[i] + choice.state;
-      out_.segments[i].decided = possible && choice.margin >= margin;
-      work_.margin[i] = possible ? choice.margin : Cost{0};
-    }
+  HWY_INLINE void choose(std::size_t i, const Choice& choice, Cost margin) {
+    const bool possible = choice.least < kImpossible;
+    SegmentOrder& out = out_.segments[i];
+    out = {};
+    out.shift = work_.base[i] + choice.state;
+    out.decided = possible && choice.margin >= margin;
+    work_.margin[i] = possible ? choice.margin : Cost{0};
   }
 
   const std::vector<Segment>& segments_;
@@ -205,6 +203,9 @@ class Rows {
   const OrderConfig& config_;
   OrderResult& out_;
   OrderResult::Work& work_;
+  StateLanes unseen_jump_ = hn::Set(StateTag(), to_cost(config_.unseen_jump_cost));
+  StateLanes most_above_ = hn::Set(StateTag(), to_cost(4 * config_.unseen_jump_cost));
+  StateLanes share_ = hn::Set(StateTag(), static_cast<Cost>(config_.row_memory * 32768));  ///< in 2^-15
 };
 
 void label(const std::vector<Segment>& segments, std::int32_t components, const CodeEvidence& evidence,

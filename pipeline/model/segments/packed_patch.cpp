@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace enamel::pipeline {
 namespace {
@@ -15,6 +17,45 @@ constexpr float kSigmaSteps = 16;  // an octave; 255 of them reach 6 mm
 std::uint8_t sigma_code(float sigma_mm) {
   return static_cast<std::uint8_t>(std::clamp(kSigmaSteps * std::log2(sigma_mm / kSigmaUnit_mm) + 0.5F, 0.0F, 255.0F));
 }
+
+/// sigma_code() without its logarithm, which cost more than all else that is done to a pixel: the floats of one leading
+/// five bits of fraction reach two codes at most.
+class SigmaCodes {
+ public:
+  SigmaCodes() {
+    for (std::uint32_t i = 0; i < kCells; ++i) {
+      const std::uint32_t first = (kFirst + i) << kShift, last = first + (1U << kShift) - 1;
+      cells_[i] = {first_float_above(first, last), sigma_code(std::bit_cast<float>(first))};
+    }
+  }
+  [[nodiscard]] std::uint8_t operator()(float sigma_mm) const {
+    const std::uint32_t at = std::bit_cast<std::uint32_t>(sigma_mm) >> kShift;
+    const Cell& cell = cells_[std::clamp(at, kFirst, kFirst + kCells - 1) - kFirst];
+    return static_cast<std::uint8_t>(cell.code + (sigma_mm >= cell.next_from_mm ? 1 : 0));
+  }
+
+ private:
+  struct Cell {
+    float next_from_mm = 0;  ///< from here on the next code
+    std::uint8_t code = 0;
+  };
+  static constexpr std::uint32_t kShift = 18;                                               // five bits of fraction
+  static constexpr std::uint32_t kFirst = std::bit_cast<std::uint32_t>(6.0e-5F) >> kShift;  // below code 1
+  static constexpr std::uint32_t kCells = (std::bit_cast<std::uint32_t>(8.0F) >> kShift) - kFirst;  // beyond code 255
+
+  /// Both as bits.
+  static float first_float_above(std::uint32_t first, std::uint32_t last) {
+    const std::uint8_t code = sigma_code(std::bit_cast<float>(first));
+    if (sigma_code(std::bit_cast<float>(last)) == code) return std::numeric_limits<float>::infinity();
+    while (last - first > 1) {
+      const std::uint32_t middle = first + (last - first) / 2;
+      (sigma_code(std::bit_cast<float>(middle)) == code ? first : last) = middle;
+    }
+    return std::bit_cast<float>(last);
+  }
+
+  std::array<Cell, kCells> cells_{};
+};
 
 /// Sigma of each code, by doubling alone where a library's exp2 might differ in its last bit.
 std::array<float, 256> sigma_table() {
@@ -28,37 +69,72 @@ std::array<float, 256> sigma_table() {
   return out;
 }
 
+/// Of all that is known: nearest and farthest, and how many.
+struct DepthRange {
+  float nearest = std::numeric_limits<float>::max(), farthest = 0;
+  std::size_t known = 0;
+};
+
+DepthRange range_of(std::span<const float> depth) {
+  DepthRange out;
+  std::uint32_t known = 0;
+  for (const float z : depth) {
+    out.nearest = z < out.nearest ? z : out.nearest;  // false for NaN
+    out.farthest = z > out.farthest ? z : out.farthest;
+    known += z == z ? 1U : 0U;
+  }
+  out.known = known;
+  return out;
+}
+
+std::vector<PackedPatch::Run> runs_of(std::span<const float> depth) {
+  std::vector<PackedPatch::Run> out;
+  out.reserve(depth.size() / 64);
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    if (std::isnan(depth[i])) continue;
+    const std::size_t begin = i;
+    while (i < depth.size() && !std::isnan(depth[i])) ++i;
+    out.push_back({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(i - begin)});
+  }
+  return out;
+}
+
+void pack_texture(std::span<const float> texture, std::vector<std::uint16_t>& out) {
+  out.reserve(texture.size());
+  for (const float dn : texture) {
+    const float steps = std::isnan(dn) ? 0.0F : dn * kTextureSteps + 0.5F;
+    out.push_back(static_cast<std::uint16_t>(std::clamp(steps, 0.0F, 65535.0F)));
+  }
+}
+
 }  // namespace
 
 PackedPatch pack(const SurfacePatch& patch, Texture texture) {
+  static const SigmaCodes kCode;
   PackedPatch out;
   out.width = patch.depth_mm.width();
   out.height = patch.depth_mm.height();
-  float nearest = std::numeric_limits<float>::max(), farthest = 0;
-  for (const float z : patch.depth_mm.pixels()) {
-    if (std::isnan(z)) continue;
-    nearest = std::min(nearest, z);
-    farthest = std::max(farthest, z);
+  const std::span<const float> depth = patch.depth_mm.pixels();
+  const DepthRange range = range_of(depth);
+  out.nearest_mm = range.nearest;
+  out.step_mm = std::max(range.farthest - range.nearest, 1e-3F) / 65535.0F;
+  out.runs = runs_of(depth);
+  out.depth.resize(range.known);
+  out.sigma.resize(range.known);
+  std::uint16_t* steps = out.depth.data();
+  std::uint8_t* codes = out.sigma.data();
+  const float nearest = out.nearest_mm, step = out.step_mm;
+  for (const PackedPatch::Run& run : out.runs) {
+    const float* z = &depth[run.begin];
+    const float* sigma = &patch.sigma_mm[run.begin];
+    for (std::uint32_t i = 0; i < run.count; ++i)
+      steps[i] =
+          static_cast<std::uint16_t>(static_cast<std::int32_t>(std::min((z[i] - nearest) / step + 0.5F, 65535.0F)));
+    for (std::uint32_t i = 0; i < run.count; ++i) codes[i] = kCode(sigma[i]);
+    steps += run.count;
+    codes += run.count;
   }
-  out.nearest_mm = nearest;
-  out.step_mm = std::max(farthest - nearest, 1e-3F) / 65535.0F;
-  out.depth.reserve(patch.valid_px);
-  out.sigma.reserve(patch.valid_px);
-  for (std::size_t i = 0; i < patch.depth_mm.size(); ++i) {
-    const float z = patch.depth_mm[i];
-    if (std::isnan(z)) continue;
-    if (out.runs.empty() || out.runs.back().begin + out.runs.back().count != i)
-      out.runs.push_back({static_cast<std::uint32_t>(i), 0});
-    ++out.runs.back().count;
-    out.depth.push_back(static_cast<std::uint16_t>(std::min((z - nearest) / out.step_mm + 0.5F, 65535.0F)));
-    out.sigma.push_back(sigma_code(patch.sigma_mm[i]));
-  }
-  if (texture == Texture::kDropped) return out;
-  out.texture.reserve(patch.texture_dn.size());
-  for (const float dn : patch.texture_dn.pixels()) {
-    const float steps = std::isnan(dn) ? 0.0F : dn * kTextureSteps + 0.5F;
-    out.texture.push_back(static_cast<std::uint16_t>(std::clamp(steps, 0.0F, 65535.0F)));
-  }
+  if (texture == Texture::kKept) pack_texture(patch.texture_dn.pixels(), out.texture);
   return out;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
+#include <span>
 
 namespace enamel::pipeline {
 namespace {
@@ -83,14 +83,16 @@ Eigen::Matrix3f frame_of(const Vec3f& n) {
   return axes;
 }
 
-/// The surface around a key point, and the frame that it is described in.
+/// The surface around one key point after the other, and the frame that it is described in.
 class Surroundings {
  public:
-  Surroundings(const SurfaceGrid& grid, const KeyPoint& key, const SurfaceFeatureConfig& config)
-      : grid_(grid), key_(key), half_(static_cast<float>(config.half_width_mm)) {}
+  Surroundings(const SurfaceGrid& grid, const SurfaceFeatureConfig& config)
+      : grid_(grid), half_(static_cast<float>(config.half_width_mm)) {}
 
   /// False: too little of it is seen.
-  bool gather(double min_known) {
+  bool gather(const KeyPoint& key, double min_known) {
+    key_ = key;
+    elements.clear();
     const Vec3f mean = mean_normal();
     axes = frame_of(mean);
     const float reach2 = 2 * half_ * half_;
@@ -141,7 +143,12 @@ class Surroundings {
 };
 
 /// Unit vectors in the main directions of slope, in the surroundings' frame.
-std::vector<Vec2f> main_directions(const std::vector<Local>& elements, double ratio) {
+struct MainDirections {
+  std::array<Vec2f, 3> of;
+  std::size_t count = 0;
+};
+
+MainDirections main_directions(const std::vector<Local>& elements, double ratio) {
   std::array<float, kTurns> smooth{};
   for (const Local& e : elements) {
     smooth[static_cast<std::size_t>(e.direction * static_cast<float>(kTurns)) % kTurns] += e.weight;
@@ -159,36 +166,57 @@ std::vector<Vec2f> main_directions(const std::vector<Local>& elements, double ra
                0.17364818F * bins[k - 1].x() + 0.98480775F * bins[k - 1].y()};
   }
   const float limit = static_cast<float>(ratio) * *std::max_element(smooth.begin(), smooth.end());
-  std::vector<Vec2f> out;
-  for (std::size_t k = 0; k < kTurns && out.size() < 3; ++k) {
+  MainDirections out;
+  for (std::size_t k = 0; k < kTurns && out.count < out.of.size(); ++k) {
     const std::size_t left = (k + kTurns - 1) % kTurns;
     const std::size_t right = (k + 1) % kTurns;
     if (!(smooth[k] >= limit && smooth[k] > smooth[left] && smooth[k] >= smooth[right])) continue;
     const float shift = 0.5F * (smooth[left] - smooth[right]) / (smooth[left] - 2 * smooth[k] + smooth[right]);
     const Vec2f& towards = shift < 0 ? bins[left] : bins[right];
-    out.push_back((bins[k] + std::abs(shift) * (towards - bins[k])).normalized());
+    out.of[out.count++] = (bins[k] + std::abs(shift) * (towards - bins[k])).normalized();
   }
   return out;
 }
 
 using Histogram = std::array<float, kCells * kCells * kDirections>;
 
-/// Spreads one element over the two nearest cells each way and the two nearest directions.
-void spread(Histogram& out, float cx, float cy, float direction, float value) {
-  const int x0 = static_cast<int>(std::floor(cx));
-  const int y0 = static_cast<int>(std::floor(cy));
-  const int d0 = static_cast<int>(direction);
-  for (int k = 0; k < 8; ++k) {
-    const int x = x0 + k % 2;
-    const int y = y0 + k / 2 % 2;
-    const int d = (d0 + k / 4) % kDirections;
-    if (x < 0 || y < 0 || x >= kCells || y >= kCells) continue;
-    const float wx = 1 - std::abs(cx - static_cast<float>(x));
-    const float wy = 1 - std::abs(cy - static_cast<float>(y));
-    const float wd = k / 4 == 0 ? 1 - (direction - static_cast<float>(d0)) : direction - static_cast<float>(d0);
-    out[static_cast<std::size_t>((y * kCells + x) * kDirections + d)] += value * wx * wy * wd;
-  }
+int floor_of(float x) {
+  const int whole = static_cast<int>(x);
+  return whole - (static_cast<float>(whole) > x ? 1 : 0);
 }
+
+/// A histogram with a rim of cells that nobody reads: spreading needs no limits.
+class WideHistogram {
+ public:
+  /// Spreads one element over the two nearest cells each way and the two nearest directions. cx, cy in (-1, kCells).
+  void spread(float cx, float cy, float direction, float value) {
+    const int x0 = floor_of(cx), y0 = floor_of(cy);
+    const int d0 = static_cast<int>(direction);
+    const int d1 = (d0 + 1) % kDirections;
+    const float beyond = direction - static_cast<float>(d0), before = 1 - beyond;
+    for (int y = y0; y <= y0 + 1; ++y) {
+      const float wy = 1 - std::abs(cy - static_cast<float>(y));
+      for (int x = x0; x <= x0 + 1; ++x) {
+        const float share = value * (1 - std::abs(cx - static_cast<float>(x))) * wy;
+        float* cell = &sums_[static_cast<std::size_t>(((y + 1) * kWide + x + 1) * kDirections)];
+        cell[d0] += share * before;
+        cell[d1] += share * beyond;
+      }
+    }
+  }
+  [[nodiscard]] Histogram inner() const {
+    Histogram out;
+    for (int y = 0; y < kCells; ++y) {
+      const auto from = sums_.begin() + ((y + 1) * kWide + 1) * kDirections;
+      std::copy(from, from + kCells * kDirections, out.begin() + y * kCells * kDirections);
+    }
+    return out;
+  }
+
+ private:
+  static constexpr int kWide = kCells + 2;
+  std::array<float, kWide * kWide * kDirections> sums_{};
+};
 
 std::array<std::uint8_t, 128> to_bytes(Histogram h) {
   for (int round = 0; round < 2; ++round) {
@@ -205,16 +233,16 @@ std::array<std::uint8_t, 128> to_bytes(Histogram h) {
 std::array<std::uint8_t, 128> describe(const std::vector<Local>& elements, const Vec2f& main, float half) {
   const float turn = direction_of(main.x(), main.y());
   const float per_mm = kCells / (2 * half);
-  Histogram sums{};
+  WideHistogram sums;
   for (const Local& e : elements) {
     const float cx = (main.x() * e.x + main.y() * e.y) * per_mm + 0.5F * (kCells - 1);
     const float cy = (main.x() * e.y - main.y() * e.x) * per_mm + 0.5F * (kCells - 1);
     if (!(cx > -1 && cy > -1 && cx < kCells && cy < kCells)) continue;
     const float turned = e.direction - turn;
     const float direction = (turned < 0 ? turned + 1 : turned) * kDirections;
-    spread(sums, cx, cy, std::min(direction, kDirections - 1e-3F), e.weight);
+    sums.spread(cx, cy, std::min(direction, kDirections - 1e-3F), e.weight);
   }
-  return to_bytes(sums);
+  return to_bytes(sums.inner());
 }
 
 }  // namespace
@@ -226,10 +254,11 @@ std::vector<SurfaceFeature> extract_surface_features(const SurfacePatch& patch, 
 
 std::vector<SurfaceFeature> extract_surface_features(const SurfaceGrid& grid, const SurfaceFeatureConfig& config) {
   std::vector<SurfaceFeature> out;
+  Surroundings around(grid, config);
   for (const KeyPoint& key : find_key_points(grid, config)) {
-    Surroundings around(grid, key, config);
-    if (!around.gather(config.min_known)) continue;
-    for (const Vec2f& main : main_directions(around.elements, config.peak_ratio)) {
+    if (!around.gather(key, config.min_known)) continue;
+    const MainDirections mains = main_directions(around.elements, config.peak_ratio);
+    for (const Vec2f& main : std::span(mains.of).first(mains.count)) {
       SurfaceFeature f;
       f.point = grid.points(key.u, key.v);
       f.axes.col(0) = main.x() * around.axes.col(0) + main.y() * around.axes.col(1);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "pipeline/register/feature/bend_rows.hpp"
 #include "pipeline/types/pixel_step.hpp"
 
 namespace enamel::pipeline {
@@ -76,29 +77,22 @@ Map<float> bending(const SurfaceGrid& grid, double radius_mm) {
   const int height = grid.points.height();
   Map<float> out(width, height, std::numeric_limits<float>::quiet_NaN());
   const auto radius = static_cast<float>(radius_mm);
-  const float radius2 = radius * radius;
   const int reach = static_cast<int>(radius / grid.pitch_mm) + 1;
-  const float full = kMinSeen * std::numbers::pi_v<float> * radius2;
+  const int inner = width - 2 * reach;
+  if (inner <= 0) return out;
+  const GridPlanes planes(grid);
+  BendRow row(static_cast<std::size_t>(inner));
+  const float full = kMinSeen * std::numbers::pi_v<float> * (radius * radius);
   for (int v = reach; v + reach < height; ++v) {
-    for (int u = reach; u + reach < width; ++u) {
-      if (!(grid.area_mm2(u, v) > 0)) continue;
-      const Vec3f p = grid.points(u, v);
-      const Vec3f n = grid.normals(u, v);
-      float sum = 0;
-      float sum2 = 0;
-      float seen = 0;
-      for (int k = v - reach; k <= v + reach; ++k) {
-        for (int i = u - reach; i <= u + reach; ++i) {
-          const std::size_t at = grid.points.index(i, k);
-          const Vec3f d = grid.points[at] - p;
-          const float d2 = d.squaredNorm();
-          const float area = d2 < radius2 ? grid.area_mm2[at] : 0.0F;
-          sum += area * d.dot(grid.normals[at] - n);
-          sum2 += area * d2;
-          seen += area;
-        }
-      }
-      if (seen > full) out(u, v) = sum / sum2;
+    row.clear();
+    for (int k = v - reach; k <= v + reach; ++k) {
+      for (int i = 0; i <= 2 * reach; ++i)
+        add_bends(planes, grid.points.index(reach, v), grid.points.index(i, k), radius * radius, row);
+    }
+    for (int u = 0; u < inner; ++u) {
+      const auto at = static_cast<std::size_t>(u);
+      if (!(grid.area_mm2(u + reach, v) > 0)) continue;
+      if (row.seen[at] > full) out(u + reach, v) = row.sum[at] / row.sum2[at];
     }
   }
   return out;

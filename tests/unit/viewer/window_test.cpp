@@ -149,6 +149,10 @@ TEST_F(WindowTest, same_frame_is_not_drawn_again_and_new_one_is) {
   ASSERT_TRUE(window_->render(nullptr));
   EXPECT_EQ(window_->stats().frames_drawn, drawn);
   ASSERT_TRUE(window_->render(std::make_shared<PreviewFrame>(*frame)));
+  EXPECT_EQ(window_->stats().frames_drawn, drawn) << "a session makes a frame each time that it is asked";
+  auto next = std::make_shared<PreviewFrame>(*frame);
+  ++next->counters.captured;
+  ASSERT_TRUE(window_->render(std::move(next)));
   EXPECT_EQ(window_->stats().frames_drawn, drawn + 1);
 }
 

@@ -1,0 +1,105 @@
+// How many triangles a frame of a large model is made of, on a display of its own. No time is measured: the clock is
+// told.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "tests/unit/viewer/picture_probe.hpp"
+#include "tests/unit/viewer/tooth_scene.hpp"
+#include "tests/unit/viewer/xvfb.hpp"
+#include "viewer/gl/viewer_window.hpp"
+
+namespace enamel::view::test {
+namespace {
+
+constexpr std::size_t kBudget = 20'000;
+
+class WindowDetailTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { display_ = std::make_unique<Xvfb>(); }
+  static void TearDownTestSuite() { display_.reset(); }
+
+  void SetUp() override {
+    if (!display_->problem().empty()) {
+      GTEST_SKIP() << display_->problem();
+    }
+    options_.triangle_budget = kBudget;
+    auto window = ViewerWindow::open(options_, clock_);
+    ASSERT_TRUE(window) << window.error().message();
+    window_ = std::move(*window);
+    static_cast<void>(window_->poll());
+    model_ = scene_.frame(19, 20);
+    for (const auto& block : model_->model->blocks) model_triangles_ += block->triangles.size();
+  }
+
+  /// The model with the probe somewhere along the arch, 50 ms later.
+  void draw(double share) {
+    auto frame = std::make_shared<PreviewFrame>(*model_);
+    ++frame->burst.value;
+    frame->T_model_cam = scene_.pose(share);
+    model_ = frame;
+    clock_.advance(Nanoseconds{50'000'000});
+    ASSERT_TRUE(window_->render(std::move(frame)));
+  }
+
+  static std::unique_ptr<Xvfb> display_;
+  ManualClock clock_;
+  ViewerOptions options_;
+  std::unique_ptr<ViewerWindow> window_;
+  const ToothScene scene_{.step_mm = 0.1, .block_mm = 0.8};
+  std::shared_ptr<PreviewFrame> model_;
+  std::size_t model_triangles_ = 0;
+};
+
+std::unique_ptr<Xvfb> WindowDetailTest::display_;
+
+TEST_F(WindowDetailTest, moving_views_keep_the_budget_and_resting_ones_show_the_mesh_as_it_is) {
+  ASSERT_GT(model_triangles_, 150'000U);
+  for (int i = 0; i < 30; ++i) {
+    draw(0.2 + 0.02 * i);
+    if (i > 4) {
+      EXPECT_LE(window_->stats().drawn_triangles, window_->stats().triangle_budget) << i;
+    }
+    EXPECT_FALSE(window_->stats().refined);
+  }
+  EXPECT_EQ(window_->stats().triangles, model_triangles_);
+  EXPECT_GT(window_->stats().drawn_triangles, kBudget / 4) << "control: something is drawn";
+  std::size_t frames = 0, most = 0;
+  for (; frames < 200 && !window_->stats().refined; ++frames) {
+    clock_.advance(Nanoseconds{50'000'000});
+    ASSERT_TRUE(window_->render(model_));
+    most = std::max(most, window_->stats().drawn_triangles);
+  }
+  EXPECT_TRUE(window_->stats().refined);
+  EXPECT_LE(most, window_->stats().triangle_budget) << "in parts that each keep the budget";
+  EXPECT_GT(frames, 6U) << "control: there were several";
+  const std::uint64_t drawn = window_->stats().frames_drawn;
+  ASSERT_TRUE(window_->render(model_));
+  EXPECT_EQ(window_->stats().frames_drawn, drawn) << "what rests is not drawn again";
+  draw(0.5);
+  EXPECT_FALSE(window_->stats().refined);
+}
+
+TEST_F(WindowDetailTest, coarse_and_fine_pictures_are_of_the_same_model) {
+  for (int i = 0; i < 8; ++i) draw(0.5);
+  const auto fine = window_->screenshot();
+  ASSERT_TRUE(fine);
+  EXPECT_GE(window_->stats().drawn_triangles, model_triangles_ / 3) << "control: a saved picture has no budget";
+  EXPECT_GT(share_of(*fine, kMiddle, is_tooth), 0.1);
+  draw(0.51);
+  EXPECT_LE(window_->stats().drawn_triangles, window_->stats().triangle_budget);
+}
+
+TEST_F(WindowDetailTest, without_a_budget_the_mesh_is_drawn_as_it_is) {
+  options_.triangle_budget = DetailBudget::kMost;
+  window_.reset();
+  auto window = ViewerWindow::open(options_, clock_);
+  ASSERT_TRUE(window);
+  window_ = std::move(*window);
+  for (int i = 0; i < 8; ++i) draw(0.5);
+  EXPECT_GT(window_->stats().drawn_triangles, 4 * kBudget);
+}
+
+}  // namespace
+}  // namespace enamel::view::test
