@@ -106,8 +106,9 @@ struct LineDifference {
 inline constexpr std::size_t kMountParameters = 16;
 [[nodiscard]] std::array<const char*, kMountParameters> mount_parameter_names();
 
-/// Reads mount.json (format enamel-mount, schema 1) and the twin's enamel-mount-truth. Keys that this version does not
-/// know are passed over. Error: kMountInvalid, the detail names the key and what it must be; never a partial mount.
+/// Reads mount.json (format enamel-mount, schema 1) and the twin's enamel-mount-truth, whose serial may be absent. Keys
+/// that this version does not know are passed over. Error: kMountInvalid, the detail names the key and what it must be;
+/// never a partial mount.
 [[nodiscard]] Result<Mount> parse_mount(std::string_view text);
 
 /// Errors: kFileNotFound, kFileRead, those of parse_mount with the file's name.

@@ -100,9 +100,22 @@ Json circles_json(const pipeline::LaidStops& laid) {
   return out;
 }
 
+Json plan_json(const PlanOutcome& plan) {
+  return {{"kind", plan.is_automatic ? "auto" : "fixed"},
+          {"ended", plan.ended},
+          {"is_complete", plan.is_complete},
+          {"share_seen", plan.share_seen ? Json(*plan.share_seen) : Json()}};
+}
+
+std::string why_incomplete(const PlanOutcome& plan) {
+  if (plan.ended == "max_stops") return "as many stops as are allowed were taken, another would show more";
+  if (plan.ended == "nothing_seen") return "no stop saw a model";
+  return "stopped before the plan's end";
+}
+
 }  // namespace
 
-std::string desktop_line(const pipeline::LaidStops& laid) {
+std::string desktop_line(const pipeline::LaidStops& laid, const std::optional<PlanOutcome>& plan) {
   const auto left_out = std::ranges::count(laid.laid, pipeline::Laid::kNot);
   std::string out = fmt::format("{} laid{}; surfaces agree within {:.1f} um, by the axes alone {:.1f}",
                                 laid.laid.size() - static_cast<std::size_t>(left_out),
@@ -110,12 +123,15 @@ std::string desktop_line(const pipeline::LaidStops& laid) {
                                 kMicron * laid.fine_rms_mm, kMicron * laid.coarse_rms_mm);
   double worst_mm = -1;
   for (const pipeline::Circle& circle : laid.circles) worst_mm = std::max(worst_mm, circle.after_mm);
-  return worst_mm < 0 ? out : out + fmt::format("; circle closes within {:.1f}", kMicron * worst_mm);
+  if (worst_mm >= 0) out += fmt::format("; circle closes within {:.1f}", kMicron * worst_mm);
+  return plan && !plan->is_complete ? out + "; not complete: " + why_incomplete(*plan) : out;
 }
 
-std::string desktop_json(const DesktopModel& model, const pipeline::LaidStops& laid, const DesktopSeconds& seconds) {
+std::string desktop_json(const DesktopModel& model, const pipeline::LaidStops& laid, const DesktopSeconds& seconds,
+                         const std::optional<PlanOutcome>& plan) {
   const calib::Triple about{0, 0, calib::middle_depth_mm(model.rig())};
   const Json out{{"stops", stops_json(model, laid)},
+                 {"plan", plan ? plan_json(*plan) : Json()},
                  {"slips", slips_json(laid)},
                  {"pairs", laid.pairs},
                  {"edges", laid.edges},

@@ -48,8 +48,9 @@ void DesktopSession::run() {
   const HostTime taken_at = clock_.now();
   const auto seconds = [](HostTime from, HostTime to) { return std::chrono::duration<double>(to - from).count(); };
   if (auto laid = model_.finish(scan_)) {
-    scan_.desktop_json = desktop_json(model_, *laid, {seconds(begun, taken_at), seconds(taken_at, clock_.now())});
-    scan_.desktop_line = desktop_line(*laid);
+    const auto plan = source_->plan();
+    scan_.desktop_json = desktop_json(model_, *laid, {seconds(begun, taken_at), seconds(taken_at, clock_.now())}, plan);
+    scan_.desktop_line = desktop_line(*laid, plan);
     for (const pipeline::Slip& slip : laid->slips) scan_.slips.push_back(slip.text());
     shown_.model = std::make_shared<const ModelSnapshot>(model_.snapshot());
     preview_.put(std::make_shared<const BurstPreview>(shown_));

@@ -23,6 +23,7 @@ class LiveStops final : public StopSource {
   void set_paused(bool paused) override { taker_->set_paused(paused); }
   /// Bursts of a moving table, and those that a stop had no need of, are shed.
   [[nodiscard]] BurstCounts counts() const override;
+  [[nodiscard]] std::optional<PlanOutcome> plan() const override { return plan_->outcome(); }
   [[nodiscard]] std::string progress() const override;
   [[nodiscard]] std::optional<Error> recording_error() const override;
   [[nodiscard]] std::vector<Error> damages() const override { return {}; }

@@ -92,8 +92,32 @@ pipeline::PlannerConfig within(pipeline::PlannerConfig config, const motion::Axe
 }
 
 std::optional<motion::AxesAngles> FixedPlan::next(const DesktopModel&) {
-  if (given_ == plan_.size()) return std::nullopt;
+  has_ended_ = given_ == plan_.size();
+  if (has_ended_) return std::nullopt;
   return plan_[given_++];
+}
+
+PlanOutcome FixedPlan::outcome() const {
+  return {.is_automatic = false, .ended = has_ended_ ? "planned" : "stopped", .is_complete = has_ended_};
+}
+
+PlanOutcome PlannedStops::outcome() const {
+  const pipeline::PlanFigures figures = planner_.figures();
+  PlanOutcome out{.is_automatic = true, .is_complete = figures.is_complete(), .share_seen = figures.share_seen};
+  switch (figures.end) {
+    case pipeline::PlanEnd::kGoesOn:
+      break;
+    case pipeline::PlanEnd::kComplete:
+      out.ended = "complete";
+      break;
+    case pipeline::PlanEnd::kMaxStops:
+      out.ended = "max_stops";
+      break;
+    case pipeline::PlanEnd::kNothingSeen:
+      out.ended = "nothing_seen";
+      break;
+  }
+  return out;
 }
 
 std::optional<motion::AxesAngles> PlannedStops::next(const DesktopModel& so_far) {

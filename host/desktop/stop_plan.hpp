@@ -37,6 +37,14 @@ inline constexpr std::string_view kPlanNames = "full, quick, arch";
 /// What the planner may use of `limits`: its own limits where they are narrower.
 [[nodiscard]] pipeline::PlannerConfig within(pipeline::PlannerConfig config, const motion::AxesLimits& limits);
 
+/// Why there were no more stops, for the report.
+struct PlanOutcome {
+  bool is_automatic = false;
+  std::string ended = "stopped";                    ///< by who scans; else planned, complete, max_stops, nothing_seen
+  bool is_complete = false;                         ///< every stop of the plan, or all that any stop would show
+  std::optional<double> share_seen = std::nullopt;  ///< the planner's belief
+};
+
 class StopChooser {
  public:
   StopChooser() = default;
@@ -47,6 +55,7 @@ class StopChooser {
   /// nullopt: no more. `so_far` holds every stop that was asked for and taken, in order.
   [[nodiscard]] virtual std::optional<motion::AxesAngles> next(const DesktopModel& so_far) = 0;
   [[nodiscard]] virtual std::size_t planned() const = 0;  ///< 0: not known before
+  [[nodiscard]] virtual PlanOutcome outcome() const = 0;
 };
 
 class FixedPlan final : public StopChooser {
@@ -54,10 +63,12 @@ class FixedPlan final : public StopChooser {
   explicit FixedPlan(StopPlan plan) : plan_(std::move(plan)) {}
   [[nodiscard]] std::optional<motion::AxesAngles> next(const DesktopModel& so_far) override;
   [[nodiscard]] std::size_t planned() const override { return plan_.size(); }
+  [[nodiscard]] PlanOutcome outcome() const override;
 
  private:
   StopPlan plan_;
   std::size_t given_ = 0;
+  bool has_ended_ = false;
 };
 
 class PlannedStops final : public StopChooser {
@@ -67,7 +78,7 @@ class PlannedStops final : public StopChooser {
   /// model without bursts, or it is asked for again.
   [[nodiscard]] std::optional<motion::AxesAngles> next(const DesktopModel& so_far) override;
   [[nodiscard]] std::size_t planned() const override { return 0; }
-  [[nodiscard]] pipeline::PlanFigures figures() const { return planner_.figures(); }
+  [[nodiscard]] PlanOutcome outcome() const override;
 
  private:
   pipeline::StopPlanner planner_;

@@ -7,6 +7,7 @@
 
 #include "host/desktop/desktop_model.hpp"
 #include "host/desktop/stop_bursts.hpp"
+#include "host/desktop/stop_plan.hpp"
 #include "host/report/accounting.hpp"
 #include "protocol/base/result.hpp"
 
@@ -29,6 +30,8 @@ class StopSource {
 
   /// Of the bursts that were not handed over: captured, lost, incomplete, shed; accepted ones too.
   [[nodiscard]] virtual BurstCounts counts() const = 0;
+  /// How the plan ended; nullopt where stops come from a recording, which does not say.
+  [[nodiscard]] virtual std::optional<PlanOutcome> plan() const { return std::nullopt; }
   /// For people: "stop 12 of 48, rotation 90, swing -20", or empty.
   [[nodiscard]] virtual std::string progress() const = 0;
   /// Why the recording that is being written lacks something, or nothing.

@@ -43,8 +43,8 @@ def axes_rows(units, way, judged):
 def axes(page, units):
     heading(page, "Axes from a board",
             "Solved lines beside the twin's. Position: largest distance of the lines within 30 mm of the field's middle. Components: errors "
-            "of direction and place along the axes of their own covariance, eight a unit. That covariance takes the rig for perfect: a rig "
-            "solved a hundredth of a pixel beside the truth turns the camera's frame, and the axes in it, by more than its sigma.")
+            "of direction and place along the axes of their own covariance, eight a unit. That covariance has the rig's own in it: a rig "
+            "solved a hundredth of a pixel beside the truth turns the camera's frame, and the axes in it. The control's rig states none.")
     columns = ["rotation direction °", "rotation position µm", "swing direction °", "swing position µm", "within 2 σ", "largest, σ"]
     shares = {}
     for way, words, targets in (("solved", "With the solved rig:", ["≤ 0.003", "≤ 3", "≤ 0.003", "≤ 3", "", ""]),

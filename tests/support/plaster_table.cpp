@@ -61,10 +61,6 @@ bool in_picture(const calib::LensValues& lens, const Vec3d& p) {
   return px.x > -0.5 && px.y > -0.5 && px.x < lens.width - 0.5 && px.y < lens.height - 0.5;
 }
 
-struct Sample {
-  Vec3d point, normal;  ///< model frame
-};
-
 }  // namespace
 
 double ShownSurface::shown_mm2() const {
@@ -108,7 +104,7 @@ struct PlasterTable::Parts {
   calib::Mount mount;
   twin::Mount truth;
   twin::RayScene jaw;
-  std::vector<Sample> samples;
+  std::vector<SurfaceSample> samples;
   std::vector<float> area_mm2;
   Eigen::Isometry3d T_proj_cam;
   Vec3d projector_mm;  ///< camera frame
@@ -117,7 +113,7 @@ struct PlasterTable::Parts {
     return twin::T_model_camera(truth, twin::table_at(truth, {angles.rotation(), angles.swing()}));
   }
   [[nodiscard]] bool is_free(const Vec3d& from, const Vec3d& to, const Vec3d& normal) const;
-  [[nodiscard]] bool shows(const Pose& T_model_camera, const Sample& s, double least_cos) const;
+  [[nodiscard]] bool shows(const Pose& T_model_camera, const SurfaceSample& s, double least_cos) const;
 };
 
 bool PlasterTable::Parts::is_free(const Vec3d& from, const Vec3d& to, const Vec3d& normal) const {
@@ -129,7 +125,7 @@ bool PlasterTable::Parts::is_free(const Vec3d& from, const Vec3d& to, const Vec3
   return !blocked[0];
 }
 
-bool PlasterTable::Parts::shows(const Pose& T_model_camera, const Sample& s, double least_cos) const {
+bool PlasterTable::Parts::shows(const Pose& T_model_camera, const SurfaceSample& s, double least_cos) const {
   const Vec3d p = T_model_camera.inverse() * s.point;
   if (p.z() < rig.depth_range->near_mm || p.z() > rig.depth_range->far_mm || !in_picture(rig.camera, p)) return false;
   if (!in_picture(rig.projector, T_proj_cam * p)) return false;
@@ -166,7 +162,7 @@ PlasterTable::PlasterTable(Plaster kind, std::uint64_t seed) {
   calib::Mount mount;
   mount.rotation = line_of(run.mount.rotation);
   mount.swing = line_of(run.mount.swing);
-  std::vector<Sample> samples;
+  std::vector<SurfaceSample> samples;
   std::vector<float> areas;
   for (const auto& t : surroundings.mesh.triangles) {
     const Vec3d a = surroundings.mesh.vertices[t[0]].cast<double>(),
@@ -222,6 +218,8 @@ SurfacePatch PlasterTable::see(const calib::AxisAngles& angles) const {
 ShownSurface PlasterTable::surface() const {
   return {std::vector<std::uint8_t>(parts_->samples.size(), 0), parts_->area_mm2};
 }
+
+const std::vector<SurfaceSample>& PlasterTable::samples() const { return parts_->samples; }
 
 void PlasterTable::show(const calib::AxisAngles& angles, double max_incidence_deg, ShownSurface& surface) const {
   const Pose T = parts_->T_model_camera(angles);

@@ -22,6 +22,10 @@ struct ShownSurface {
   [[nodiscard]] double shown_mm2() const;
 };
 
+struct SurfaceSample {
+  Vec3d point, normal;  ///< model frame, mm
+};
+
 /// Drawn: jaw, its place on the table (2 mm, 10 degrees), the mount's lines. A scene that cannot be read ends the
 /// program. Not thread-safe.
 class PlasterTable {
@@ -38,6 +42,8 @@ class PlasterTable {
 
   [[nodiscard]] SurfacePatch see(const calib::AxisAngles& angles) const;
   [[nodiscard]] ShownSurface surface() const;
+  /// In ShownSurface's order.
+  [[nodiscard]] const std::vector<SurfaceSample>& samples() const;
   /// Marks what a stop shows camera and projector at an incidence of max_incidence_deg or better.
   void show(const calib::AxisAngles& angles, double max_incidence_deg, ShownSurface& surface) const;
 

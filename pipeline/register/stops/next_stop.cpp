@@ -131,11 +131,13 @@ void StopPlanner::seen(const calib::AxisAngles& angles, const SurfacePatch& patc
 }
 
 /// On from where it began, and what is left before that, until all round was looked at.
-std::optional<calib::AxisAngles> StopPlanner::search() const {
+std::optional<calib::AxisAngles> StopPlanner::search() {
+  end_ = PlanEnd::kNothingSeen;
   if (stops_ >= config_.max_stops) return std::nullopt;
   const double range = config_.rot_to_deg - config_.rot_from_deg;
   const double away = static_cast<double>(stops_) * config_.search_step_deg;
   if (away >= std::min(range, kTurn_deg)) return std::nullopt;
+  end_ = PlanEnd::kGoesOn;
   double rot = first_rot_deg_ + away;
   if (rot > config_.rot_to_deg) rot = config_.rot_from_deg + (rot - config_.rot_to_deg);
   return stop_angles(rot, nearest_to_zero(config_.swing_from_deg, config_.swing_to_deg));
@@ -201,13 +203,15 @@ std::optional<calib::AxisAngles> StopPlanner::plan() {
     best_rate = rate;
     best = &c;
   }
-  if (best == nullptr || stops_ >= config_.max_stops) return std::nullopt;
+  end_ = best == nullptr ? PlanEnd::kComplete : stops_ >= config_.max_stops ? PlanEnd::kMaxStops : PlanEnd::kGoesOn;
+  if (end_ != PlanEnd::kGoesOn) return std::nullopt;
   return stop_angles(best->rot_deg, best->swing_deg);
 }
 
 PlanFigures StopPlanner::figures() const {
   PlanFigures out;
   out.stops = stops_;
+  out.end = end_;
   if (pictures_mm2_.empty()) return out;
   out.seen_mm2 = surface_.area_mm2(least_cosine_);
   double beyond = 0;

@@ -34,10 +34,19 @@ struct PlannerConfig {
   double speed_deg_per_s = 20;
 };
 
+enum class PlanEnd : std::uint8_t {
+  kGoesOn,
+  kComplete,     ///< no stop within the limits promises min_gain more
+  kMaxStops,     ///< some stop does, but max_stops are taken
+  kNothingSeen,  ///< a whole turn, or max_stops, and no model
+};
+
 struct PlanFigures {
   double seen_mm2 = 0;    ///< at max_incidence_deg or better
   double share_seen = 0;  ///< of that and what is believed to lie beyond, as far as some stop would show it; 0: nothing
   std::size_t stops = 0;
+  PlanEnd end = PlanEnd::kGoesOn;
+  [[nodiscard]] bool is_complete() const noexcept { return end == PlanEnd::kComplete; }
   [[nodiscard]] bool saw_nothing() const noexcept { return seen_mm2 <= 0; }
 };
 
@@ -67,7 +76,7 @@ class StopPlanner {
   [[nodiscard]] bool is_void(const Vec3f& p_model) const;
   void count_vain(const Pose& T_model_cam);
   void mark_taken(const calib::AxisAngles& angles);
-  [[nodiscard]] std::optional<calib::AxisAngles> search() const;
+  [[nodiscard]] std::optional<calib::AxisAngles> search();
   [[nodiscard]] std::optional<calib::AxisAngles> plan();
   [[nodiscard]] Gain gain_of(const Candidate& candidate);
   [[nodiscard]] double worth(float cosine) const;
@@ -93,6 +102,7 @@ class StopPlanner {
   double rot_deg_ = 0, swing_deg_ = 0;  ///< where the table stands
   double first_rot_deg_ = 0;
   std::size_t stops_ = 0;
+  PlanEnd end_ = PlanEnd::kGoesOn;
 };
 
 }  // namespace enamel::pipeline

@@ -4,103 +4,17 @@
 
 #include <gmock/gmock.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
-#include "calib/target/code_map.hpp"
-#include "protocol/base/rng.hpp"
+#include "tests/unit/calib/drawn_mount_set.hpp"
 
 namespace enamel::calib {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kNoise_px = 0.02;
-
-struct Drawn {
-  std::vector<MountStop> stops;
-  AxisLine rotation, swing;
-};
-
-Eigen::Affine3d about(const AxisLine& l, double angle) {
-  const Eigen::Vector3d p(l.point_mm.data()), d(l.direction.data());
-  return Eigen::Affine3d(Eigen::Translation3d(p) * Eigen::AngleAxisd(angle, d) * Eigen::Translation3d(-p));
-}
-
-AxisLine drawn_line(Rng& rng, const Eigen::Vector3d& along, const Eigen::Vector3d& through) {
-  const double tilt = 2 * kDegree;
-  const Eigen::Vector3d off(rng.uniform(-tilt, tilt), rng.uniform(-tilt, tilt), rng.uniform(-tilt, tilt));
-  const Eigen::Vector3d d = (along + along.cross(off)).normalized();
-  const Eigen::Vector3d p = through + 0.3 * Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal());
-  AxisLine line;
-  line.direction = {d.x(), d.y(), d.z()};
-  line.point_mm = {p.x(), p.y(), p.z()};
-  line.harmonic_rad = {0.02 * kDegree * rng.uniform(-1, 1), 0.02 * kDegree * rng.uniform(-1, 1)};
-  return line;
-}
-
-RigState rig() {
-  RigState r;
-  r.camera = {.width = 640, .height = 480, .fx = 1707, .fy = 1707, .cx = 318.6, .cy = 241.2, .dist = {}};
-  r.projector = r.camera;
-  return r;
-}
-
-/// Angles beyond those commanded, deg, by stop.
-using Beyond = double (*)(std::size_t stop);
-
 Drawn draw(std::uint64_t seed, const TargetDesign& target, Beyond beyond_deg) {
-  Rng rng(seed, 0, 13);
-  Drawn out;
-  out.rotation = drawn_line(rng, {0, 0, -1}, {27, 0, 48});
-  out.swing = drawn_line(rng, {0, 1, 0}, {0, 0, 48});
-  Eigen::Affine3d board = Eigen::Affine3d::Identity();
-  board.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
-  board.translation() = Eigen::Vector3d(27, 0, 48);
-  board = board * Eigen::AngleAxisd(rng.uniform(-3, 3), Eigen::Vector3d::UnitZ());
-  const RigState lens = rig();
-  std::size_t stop = 0;
-  for (const double swing : {-20.0, -10.0, 0.0, 10.0, 20.0}) {
-    for (int k = 0; k < 12; ++k, ++stop) {
-      MountStop s;
-      s.angles.rotation_command = 30.0 * k * kDegree;
-      s.angles.swing_command = swing * kDegree;
-      const auto angle = [&](const AxisLine& l, double a) {
-        return a + 0.01 * kDegree * rng.normal() + l.harmonic_rad[0] * (std::cos(a) - 1) +
-               l.harmonic_rad[1] * std::sin(a);
-      };
-      const double rotation = angle(out.rotation, s.angles.rotation_command) + beyond_deg(stop) * kDegree;
-      const Eigen::Affine3d pose =
-          about(out.swing, angle(out.swing, s.angles.swing_command)) * about(out.rotation, rotation) * board;
-      const Eigen::Vector3d wobble = 0.003 / std::sqrt(3.0) * Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal());
-      s.view.name = std::to_string(stop);
-      for (int dot = 0; dot < target.size(); ++dot) {
-        const Eigen::Vector3d p = pose * target.place(dot) + wobble;
-        const double u = lens.camera.fx * p.x() / p.z() + lens.camera.cx,
-                     v = lens.camera.fy * p.y() / p.z() + lens.camera.cy;
-        if (u < 20 || v < 20 || u > 620 || v > 460) continue;
-        DotView d{.dot = dot,
-                  .ellipse = {},
-                  .covariance_px2 = kNoise_px * kNoise_px * Eigen::Matrix2d::Identity(),
-                  .samples = {},
-                  .map = {}};
-        d.ellipse.centre = {u + kNoise_px * rng.normal(), v + kNoise_px * rng.normal()};
-        d.camera_px = d.ellipse.centre;
-        s.view.dots.push_back(d);
-      }
-      out.stops.push_back(std::move(s));
-    }
-  }
-  return out;
-}
-
-/// The board as points: centres are drawn, not discs, so that there is no bias to take off.
-TargetDesign points() {
-  TargetDesign t = parse_target(coded_target_text(make_code_map(40, 40, 1).value(), 1.6, 0.4, 0.2).value()).value();
-  t.radius_mm = 0;
-  return t;
+  return draw(seed, target, rig(), {.angles_deg = every(12, {-20, -10, 0, 10, 20}), .beyond_deg = beyond_deg});
 }
 
 TEST(MountSolve, finds_planted_axes_within_their_sigmas) {

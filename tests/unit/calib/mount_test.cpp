@@ -74,6 +74,17 @@ TEST(MountFile, comes_back_as_it_was_written) {
   EXPECT_EQ(back->stop_corrections[0].pose, "04");
 }
 
+TEST(MountFile, of_the_twin_tells_its_serial_where_it_has_one) {
+  const std::string line = R"({"direction": [0, 0, 1], "point_mm": [1, 2, 0], "harmonic_deg": [0, 0]})";
+  const auto truth = [&](const std::string& more) {
+    return parse_mount(R"({"format": "enamel-mount-truth", "schema": 1, "rotation": )" + line + R"(, "swing": )" +
+                       line + more + "}");
+  };
+  EXPECT_EQ(truth(R"(, "serial": "D-7")").value().serial, "D-7");
+  EXPECT_EQ(truth("").value().serial, "");
+  EXPECT_THAT(truth(R"(, "serial": 7)").error().detail, HasSubstr("serial"));
+}
+
 TEST(MountFile, refuses_what_was_changed_or_is_no_mount) {
   std::string text = mount_text(drawn_mount(4)).value();
   const auto with = [&](const std::string& from, const std::string& to) {

@@ -153,7 +153,7 @@ double miss_mm(std::uint64_t seed, bool use_reading) {
   const SceneConfig scene = bench(seed);
   const auto source = source_of(scene, small_rig());
   const MountRun run = drive(scene.mount, scene.seed);
-  const auto truth = nlohmann::json::parse(mount_true_json(run, scene.mount.bursts));
+  const auto truth = nlohmann::json::parse(mount_true_json(run, scene.mount.bursts, "T-1"));
   const AxesTable table{.key = "burst_id", .rows = *source->count(), .rows_a_stop = scene.mount.bursts};
   double most = 0;
   for (const AxesRow& row : rows_of(axes_csv(run, scene.mount, scene.seed, table))) {
@@ -178,7 +178,7 @@ TEST(MountFiles, read_angles_and_axes_tell_the_pose_that_is_rendered) {
 
 TEST(MountFiles, the_point_of_an_axis_is_the_nearest_to_the_camera) {
   const SceneConfig scene = bench(9);
-  const auto truth = nlohmann::json::parse(mount_true_json(drive(scene.mount, 9), 2));
+  const auto truth = nlohmann::json::parse(mount_true_json(drive(scene.mount, 9), 2, "T-1"));
   for (const char* axis : {"rotation", "swing"}) {
     const Vector3d d = vector_of(truth[axis]["direction"]);
     EXPECT_NEAR(d.norm(), 1, 1e-12);

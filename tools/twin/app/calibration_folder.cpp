@@ -77,10 +77,10 @@ Result<void> write_pictures(const std::vector<Picture>& pictures, const SensorCo
 }
 
 /// The mount's angles, a row a pose, and the truth about it.
-Result<void> write_axes(const SceneConfig& scene, const std::string& folder) {
+Result<void> write_axes(const SceneConfig& scene, const std::string& serial, const std::string& folder) {
   const MountRun run = drive(scene.mount, scene.seed);
   const AxesTable table{.key = "pose", .rows = run.stops.size(), .rows_a_stop = 1};
-  ENAMEL_TRY(write_file(folder + "/truth/mount_true.json", mount_true_json(run, 1)));
+  ENAMEL_TRY(write_file(folder + "/truth/mount_true.json", mount_true_json(run, 1, serial)));
   return write_file(folder + "/axes.csv", axes_csv(run, scene.mount, scene.seed, table));
 }
 
@@ -105,7 +105,7 @@ Result<void> write_all(const SceneConfig& scene, const std::string& folder, cons
   ENAMEL_TRY(make_folder(folder + "/truth"));
   ENAMEL_TRY(write_file(folder + "/truth/rig.json", stage->rig().text));
   ENAMEL_TRY(write_file(folder + "/truth/poses.csv", poses));
-  if (scene.path == PathKind::kMount) ENAMEL_TRY(write_axes(scene, folder));
+  if (scene.path == PathKind::kMount) ENAMEL_TRY(write_axes(scene, stage->rig().serial, folder));
   ENAMEL_TRY(write_file(folder + "/target.json", target_json(scene.board)));
   return write_file(folder + "/rig.json", nominal);
 }

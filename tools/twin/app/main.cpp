@@ -75,13 +75,14 @@ Result<twin::SceneConfig> scene_of(const Options& o) {
   return twin::load_scene(o.scene, overrides);
 }
 
-/// Before the first burst: `bursts` in all, so many at each stop.
-Result<void> write_mount(twin::RenderSink& sink, const twin::SceneConfig& scene, std::uint64_t bursts,
+/// Before the first burst.
+Result<void> write_mount(twin::RenderSink& sink, const twin::SceneConfig& scene, const enamel::fw::BurstSource& source,
                          int bursts_a_stop) {
+  ENAMEL_TRY_ASSIGN(const enamel::calib::Rig rig, enamel::calib::parse_rig(source.rig_text()));
   const twin::MountRun run = twin::drive(scene.mount, scene.seed);
-  const twin::AxesTable table{.key = "burst_id", .rows = bursts, .rows_a_stop = bursts_a_stop};
+  const twin::AxesTable table{.key = "burst_id", .rows = source.count().value_or(0), .rows_a_stop = bursts_a_stop};
   ENAMEL_TRY(sink.axes(twin::axes_csv(run, scene.mount, scene.seed, table), bursts_a_stop));
-  return sink.file("truth/mount_true.json", twin::mount_true_json(run, bursts_a_stop));
+  return sink.file("truth/mount_true.json", twin::mount_true_json(run, bursts_a_stop, rig.serial));
 }
 
 Result<void> render(const Options& o) {
@@ -95,7 +96,7 @@ Result<void> render(const Options& o) {
   }
   ENAMEL_TRY_ASSIGN(const auto sink, twin::open_sink(o.out, source->rig_text()));
   const std::uint64_t total = source->count().value_or(0);
-  if (scene.path == twin::PathKind::kMount) ENAMEL_TRY(write_mount(*sink, scene, total, scene.mount.bursts));
+  if (scene.path == twin::PathKind::kMount) ENAMEL_TRY(write_mount(*sink, scene, *source, scene.mount.bursts));
   enamel::Progress progress(clock, "render bursts", total);
   std::string poses = twin::poses_header(), movers = twin::movers_header();
   for (std::uint64_t n = 0; n < total; ++n) {
@@ -147,7 +148,7 @@ Result<void> record_board(const twin::SceneConfig& scene, const std::string& out
   ENAMEL_TRY_ASSIGN(const enamel::calib::Rig nominal, enamel::calib::parse_rig(source->rig_text()));
   if (scene.path == twin::PathKind::kMount) {
     const int bursts_a_stop = source->stage().patterns().sets() * scene.calibration.sweeps;
-    ENAMEL_TRY(write_mount(*sink, scene, source->count().value_or(0), bursts_a_stop));
+    ENAMEL_TRY(write_mount(*sink, scene, *source, bursts_a_stop));
   }
   enamel::Progress progress(clock, "render bursts", source->count().value_or(0));
   for (;;) {

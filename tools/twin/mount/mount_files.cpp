@@ -55,7 +55,7 @@ std::string axes_csv(const MountRun& run, const MountConfig& config, std::uint64
   return out;
 }
 
-std::string mount_true_json(const MountRun& run, int bursts_a_stop) {
+std::string mount_true_json(const MountRun& run, int bursts_a_stop, std::string_view serial) {
   MountJson stops = MountJson::array();
   for (std::size_t i = 0; i < run.stops.size(); ++i) {
     const StopTruth& s = run.stops[i];
@@ -70,6 +70,7 @@ std::string mount_true_json(const MountRun& run, int bursts_a_stop) {
   }
   const MountJson json{{"format", "enamel-mount-truth"},
                        {"schema", 1},
+                       {"serial", serial},
                        {"rotation", axis_json(run.mount.rotation)},
                        {"swing", axis_json(run.mount.swing)},
                        {"wobble_um", run.mount.wobble_mm / kMmPerUm},

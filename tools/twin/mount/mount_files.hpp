@@ -20,8 +20,9 @@ struct AxesTable {
 [[nodiscard]] std::string axes_csv(const MountRun& run, const MountConfig& config, std::uint64_t seed,
                                    const AxesTable& table);
 
-/// truth/mount_true.json: the axes as mount.json states them (each point the one nearest to the camera), pose of table
-/// and model at both angles 0, and at every stop the true angles, parts of them, and the run-out.
-[[nodiscard]] std::string mount_true_json(const MountRun& run, int bursts_a_stop);
+/// truth/mount_true.json: the serial of the rig whose frame it is in, the axes as mount.json states them (each point
+/// the one nearest to the camera), pose of table and model at both angles 0, and at every stop the true angles, parts
+/// of them, and the run-out.
+[[nodiscard]] std::string mount_true_json(const MountRun& run, int bursts_a_stop, std::string_view serial);
 
 }  // namespace enamel::twin
