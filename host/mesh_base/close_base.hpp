@@ -13,10 +13,10 @@
 namespace enamel::host {
 
 struct BaseConfig {
-  std::optional<Vec3d> up;     ///< from the bottom to the teeth; none: where the surface as a whole looks
-  double below_mm = 2.0;       ///< chosen: of the plane under the lowest point
-  double least_share = 0.005;  ///< chosen: pieces of less of the surface are dust of a scan, left out and counted
-  double hole_mm = 8.0;        ///< chosen: a hole of more way round is told apart as large: some 2.5 mm wide
+  std::optional<Vec3d> up = {};  ///< from the bottom to the teeth; none: where the surface as a whole looks
+  double below_mm = 2.0;         ///< chosen: of the plane under the lowest point
+  double least_share = 0.005;    ///< chosen: pieces of less of the surface are dust of a scan, left out and counted
+  double hole_mm = 8.0;          ///< chosen: a hole of more way round is told apart as large: some 2.5 mm wide
 };
 
 /// The solid: first the measured vertices and faces, then what was made up. Measured vertices keep their place to the

@@ -79,6 +79,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "host/mesh_files": (4, BASE + ["pipeline/types"]),
     "host/mesh_base": (4, BASE + ["pipeline/types", "host/mesh_files"]),
     "host/compare": (4, BASE + ["pipeline/types", "host/mesh_files"]),
+    "host/cases": (4, SHARED + REGISTER[:3] + ["host/mesh_files", "host/compare"]),
     "host/accuracy": (4, BASE + ["pipeline/types", "pipeline/register/map", "host/mesh_files", "host/compare"]),
     "host/motion": (4, BASE),
     "host/update": (4, IMAGE),

@@ -6,7 +6,8 @@ namespace enamel::app {
 
 Run add_desktop(CLI::App& app) {
   app.require_subcommand(1);
-  const std::vector<DesktopCommand> commands{add_desktop_axes(app), add_desktop_scan(app), add_desktop_accuracy(app)};
+  const std::vector<DesktopCommand> commands{add_desktop_axes(app), add_desktop_scan(app), add_desktop_case(app),
+                                             add_desktop_base(app), add_desktop_accuracy(app)};
   return [commands]() -> Result<int> {
     for (const DesktopCommand& command : commands)
       if (command.parser->parsed()) return command.run();

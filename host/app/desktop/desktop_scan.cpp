@@ -7,6 +7,7 @@
 #include "calib/model/measuring_rig.hpp"
 #include "host/app/desktop/open_axes.hpp"
 #include "host/app/desktop/stop_by_signal.hpp"
+#include "host/app/desktop/write_base.hpp"
 #include "host/app/out_folder.hpp"
 #include "host/app/run_session.hpp"
 #include "host/desktop/desktop_session.hpp"
@@ -86,6 +87,14 @@ Result<proto::DeviceInfo> start(host::StopTaker& taker) {
   return taker.start();
 }
 
+/// A scan that no base can be put under is a scan all the same.
+void add_base(const std::string& run, const calib::Mount& mount) {
+  host::BaseConfig config;
+  config.up = up_of(mount);
+  const auto closed = write_base_of_run(run, config);
+  if (!closed) log::error("base", "no closed mesh: {}", closed.error().message());
+}
+
 }  // namespace
 
 Result<int> run_desktop_scan(const DesktopScan& scan) {
@@ -122,7 +131,9 @@ Result<int> run_desktop_scan(const DesktopScan& scan) {
                        .config_text = config.text,
                        .truth = scan.scan.truth,
                        .notes = scan.scan.notes};
-  return run_session(session, run, clock);
+  ENAMEL_TRY_ASSIGN(const int code, run_session(session, run, clock));
+  if (scan.base) add_base(scan.scan.run.out, mount);
+  return code;
 }
 
 }  // namespace enamel::app

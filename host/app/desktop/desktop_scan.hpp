@@ -16,6 +16,7 @@ struct DesktopScan {
   std::string plan = "auto";  ///< auto, full, quick, arch, or a file
   int bursts = 2;             ///< at every stop
   double home_within_s = 120;
+  bool base = false;  ///< also a closed mesh with a base
 };
 
 /// Returns the exit code: as run_session(); 3 where the table was not where it said. Errors: those that left nothing to

@@ -1,13 +1,49 @@
 // enamel desktop scan: a model on the table, stop by stop.
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "host/app/desktop/case_folder.hpp"
 #include "host/app/desktop/desktop_scan.hpp"
 #include "host/app/desktop/subcommand.hpp"
 #include "host/app/link_options.hpp"
 #include "host/app/out_folder.hpp"
+#include "protocol/base/file.hpp"
 #include "protocol/base/log.hpp"
 
 namespace enamel::app {
+
+namespace {
+
+struct PartOptions {
+  std::string name;
+  bool again = false;
+};
+
+/// Told before anything moves: sizes by another table or head are others.
+Result<void> compare_mounts(const std::vector<host::PartFacts>& parts, const std::string& mount_path) {
+  ENAMEL_TRY_ASSIGN(const calib::Mount mount, mount_for(mount_path, nullptr));
+  for (const host::PartFacts& part : parts)
+    if (!part.mount_serial.empty() && part.mount_serial != mount.serial)
+      log::warn("case", "part {} was scanned on mount {}, and this is {}", part.name, part.mount_serial, mount.serial);
+  return {};
+}
+
+Result<int> scan_part(DesktopScan scan, const PartOptions& part) {
+  const std::string case_folder = scan.scan.run.out;
+  ENAMEL_TRY(make_folder(case_folder));
+  ENAMEL_TRY_ASSIGN(const auto parts, read_case(case_folder));
+  ENAMEL_TRY(compare_mounts(parts, scan.desktop.mount));
+  ENAMEL_TRY_ASSIGN(const PartFolder folder, PartFolder::open(case_folder, part.name, part.again));
+  scan.scan.run.out = folder.path();
+  log::info("desktop", "recording and results go to {}", folder.path());
+  const auto code = run_desktop_scan(scan);
+  folder.give_up();  // where nothing came about
+  ENAMEL_TRY(write_case(case_folder, nullptr));
+  return code;
+}
+
+}  // namespace
 
 DesktopCommand add_desktop_scan(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("scan", "scan a model on the table: home, then stop by stop");
@@ -39,7 +75,16 @@ DesktopCommand add_desktop_scan(CLI::App& app) {
   sub->add_option("--wait-seconds", o->scan.wait_seconds, "how long to wait for a probe")->capture_default_str();
   add_link_options(*sub, o->scan.link);
   sub->add_flag("!--no-record", o->scan.record, "keep no recording");
-  return {sub, [o]() -> Result<int> {
+  sub->add_flag("--base", o->base, "also closed.ply and closed.stl: walls, bottom and patches, tagged synthetic");
+  auto part = std::make_shared<PartOptions>();
+  CLI::Option* name = sub->add_option("--part", part->name,
+                                      "upper, lower, bite or die-NN: a part of the case in folder --out; "
+                                      "`enamel desktop case` lays the parts on each other");
+  name->needs(sub->get_option("--out"));
+  sub->add_flag("--again", part->again, "scan a part anew; the scan before is kept as PART.1, PART.2, ...")
+      ->needs(name);
+  return {sub, [o, part]() -> Result<int> {
+            if (!part->name.empty()) return scan_part(*o, *part);
             const bool made = o->scan.run.out.empty();
             if (made) {
               ENAMEL_TRY_ASSIGN(o->scan.run.out, new_session_folder());

@@ -13,6 +13,8 @@ struct DesktopCommand {
 
 DesktopCommand add_desktop_accuracy(CLI::App& app);
 DesktopCommand add_desktop_axes(CLI::App& app);
+DesktopCommand add_desktop_base(CLI::App& app);
+DesktopCommand add_desktop_case(CLI::App& app);
 DesktopCommand add_desktop_scan(CLI::App& app);
 
 }  // namespace enamel::app

@@ -1,0 +1,124 @@
+#include "host/app/desktop/case_folder.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "calib/model/mount.hpp"
+#include "calib/model/rig.hpp"
+#include "host/app/desktop/desktop_options.hpp"
+#include "host/app/input.hpp"
+#include "host/app/out_folder.hpp"
+#include "protocol/base/file.hpp"
+#include "protocol/base/log.hpp"
+
+namespace enamel::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool has(const fs::path& file) {
+  std::error_code ignored;
+  return fs::exists(file, ignored);
+}
+
+bool was_scanned(const fs::path& part) { return has(part / "capture.mcap") || has(part / "mesh.ply"); }
+
+void add_report(const fs::path& part, host::PartFacts& facts) {
+  const auto text = read_file((part / "report.json").string());
+  if (!text) return;
+  const nlohmann::json report = nlohmann::json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  if (!report.is_object()) return;
+  facts.simulated = report.contains("simulated") && report["simulated"] == true;
+  if (report.contains("calibration") && report["calibration"].is_object() && report["calibration"].contains("serial") &&
+      report["calibration"]["serial"].is_string())
+    facts.rig_serial = report["calibration"]["serial"];
+  if (!report.contains("desktop") || !report["desktop"].is_object()) return;
+  const nlohmann::json& desktop = report["desktop"];
+  if (desktop.contains("stops") && desktop["stops"].is_array()) facts.stops = desktop["stops"].size();
+  if (desktop.contains("fine_rms_um") && desktop["fine_rms_um"].is_number()) facts.fine_rms_um = desktop["fine_rms_um"];
+}
+
+void add_recording(const fs::path& part, host::PartFacts& facts) {
+  const std::string path = (part / "capture.mcap").string();
+  if (!has(path)) return;
+  const auto stream = host::open_bursts(path);
+  if (!stream) {
+    log::warn("case", "{}", stream.error().message());
+    return;
+  }
+  facts.scanned_at = host::recorded_at((*stream)->info());
+  facts.simulated = facts.simulated || host::says_simulated((*stream)->info());
+  const auto mount = calib::parse_mount(attached_text(**stream, kMountAttachment));
+  if (mount) facts.mount_serial = mount->serial;
+  const auto rig = calib::parse_rig((*stream)->rig_text());
+  if (rig && facts.rig_serial.empty()) facts.rig_serial = rig->serial;
+}
+
+/// "upper.2" is an older one of "upper".
+std::string part_of(const std::string& folder) {
+  const std::size_t dot = folder.rfind('.');
+  const bool numbered = dot != std::string::npos && dot + 1 < folder.size() &&
+                        std::all_of(folder.begin() + static_cast<std::ptrdiff_t>(dot) + 1, folder.end(),
+                                    [](char c) { return c >= '0' && c <= '9'; });
+  return numbered ? folder.substr(0, dot) : std::string();
+}
+
+}  // namespace
+
+Result<std::vector<host::PartFacts>> read_case(const std::string& folder) {
+  std::error_code ec;
+  if (!fs::is_directory(folder, ec)) return fail(ErrorCode::kFileNotFound, folder + ": no folder of a case");
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder, ec))
+    if (entry.is_directory(ec)) names.push_back(entry.path().filename().string());
+  std::ranges::sort(names);
+  std::vector<host::PartFacts> out;
+  for (const std::string& name : names) {
+    const fs::path part = fs::path(folder) / name;
+    if (!host::check_part(name) || !was_scanned(part)) continue;
+    host::PartFacts facts;
+    facts.name = name;
+    facts.scanned = has(part / "mesh.ply");
+    add_report(part, facts);
+    add_recording(part, facts);
+    for (const std::string& other : names)
+      if (part_of(other) == name) facts.older.push_back(other);
+    out.push_back(std::move(facts));
+  }
+  return out;
+}
+
+Result<void> write_case(const std::string& folder, const host::PlacedCase* placed) {
+  ENAMEL_TRY_ASSIGN(const auto parts, read_case(folder));
+  for (const std::string& doubt : host::serial_doubts(parts)) log::warn("case", "{}", doubt);
+  return write_file(folder + "/case.json", host::case_json(parts, placed));
+}
+
+Result<PartFolder> PartFolder::open(const std::string& case_folder, const std::string& part, bool again) {
+  ENAMEL_TRY(host::check_part(part));
+  const std::string path = case_folder + "/" + part;
+  if (!was_scanned(path)) return PartFolder(path, "");
+  if (!again)
+    return fail(ErrorCode::kFileWrite, path +
+                                           ": this part was scanned, and is not written over; --again scans it anew "
+                                           "and keeps the old one beside it");
+  if (in_use(path)) return fail(ErrorCode::kFileWrite, path + ": another run writes into it");
+  std::string older;
+  for (int n = 1; older.empty() || has(older); ++n) older = path + "." + std::to_string(n);
+  std::error_code ec;
+  fs::rename(path, older, ec);
+  if (ec) return fail(ErrorCode::kFileWrite, older + ": " + ec.message());
+  log::info("case", "the scan before is kept in {}", older);
+  return PartFolder(path, older);
+}
+
+void PartFolder::give_up() const {
+  if (older_.empty() || was_scanned(path_)) return;
+  std::error_code ec;
+  fs::remove(path_, ec);  // unless something is in it
+  if (!has(path_)) fs::rename(older_, path_, ec);
+}
+
+}  // namespace enamel::app
