@@ -35,6 +35,7 @@ Result<void> SimDevice::set_mode() {
   const SimBurst& first = feed_->first();
   ENAMEL_TRY(check_exposure(first));
   take_exposure(first.exposure_us);
+  is_made_late_ = first.expose != nullptr;
   mode_ = {first.width, first.height, first.bit_depth, timeline_.scale(frame_period_ns(first)),
            static_cast<std::uint32_t>(exposure_.count() / 1000)};
   return {};

@@ -124,6 +124,7 @@ class SimDevice final : public Device,
   Clock& clock_;
   SimConfig config_;
   CameraMode mode_;
+  bool is_made_late_ = false;  ///< the source's light: when it is exposed
 
   mutable std::mutex mutex_;    ///< all below
   Nanoseconds exposure_{};      ///< of the burst that is played, or was last

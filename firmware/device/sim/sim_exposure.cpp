@@ -24,7 +24,7 @@ void SimDevice::take_exposure(std::uint32_t source_us) {
 }
 
 Result<void> SimDevice::set_exposure(std::uint32_t exposure_us) {
-  if (exposure_us != 0 && !feed_->first().expose)
+  if (exposure_us != 0 && !is_made_late_)
     return fail(ErrorCode::kHal, "its pictures were exposed before: the exposure cannot be changed");
   const std::int64_t most_us = mode_.frame_period.count() / 1000 * kMostOfPeriodPercent / 100;
   if (exposure_us != 0 && (exposure_us < kShortestUs || exposure_us > most_us)) {

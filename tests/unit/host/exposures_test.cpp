@@ -79,13 +79,16 @@ class Stop {
   std::vector<float> truth_;
 };
 
-twin::SceneConfig stone(std::uint64_t seed) {
+/// The model as a whole of one kind.
+twin::SceneConfig stone(std::uint64_t seed, MaterialId material) {
   auto scene = twin::load_scene(std::string(ENAMEL_SOURCE_DIR) + "/config/scenes/desktop_stone.toml");
   EXPECT_TRUE(scene) << scene.error().message();
   scene->seed = seed;
   scene->jaw.from_mm = 24;
   scene->jaw.to_mm = 46;
   scene->render.grid = 1;
+  scene->look.material = static_cast<int>(material);
+  scene->look.mouth = {};
   return *scene;
 }
 
@@ -107,7 +110,7 @@ void expect_more_and_nothing_worse(const Stop& stop, double least_gain) {
 
 TEST(Exposures, dark_dies_need_a_longer_one_and_gain_by_it) {
   Rng rng(11, 0, 0);
-  twin::SceneConfig scene = stone(3);
+  twin::SceneConfig scene = stone(3, MaterialId::kDark);
   scene.look.materials[twin::index_of(MaterialId::kDark)].albedo = rng.uniform(0.03, 0.06);
   Stop stop(scene);
   const auto further = further_exposures(*stop.bursts[0], {});
@@ -121,7 +124,7 @@ TEST(Exposures, dark_dies_need_a_longer_one_and_gain_by_it) {
 
 TEST(Exposures, coated_stone_in_bright_light_needs_a_shorter_one_and_gains_by_it) {
   Rng rng(12, 0, 0);
-  twin::SceneConfig scene = stone(4);
+  twin::SceneConfig scene = stone(4, MaterialId::kCeramic);
   auto& coated = scene.look.materials[twin::index_of(MaterialId::kCeramic)];
   coated.roughness = rng.uniform(0.1, 0.2);
   coated.specular = rng.uniform(1.2, 1.8);
@@ -137,9 +140,7 @@ TEST(Exposures, coated_stone_in_bright_light_needs_a_shorter_one_and_gains_by_it
 
 TEST(Exposures, plain_stone_needs_no_other) {
   Rng rng(13, 0, 0);
-  twin::SceneConfig scene = stone(5);
-  scene.look.material = twin::LookConfig::kPlaster;
-  scene.look.mouth = {};
+  twin::SceneConfig scene = stone(5, MaterialId::kPlaster);
   scene.timing.exposure_ms = rng.uniform(0.8, 1.1);
   const Stop stop(scene);
   EXPECT_TRUE(further_exposures(*stop.bursts[0], {}).empty());
