@@ -16,6 +16,13 @@ class Map {
       : width_(width),
         height_(height),
         data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {}
+  /// Of pixels that have no value until they are written.
+  [[nodiscard]] static Map unfilled(int width, int height) {
+    Map out;
+    out.width_ = width, out.height_ = height;
+    out.data_ = StaggeredVector<T>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    return out;
+  }
 
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }

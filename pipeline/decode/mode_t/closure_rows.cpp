@@ -222,7 +222,7 @@ PixelRow SparsePixels::row(ErrorRows& errors, int v) const {
 RowErrors GatheredErrors::of(const RowErrors& all, const float* weight, const GatheredRuns& runs) {
   constexpr std::size_t kRows = 5;  // layout: gathered ones
   RowErrors out = all;
-  values_.resize(kRows * runs.pixels());
+  if (values_.size() < kRows * runs.pixels()) values_ = RowMemory(kRows * runs.pixels());
   float* next = values_.data();
   const auto take = [&](const float*& row) {
     gather_row(row, runs, next);

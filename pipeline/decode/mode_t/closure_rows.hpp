@@ -6,6 +6,7 @@
 #include "pipeline/decode/mode_t/closure.hpp"
 #include "pipeline/decode/motion/gathered_runs.hpp"
 #include "pipeline/decode/phase/frame_turns.hpp"
+#include "pipeline/decode/phase/row_memory.hpp"
 #include "protocol/base/staggered.hpp"
 
 namespace enamel::pipeline {
@@ -84,7 +85,7 @@ class GatheredErrors {
   [[nodiscard]] RowErrors of(const RowErrors& all, const float* weight, const GatheredRuns& runs);
 
  private:
-  std::vector<float> values_;
+  RowMemory values_;
 };
 
 /// Phase and, unless null, A - black as they were at mid-burst, less the harmonic. phase_rad may be the row's own.

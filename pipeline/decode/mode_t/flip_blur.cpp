@@ -5,6 +5,7 @@
 
 #include "pipeline/decode/mode_t/closure_rows.hpp"
 #include "pipeline/decode/mode_t/flip_rows.hpp"
+#include "pipeline/decode/phase/row_memory.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -67,7 +68,7 @@ void finish_phase(const FinishInput& in, PhaseMaps& maps, PolarityMaps& polarity
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   GridRows sigma(in.blur.grid(), maps.phase_rad.width());
   ErrorRows rows(in.errors, in.noise.black_dn, maps.phase_rad.width());
-  std::vector<float> squares(moved != nullptr ? width : 0), share(squares);
+  RowMemory squares(moved != nullptr ? width : 0, 0.0F), share(squares.size(), 0.0F);
   if (moved != nullptr) moved->misfit.start(maps.phase_rad.width(), maps.phase_rad.height());
   for (int v = 0; v < maps.phase_rad.height(); ++v) {
     const std::size_t at = maps.phase_rad.index(0, v);

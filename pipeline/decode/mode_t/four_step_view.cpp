@@ -1,8 +1,7 @@
 #include "pipeline/decode/mode_t/four_step_view.hpp"
 
-#include <vector>
-
 #include "pipeline/decode/mode_t/closure_sample_rows.hpp"
+#include "pipeline/decode/phase/row_memory.hpp"
 #include "pipeline/decode/triangulate/inverse_depth.hpp"
 
 namespace enamel::pipeline {
@@ -28,7 +27,7 @@ void FourStepView::take_samples_about(const MotionField& known, MotionSamples& o
   const int width = in_.maps.phase_rad.width();
   ErrorRows rows(errors_of(known), in_.black_dn, width);
   GatheredErrors gathered;
-  std::vector<float> row(4 * static_cast<std::size_t>(width));
+  RowMemory row(4 * static_cast<std::size_t>(width));
   for (int v = 0; v < in_.maps.phase_rad.height(); v += kPixelStep) {
     const SampledRow p = pixels_.sampled.row(v);
     if (p.count == 0) continue;

@@ -86,8 +86,8 @@ GridRows::GridRows(const Grid& grid, int width, GridColumns columns)
       columns_(columns),
       out_((static_cast<std::size_t>(width) - columns.first + columns.step - 1) / columns.step, 0.0F) {
   if (grid_.nodes == nullptr) return;
-  low_.resize(out_.size());
-  high_.resize(out_.size());
+  low_ = RowMemory(out_.size());
+  high_ = RowMemory(out_.size());
 }
 
 const float* GridRows::row(int v) {
@@ -108,7 +108,7 @@ const float* GridRows::row(int v) {
 }
 
 /// Ramps from each cell's middle to the next.
-void GridRows::expand(int node_row, std::vector<float>& line) const {
+void GridRows::expand(int node_row, RowMemory& line) const {
   const float* node = grid_.nodes + static_cast<std::ptrdiff_t>(node_row) * grid_.columns;
   HWY_DYNAMIC_DISPATCH(expand_loop)(node, grid_, columns_, line.size(), line.data());
 }

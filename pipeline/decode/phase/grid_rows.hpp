@@ -2,8 +2,7 @@
 // of them would cost more to write and read than to make.
 #pragma once
 
-#include <vector>
-
+#include "pipeline/decode/phase/row_memory.hpp"
 #include "pipeline/types/map.hpp"
 
 namespace enamel::pipeline {
@@ -30,11 +29,11 @@ class GridRows {
   [[nodiscard]] const float* row(int v);
 
  private:
-  void expand(int node_row, std::vector<float>& out) const;
+  void expand(int node_row, RowMemory& out) const;
 
   Grid grid_;
   GridColumns columns_;
-  std::vector<float> low_, high_, out_;  ///< node rows above and below, spread over the image's width; their mean
+  RowMemory low_, high_, out_;  ///< node rows above and below, spread over the image's width; their mean
   int low_row_ = -1, high_row_ = -1;
 };
 

@@ -2,24 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "pipeline/decode/phase/chosen.hpp"
-#include "pipeline/decode/phase/poly_trig.hpp"
+#include "pipeline/decode/phase/light_rows.hpp"
 
 namespace enamel::pipeline {
 namespace {
-
-/// layout: columns of a pixel's two equations, which BlockFit solves; what they say, and their weight.
-enum Column : std::size_t { kCosine, kSine, kRest, kGain, kAlong, kAcross, kCosine2, kSine2, kLevel, kSaid, kWeight };
-constexpr std::size_t kColumns = kWeight + 1;  ///< layout: rows of a stretch
-constexpr std::array<Column, 8> kOfFringe = {kCosine, kSine, kAlong, kAcross, kCosine2, kSine2, kLevel, kSaid};
-constexpr std::array<Column, 5> kOfRest = {kCosine, kSine, kRest, kGain, kSaid};
-
-/// Where BlockFit keeps the product of columns i <= j.
-constexpr std::size_t sum_of(std::size_t i, std::size_t j) { return i * (kSaid + 1) - i * (i - 1) / 2 + (j - i); }
-constexpr std::size_t kCount = sum_of(kSaid, kSaid) + 1;
-static_assert(kCount + 1 == BlockFit<kSaid>::kSums);
 
 constexpr std::size_t kRowValues = 9;  // layout: of LightRow
 
@@ -27,27 +15,13 @@ using Terms = Eigen::Matrix<double, 6, 1>;
 
 Terms terms_at(double x, double y) { return (Terms() << 1, x, y, x * x, x * y, y * y).finished(); }
 
-void add_products(std::span<const Column> columns, const float* stretch, std::size_t width, float* sums) {
-  const float* __restrict weight = stretch + kWeight * width;
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    for (std::size_t j = i; j < columns.size(); ++j) {
-      const float* __restrict a = stretch + columns[i] * width, * __restrict b = stretch + columns[j] * width;
-      float* __restrict sum = sums + sum_of(columns[i], columns[j]) * width;
-      ENAMEL_INDEPENDENT  // a and b may be one
-          for (std::size_t u = 0; u < width; ++u) sum[u] += weight[u] * a[u] * b[u];
-    }
-  }
-  float* __restrict count = sums + kCount * width;
-  for (std::size_t u = 0; u < width; ++u) count[u] += select(weight[u] > 0, 1, 0);
-}
-
 }  // namespace
 
 void LightChange::start(int width, int height, const LightChangeConfig& config, LampLight of) {
   config_ = config, of_ = of;
   width_ = static_cast<std::size_t>(width);
   columns_ = (width + config.block_px - 1) / config.block_px, rows_ = (height + config.block_px - 1) / config.block_px;
-  stretch_.resize(kColumns * width_);
+  fill_stretch();
   row_.assign(kRowValues * width_, 0.0F);
   blocks_of_image_.emplace(width, height, config.block_px, column_sums_, sums_);
 }
@@ -57,53 +31,24 @@ LightRow LightChange::row() noexcept {
   return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)};
 }
 
+/// What does not change from row to row.
+void LightChange::fill_stretch() {
+  stretch_.resize(kLightColumns * width_);
+  const auto size = static_cast<float>(config_.block_px);
+  float *along = stretch_.data() + kAlong * width_, *level = stretch_.data() + kLevel * width_;
+  for (std::size_t u = 0; u < width_; ++u)
+    along[u] = (static_cast<float>(static_cast<int>(u) % config_.block_px) + 0.5F) / size - 0.5F;
+  std::fill_n(level, width_, 1.0F);
+}
+
 void LightChange::take_row(int v) {
   const LightRow row = this->row();
   float* sums = blocks_of_image_->columns_of(v);
   const auto size = static_cast<float>(config_.block_px);
-  add_fringe(row, (static_cast<float>(v % config_.block_px) + 0.5F) / size - 0.5F, sums);
-  add_rest(row, sums);
-}
-
-/// B/A of a pixel.
-void LightChange::add_fringe(const LightRow& row, float across, float* sums) {
-  const auto to = [&](Column k) { return stretch_.data() + k * width_; };
-  float* __restrict cosine = to(kCosine), * __restrict sine = to(kSine), * __restrict along = to(kAlong);
-  float* __restrict cosine2 = to(kCosine2), * __restrict sine2 = to(kSine2), * __restrict said = to(kSaid);
-  float* __restrict weight = to(kWeight);
-  const auto size = static_cast<float>(config_.block_px);
-  for (std::size_t u = 0; u < width_; ++u) {
-    const bool asked = row.weight[u] > 0;
-    const float light = select(asked, row.light[u], 1);
-    const float x = select(asked, row.cosine[u], 1), y = select(asked, row.sine[u], 0);
-    const float b = root(x * x + y * y + 1e-6F), c = x / b, s = y / b;
-    const float base = lamp_base_dn(of_, light) / light;
-    cosine[u] = c * base, sine[u] = s * base, cosine2[u] = c * c - s * s, sine2[u] = 2 * c * s;
-    along[u] = (static_cast<float>(static_cast<int>(u) % config_.block_px) + 0.5F) / size - 0.5F;
-    said[u] = b / light;
-    weight[u] = select(asked, row.weight[u] * light * light, 0);
-  }
-  std::fill_n(to(kAcross), width_, across);
-  std::fill_n(to(kLevel), width_, 1.0F);
-  add_products(kOfFringe, stretch_.data(), width_, sums);
-}
-
-/// What the fourth frame of a pixel is off its prediction by, over A.
-void LightChange::add_rest(const LightRow& row, float* sums) {
-  const auto to = [&](Column k) { return stretch_.data() + k * width_; };
-  float* __restrict cosine = to(kCosine), * __restrict sine = to(kSine), * __restrict gain = to(kGain);
-  float* __restrict said = to(kSaid), * __restrict weight = to(kWeight), * __restrict rest = to(kRest);
-  for (std::size_t u = 0; u < width_; ++u) {
-    const bool asked = row.rest_weight[u] > 0;
-    const float light = select(asked, row.light[u], 1), inverse = 1 / light;
-    const float base = lamp_base_dn(of_, light) * inverse;
-    cosine[u] = select(asked, row.rest_by_cosine[u] * base, 0), sine[u] = select(asked, row.rest_by_sine[u] * base, 0);
-    rest[u] = base;
-    gain[u] = select(asked, row.rest_by_gain[u] * inverse, 0);
-    said[u] = select(asked, row.rest[u] * inverse, 0);
-    weight[u] = select(asked, row.rest_weight[u] * light * light, 0);
-  }
-  add_products(kOfRest, stretch_.data(), width_, sums);
+  const float across = (static_cast<float>(v % config_.block_px) + 0.5F) / size - 0.5F;
+  std::fill_n(stretch_.data() + kAcross * width_, width_, across);
+  add_lamp_fringe_row(row, of_, width_, stretch_.data(), sums);
+  add_lamp_rest_row(row, of_, width_, stretch_.data(), sums);
 }
 
 void LightChange::solve_blocks() {

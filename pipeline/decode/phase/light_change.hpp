@@ -95,8 +95,7 @@ class LightChange {
     double contrast = 0;  ///< B/A
   };
 
-  void add_fringe(const LightRow& row, float across, float* sums);
-  void add_rest(const LightRow& row, float* sums);
+  void fill_stretch();
   void solve_blocks();
   [[nodiscard]] bool prove(Eigen::Vector3d& mean);
   void explain(Eigen::Vector3d course);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/decode/phase/ripple_rows.hpp"
+#include "pipeline/decode/phase/row_memory.hpp"
 
 namespace enamel::pipeline {
 namespace {
@@ -79,18 +80,18 @@ double PhaseRipple::error_rad(double phase_rad) const noexcept {
 PhaseMoments phase_moments(std::span<const CellSpan> spans, const PhaseMaps& maps, const WeighSpan& weigh) {
   PhaseMoments sums;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  std::vector<float> weight(width);
+  RowMemory weight(width);
   const std::int32_t step = row_step(spans);
   double crowded = 0;
   for (std::size_t k = 0; k < spans.size();) {
     const std::int32_t row = spans[k].row;
     const bool asked = row % step == 0;
-    std::fill(weight.begin(), weight.end(), 0.0F);
+    std::fill_n(weight.data(), width, 0.0F);
     for (; k < spans.size() && spans[k].row == row; ++k) {
       const CellSpan& s = spans[k];
       if (!asked || !s.whole) continue;
       const float w = weigh(s);
-      std::fill(weight.begin() + s.begin, weight.begin() + s.end, w);
+      std::fill_n(weight.data() + s.begin, s.end - s.begin, w);
       crowded += static_cast<double>(w) * (s.end - s.begin) * crowding(spans, k);
       sums.pixels += s.end - s.begin;
     }

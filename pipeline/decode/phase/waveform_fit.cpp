@@ -9,7 +9,7 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr std::size_t kPoints = 256;  // layout: of the fringe, for the moments of a wave
+constexpr std::size_t kPoints = 128;  // layout: of the fringe, for the moments of a wave
 constexpr int kPasses = 6;            // layout: Gauss-Newton from h = 0; the third changes nothing in the fourth digit
 constexpr float kMostNoise_rad = 0.4F;  // derived: noise of sigma leaves exp(-9 sigma^2/2) of <cos 3 phi>: half
 constexpr double kDifference = 1e-4;    // layout: of a harmonic, for slopes

@@ -23,10 +23,10 @@ void resize_output(int w, int h, DecodedBurst& out) {
   if (out.phase_rad.width() == w && out.phase_rad.height() == h) return;
   for (Map<float>* m :
        {&out.phase_rad, &out.patch.depth_mm, &out.patch.sigma_mm, &out.patch.texture_dn, &out.patch.modulation_dn})
-    *m = Map<float>(w, h);
-  out.order = Map<std::uint8_t>(w, h);
-  out.reject = Map<PixelReject>(w, h);
-  out.patch.points = out.patch.normals = Map<Vec3f>(w, h, Vec3f::Constant(kNan));
+    *m = Map<float>::unfilled(w, h);
+  out.order = Map<std::uint8_t>::unfilled(w, h);
+  out.reject = Map<PixelReject>::unfilled(w, h);
+  for (Map<Vec3f>* m : {&out.patch.points, &out.patch.normals}) *m = Map<Vec3f>::unfilled(w, h);
 }
 
 void copy_images(const PhaseMaps& maps, const NoiseModel& noise, DecodedBurst& out) {

@@ -1,17 +1,16 @@
 #include "pipeline/decode/steps/decode_gates.hpp"
 
 #include <algorithm>
-#include <cmath>
 
-#include "pipeline/decode/phase/poly_trig.hpp"
+#include "pipeline/decode/phase/row_memory.hpp"
 #include "pipeline/decode/steps/burst_output.hpp"
+#include "pipeline/decode/steps/frame_gate_rows.hpp"
 #include "pipeline/decode/steps/frame_gates.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kDirectionRowStep = 4;   // layout: of the rows that are asked: tens of thousands of pairs
-constexpr float kHalfPi = 1.5707964F;  ///< derived: erf(x/sqrt 2) is x/sqrt(x^2 + pi/2) to 0.06
+constexpr int kDirectionRowStep = 4;  // layout: of the rows that are asked: tens of thousands of pairs
 
 }  // namespace
 
@@ -57,23 +56,13 @@ bool has_odd_frame(const DecodeDiagnostics& d, const OddFrameGate& gate) noexcep
 }
 
 double direction_share(const PhaseMaps& maps, const Carrier& carrier) {
-  double follows = 0, expected = 0;
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
-  for (std::size_t at = 0; at < maps.phase_rad.size(); at += kDirectionRowStep * width) {
-    const float* __restrict p = &maps.phase_rad[at], * __restrict c = carrier.phase_mid_rad + at;
-    const float* __restrict sigma = &maps.sigma_rad[at];
-    const PixelReject* __restrict reject = &maps.reject[at];
-    float row_follows = 0, row_expected = 0;
-    for (std::size_t u = 0; u + 1 < width; ++u) {
-      const bool valid = (reject[u] == PixelReject::kNone) & (reject[u + 1] == PixelReject::kNone);
-      const float step = c[u + 1] - c[u], noise2 = sigma[u] * sigma[u] + sigma[u + 1] * sigma[u + 1];
-      const float kept = std::abs(step) / root(step * step + kHalfPi * noise2 + 1e-12F);  // of a sign, by noise
-      row_follows += select(valid, select(wrap_once(p[u + 1] - p[u]) * step > 0, kept, -kept), 0);
-      row_expected += select(valid, kept * kept, 0);
-    }
-    follows += static_cast<double>(row_follows);
-    expected += static_cast<double>(row_expected);
-  }
+  RowMemory sums(2 * width, 0.0F);
+  for (std::size_t at = 0; at < maps.phase_rad.size(); at += kDirectionRowStep * width)
+    add_directions_row(maps, carrier.phase_mid_rad, at, width, sums.data());
+  double follows = 0, expected = 0;
+  for (std::size_t u = 0; u < width; ++u)
+    follows += static_cast<double>(sums[u]), expected += static_cast<double>(sums[width + u]);
   return expected > 0 ? 0.5 + 0.5 * std::clamp(follows / expected, -1.0, 1.0) : 0;
 }
 

@@ -1,31 +1,24 @@
 #include "pipeline/decode/steps/sight_cells.hpp"
 
 #include <algorithm>
+#include <vector>
+
+#include "pipeline/decode/phase/row_memory.hpp"
+#include "pipeline/decode/steps/sight_rows.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
 constexpr int kRowStep_px = 2;  // layout: every other row tells as much
-/// derived: C and S3 each have the variance 2/3 sigma^2 of three frames, and B^2 is the sum of their squares.
-constexpr float kNoiseOfFringe2 = 4.0F / 3;
-
-void add_row(const PhaseMaps& maps, const NoiseModel& noise, int v, SightCells& out) {
-  const std::size_t at = maps.reject.index(0, v);
-  for (int u = 0; u < maps.reject.width(); ++u) {
-    const std::size_t i = at + static_cast<std::size_t>(u);
-    SightCell& cell = out.all[static_cast<std::size_t>((v / kSightCell_px) * out.columns + u / kSightCell_px)];
-    if (maps.reject[i] == PixelReject::kSaturated) {
-      ++cell.saturated;
-      continue;
-    }
-    const float c = maps.cosine_dn[i], s = maps.sine_dn[i], light = maps.mean_dn[i] - noise.black_dn;
-    ++cell.measured;
-    cell.light += static_cast<double>(light);
-    cell.fringe2 += static_cast<double>(c * c + s * s);
-    cell.noise2 += static_cast<double>(kNoiseOfFringe2 * noise.variance(maps.mean_dn[i]));
-    if (maps.reject[i] == PixelReject::kDark) continue;
-    ++out.lit_px;
-    out.cosine += static_cast<double>(c), out.sine += static_cast<double>(s), out.light += static_cast<double>(light);
+/// The sums of image columns over a row of cells, brought together.
+void add_cells(const RowMemory& sums, std::size_t width, SightCell* cells, SightCells& out) {
+  for (std::size_t u = 0; u < width; ++u) {
+    const auto of = [&](SightSum k) { return static_cast<double>(sums[k * width + u]); };
+    SightCell& cell = cells[u / kSightCell_px];
+    cell.measured += static_cast<int>(of(kMeasured)), cell.saturated += static_cast<int>(of(kSaturated));
+    cell.light += of(kLight), cell.fringe2 += of(kFringe2), cell.noise2 += of(kNoise2);
+    out.lit_px += static_cast<std::size_t>(of(kLit));
+    out.cosine += of(kLitCosine), out.sine += of(kLitSine), out.light += of(kLitLight);
   }
 }
 
@@ -36,7 +29,16 @@ SightCells sight_cells(const PhaseMaps& maps, const NoiseModel& noise) {
   out.columns = (maps.reject.width() + kSightCell_px - 1) / kSightCell_px;
   out.rows = (maps.reject.height() + kSightCell_px - 1) / kSightCell_px;
   out.all.resize(static_cast<std::size_t>(out.columns * out.rows));
-  for (int v = 0; v < maps.reject.height(); v += kRowStep_px) add_row(maps, noise, v, out);
+  const auto width = static_cast<std::size_t>(maps.reject.width());
+  RowMemory sums(kSightSums * width);
+  for (int row = 0; row < out.rows; ++row) {
+    std::fill_n(sums.data(), sums.size(), 0.0F);
+    const int end = std::min(maps.reject.height(), (row + 1) * kSightCell_px);
+    static_assert(kSightCell_px % kRowStep_px == 0);
+    for (int v = row * kSightCell_px; v < end; v += kRowStep_px)
+      add_sight_row(maps, noise, maps.reject.index(0, v), width, sums.data());
+    add_cells(sums, width, &out.all[static_cast<std::size_t>(row * out.columns)], out);
+  }
   for (const SightCell& cell : out.all) out.saturated_px += static_cast<std::size_t>(cell.saturated);
   out.lit_px += out.saturated_px;
   return out;

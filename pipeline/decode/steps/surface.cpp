@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "pipeline/decode/phase/row_memory.hpp"
 #include "pipeline/decode/steps/surface_rows.hpp"
 #include "pipeline/decode/triangulate/interleave.hpp"
 
@@ -30,7 +31,7 @@ void make_surface(const RefinedPhase& phase, const RayDepth& rays, const PhaseRi
   const RippleTerms terms = terms_of(ripple);
   const InverseDepthRange range = depth_range_of(rays);
   const auto width = static_cast<std::size_t>(rays.width);
-  std::vector<float> x(width), y(width);
+  RowMemory x(width), y(width);
   SurfacePatch& patch = out.patch;
   NormalRows normals(rays, config, scratch);
   for (int v = 0; v < rays.height; ++v) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
 #include "pipeline/decode/phase/poly_trig.hpp"
+#include "pipeline/decode/phase/row_memory.hpp"
 #include "pipeline/decode/steps/chosen.hpp"
 
 namespace enamel::pipeline {
@@ -22,19 +22,21 @@ class ContrastRows {
   ContrastRows(const PhaseMaps& maps, float black_dn, float projected)
       : maps_(maps), black_dn_(black_dn), per_projected_(1 / projected) {
     const auto padded = static_cast<std::size_t>(maps.phase_rad.width()) + 2 * kContrastHalf_px;
-    light_.resize(padded), fringe_.resize(padded);
+    light_ = RowMemory(padded), fringe_ = RowMemory(padded);
   }
 
   /// ratio: one a pixel, over what was projected; 0 where nothing is measured.
-  void row(int v, std::vector<float>& ratio) {
+  void row(int v, RowMemory& ratio) {
     const int height = maps_.phase_rad.height(), width = maps_.phase_rad.width();
-    std::fill(light_.begin(), light_.end(), 0.0F), std::fill(fringe_.begin(), fringe_.end(), 0.0F);
+    std::fill_n(light_.data(), light_.size(), 0.0F), std::fill_n(fringe_.data(), fringe_.size(), 0.0F);
     for (int y = std::max(0, v - kContrastHalf_px); y <= std::min(height - 1, v + kContrastHalf_px); ++y) add(y);
     const float* __restrict light = light_.data(), * __restrict fringe = fringe_.data();
+    float* __restrict out = ratio.data();
+    const float scale = per_projected_;
     for (int u = 0; u < width; ++u) {
       float a = 0, b = 0;
       for (int k = 0; k <= 2 * kContrastHalf_px; ++k) a += light[u + k], b += fringe[u + k];
-      ratio[static_cast<std::size_t>(u)] = select(a > 0, b * per_projected_ / a, 0);
+      out[u] = select(a > 0, b * scale / a, 0);
     }
   }
 
@@ -45,20 +47,21 @@ class ContrastRows {
     const float* __restrict mean = &maps_.mean_dn[at], * __restrict modulation = &maps_.modulation_dn[at];
     const PixelReject* __restrict reject = &maps_.reject[at];
     float* __restrict light = light_.data() + kContrastHalf_px, * __restrict fringe = fringe_.data() + kContrastHalf_px;
+    const float black_dn = black_dn_;
     for (std::size_t u = 0; u < width; ++u) {
       const bool measured = (reject[u] == PixelReject::kNone) | (reject[u] == PixelReject::kRelative);
-      light[u] += select(measured, mean[u] - black_dn_, 0);
+      light[u] += select(measured, mean[u] - black_dn, 0);
       fringe[u] += select(measured, modulation[u], 0);
     }
   }
 
   const PhaseMaps& maps_;
   float black_dn_, per_projected_;
-  std::vector<float> light_, fringe_;
+  RowMemory light_, fringe_;
 };
 
 /// Share of the measured pixels that look translucent, on every fourth row.
-double translucent_share(const PhaseMaps& maps, ContrastRows& contrast, std::vector<float>& ratio) {
+double translucent_share(const PhaseMaps& maps, ContrastRows& contrast, RowMemory& ratio) {
   constexpr int kAskedRowStep = 4;  // layout: tens of thousands of pixels are asked
   std::size_t translucent = 0, measured = 0;
   for (int v = 0; v < maps.phase_rad.height(); v += kAskedRowStep) {
@@ -80,7 +83,7 @@ struct RowSum {
 
 /// One row: apparent depth to phase by the ray's own slope, where the pixel lies or, while its order is open, at the
 /// middle of the range.
-RowSum undo_row(const SeenPattern& seen, const RefinedPhase& refined, const std::vector<float>& ratio, std::size_t at,
+RowSum undo_row(const SeenPattern& seen, const RefinedPhase& refined, const RowMemory& ratio, std::size_t at,
                 bool correct, PhaseMaps& phase) {
   const RayDepth& rays = seen.rays;
   RowSum sum;
@@ -124,7 +127,7 @@ PatternOptics seen_through(const Waveform& wave, PatternOptics optics) noexcept 
 
 void undo_translucency(const SeenPattern& seen, const TranslucencyConfig& config, const RefinedPhase& refined,
                        Sight& sight, PhaseMaps& phase) {
-  std::vector<float> ratio(static_cast<std::size_t>(seen.rays.width));
+  RowMemory ratio(static_cast<std::size_t>(seen.rays.width));
   ContrastRows contrast(phase, seen.black_dn + sight.veil_dn, seen.optics.contrast);
   const double share = translucent_share(phase, contrast, ratio);
   sight.translucent_share = static_cast<float>(share);

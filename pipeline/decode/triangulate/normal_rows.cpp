@@ -50,8 +50,8 @@ template <int kDu, int kDv>
 }
 
 /// layout: between the loops over a row, a stretch of it at a time: a processor looks some 200 instructions ahead, so a
-/// long loop that ends in division and root would wait for them in every turn.
-constexpr int kStretch = 256;
+/// long loop that ends in division and root would wait for them in every turn. Short enough for many to have no depth.
+constexpr int kStretch = 64;
 struct Stretch {
   std::array<float, kStretch> uu, uv, vv, u, v;
 };
@@ -117,10 +117,23 @@ void normal_loop(const float* inverse_depth, const RowGeometry& g, int from, int
   }
 }
 
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+bool has_depth(const float* inverse_depth, int count) {
+  const float* __restrict q = inverse_depth;
+  int some = 0;
+  for (int x = 0; x < count; ++x) some |= static_cast<int>(q[x] > 0);
+  return some != 0;
+}
+
 void row_loop(const NormalWindow& w, const float* sigma_mm, const RowGeometry& g, int width, const NormalRow& out) {
   Stretch sums;
   for (int from = 0; from < width; from += kStretch) {
     const int count = std::min(kStretch, width - from);
+    if (!has_depth(w[3] + from, count)) {
+      for (float* normal : {out.x, out.y, out.z}) std::fill_n(normal + from, count, kNone);
+      continue;
+    }
     sum_loop(w, sigma_mm, g.max_slope * g.per_px_x, from, count, sums);
     slope_loop(g, count, sums);
     normal_loop(w[3], g, from, count, sums, out);
