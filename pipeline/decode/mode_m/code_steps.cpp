@@ -8,12 +8,12 @@
 namespace enamel::pipeline {
 namespace {
 
-bool one_component(const FloodMaps& flood, std::size_t first, std::size_t count) {
-  const std::int32_t c = flood.component[first];
-  if (c < 0) return false;
-  for (std::size_t k = 1; k < count; ++k)
-    if (flood.component[first + k] != c) return false;
-  return true;
+/// Of the pixels that are looked at for the border left of pixel i.
+bool one_component(const std::int32_t* component, std::size_t i) {
+  const std::int32_t* first = component + i - kStepReach_px;
+  std::uint32_t differs = 0;
+  for (std::size_t k = 1; k < 2 * kStepReach_px; ++k) differs |= static_cast<std::uint32_t>(first[k] ^ first[0]);
+  return differs == 0 && first[0] >= 0;
 }
 
 /// The border that fits best among those around.
@@ -30,19 +30,23 @@ void mark_best(const std::vector<float>& misfit, std::uint8_t* cut) {
 bool find_jumps(const FloodMaps& flood, std::size_t at, const MicroCode& code, float cost, CodeSteps::Work& work) {
   const std::size_t width = work.misfit.size();
   auto& found = work.candidates;
+  const std::int32_t* component = &flood.component[at];
   work.columns.clear();
   for (std::size_t u = end_of_run(work.asked.data(), 0, 0); u < width; u = end_of_run(work.asked.data(), u + 1, 0)) {
-    if (one_component(flood, at + u - kStepReach_px, 2 * kStepReach_px)) work.columns.push_back(u);
+    if (one_component(component, u)) work.columns.push_back(u);
   }
   if (work.columns.empty()) return false;
   found.resize(work.columns.size());
   const CodeSumRow& windows = work.windows.sums;
   const auto bring = [&](const std::vector<float>& from, std::vector<float>& left, std::vector<float>& right) {
-    const float* at_left = from.data() - kStepReach_px, * at_right = from.data() + kStepGap_px;
-    float* to_left = left.data(), * to_right = right.data();
+    const float* source = from.data();
+    float *to_left = left.data(), *to_right = right.data();
     const std::size_t* column = work.columns.data();
     const std::size_t count = work.columns.size();
-    for (std::size_t k = 0; k < count; ++k) to_left[k] = at_left[column[k]], to_right[k] = at_right[column[k]];
+    for (std::size_t k = 0; k < count; ++k) {
+      to_left[k] = source[column[k] - kStepReach_px];
+      to_right[k] = source[column[k] + kStepGap_px];
+    }
   };
   bring(windows.xx, found.left.xx, found.right.xx), bring(windows.xy, found.left.xy, found.right.xy);
   bring(windows.yy, found.left.yy, found.right.yy), bring(windows.xd, found.left.xd, found.right.xd);

@@ -146,9 +146,7 @@ void unwrapped_sums_of_row(const PhaseMaps& phase, const NoiseModel& noise, cons
   HWY_DYNAMIC_DISPATCH(sums_loop)(phase, noise, code.inverse_ratio, wraps, row * width, out);
 }
 
-void StepCandidates::resize(std::size_t count) {
-  left.resize(count), right.resize(count), misfit.resize(count);
-}
+void StepCandidates::resize(std::size_t count) { left.resize(count), right.resize(count), misfit.resize(count); }
 
 void find_misfits(const MicroCode& code, float cost, StepCandidates& candidates) {
   HWY_DYNAMIC_DISPATCH(misfits_loop)(code, cost, candidates);

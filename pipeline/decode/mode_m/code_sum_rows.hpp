@@ -50,9 +50,10 @@ struct StepCandidates {
 /// better explanation than none by `cost`. The code has kMostJump orders at least.
 void find_misfits(const MicroCode& code, float cost, StepCandidates& candidates);
 
-/// Sums of kStepWindow_px pixels from each pixel on, and what they explain. asked: 1 at the pixels whose left border may hide a jump; 0 where
-/// the components at the windows' far ends differ, or where even two independent fits, than which no jump can do
-/// better, explain less than `cost` beyond one. It has kRunPadding bytes beyond the row, which stay as they are.
+/// Sums of kStepWindow_px pixels from each pixel on, and what they explain. asked: 1 at the pixels whose left border
+/// may hide a jump; 0 where the components at the windows' far ends differ, or where even two independent fits, than
+/// which no jump can do better, explain less than `cost` beyond one. It has kRunPadding bytes beyond the row, which
+/// stay as they are.
 struct StepWindows {
   CodeSumRow sums;
   std::vector<float> explained;

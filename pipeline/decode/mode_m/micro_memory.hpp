@@ -28,6 +28,7 @@ struct MicroMode::Memory : PatternStrategy::Work {
   LightChange light;
   std::vector<CellSpan> relative_cells;  ///< of regions without an order
   CodeStrips strips;
+  std::vector<float> join_scratch;
   Misfit misfit;                    ///< of bursts that moved
   std::vector<std::size_t> filled;  ///< solved without their saturated frame
 };

@@ -80,7 +80,7 @@ RefinedPhase MicroMode::refine(const FringeOrders& orders, const RelativeSurface
   if (linear) undo_light(m, diagnostics, phase);
   tell(hook, "light");
   undo_motion_and_join({orders.spans, m.wraps, code_, m.motion, diagnostics.third_rad, diagnostics.noise},
-                       config_.refit, phase, {m.strips, diagnostics.rigid.moved ? &m.misfit : nullptr});
+                       config_.refit, phase, {m.strips, diagnostics.rigid.moved ? &m.misfit : nullptr}, m.join_scratch);
   m.filled.clear();
   if (linear)
     solve_micro_saturated(

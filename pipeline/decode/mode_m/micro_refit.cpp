@@ -120,11 +120,12 @@ MovedRow moved_row(PhaseMaps& m, int v) {
 }
 
 /// undo: undo_micro_motion as well, of each row before it is joined.
-void join(const CodeJoin& in, const MicroRefitConfig& config, bool undo, PhaseMaps& maps,
-          const CodeJoinChecks& checks) {
+void join(const CodeJoin& in, const MicroRefitConfig& config, bool undo, PhaseMaps& maps, const CodeJoinChecks& checks,
+          std::vector<float>& scratch) {
   const auto width = static_cast<std::size_t>(in.wraps.width());
-  std::vector<float> missed(width), noise_share(width), one_more(width), one_less(width);
-  const OrderDoubt doubt{one_more.data(), one_less.data()};
+  scratch.resize(4 * width);
+  float *missed = scratch.data(), *noise_share = missed + width;
+  const OrderDoubt doubt{noise_share + width, noise_share + 2 * width};
   const JoinLimits limits{
       {in.code.cosine[1], in.code.sine[1]}, config.outlier_sigmas, config.torn_sigmas, config.largest_gain};
   CodeRows rows(in.motion, maps, &in.wraps);
@@ -134,11 +135,10 @@ void join(const CodeJoin& in, const MicroRefitConfig& config, bool undo, PhaseMa
   for (int v = 0; v < in.wraps.height(); ++v) {
     const CodeRow row = rows.at(v);
     if (undo) undo_motion_row(row, width, moved_row(maps, v));
-    join_code_row(
-        row, in.noise, limits, width,
-        {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed.data(), noise_share.data(), doubt, &maps.reject(0, v)});
+    join_code_row(row, in.noise, limits, width,
+                  {&maps.phase_rad(0, v), &maps.sigma_rad(0, v), missed, noise_share, doubt, &maps.reject(0, v)});
     checks.strips.take_row(v, doubt);
-    if (checks.misfit != nullptr) checks.misfit->take_row(v, {missed.data(), noise_share.data()});
+    if (checks.misfit != nullptr) checks.misfit->take_row(v, {missed, noise_share});
   }
   if (checks.misfit != nullptr) checks.misfit->add_to(maps.sigma_rad, kPhaseOfCode);
   checks.strips.withdraw(config.strip_evidence, maps.reject);
@@ -171,12 +171,13 @@ void move_to_code_frame(const MicroMotion& motion, const PhaseMaps& maps, PhaseM
 
 void join_code_frame(const CodeJoin& in, const MicroRefitConfig& config, PhaseMaps& maps,
                      const CodeJoinChecks& checks) {
-  join(in, config, false, maps, checks);
+  std::vector<float> scratch;
+  join(in, config, false, maps, checks, scratch);
 }
 
 void undo_motion_and_join(const CodeJoin& in, const MicroRefitConfig& config, PhaseMaps& maps,
-                          const CodeJoinChecks& checks) {
-  join(in, config, true, maps, checks);
+                          const CodeJoinChecks& checks, std::vector<float>& scratch) {
+  join(in, config, true, maps, checks, scratch);
 }
 
 }  // namespace enamel::pipeline

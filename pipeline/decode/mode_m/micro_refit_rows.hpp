@@ -73,7 +73,8 @@ struct MovedRow {
 /// Stretches of no surface are left as they are.
 void undo_motion_row(const CodeRow& row, std::size_t width, const MovedRow& out);
 
-/// Of all pixels that are of a surface, the others as they are; but phase, cosine and sine as they were when the code frame was taken, kCodeTime after mid-burst.
+/// Of all pixels that are of a surface, the others as they are; but phase, cosine and sine as they were when the code
+/// frame was taken, kCodeTime after mid-burst.
 void move_to_code_row(const CodeRow& row, std::size_t width, const MovedRow& out);
 
 struct JoinedRow {
@@ -85,7 +86,7 @@ struct JoinedRow {
   PixelReject* reject;  ///< kNone becomes kEdge where the code is torn_sigmas off
 };
 struct JoinLimits {
-  Turn order_step;                     ///< angle by which the next order turns the code
+  Turn order_step;                                  ///< angle by which the next order turns the code
   float outlier_sigmas, torn_sigmas, largest_gain;  ///< MicroRefitConfig's
 };
 void join_code_row(const CodeRow& row, const NoiseModel& noise, const JoinLimits& limits, std::size_t width,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 
 #include "pipeline/decode/mode_t/chosen.hpp"
 #include "pipeline/decode/mode_t/polarity_columns.hpp"
@@ -11,6 +12,9 @@ namespace {
 
 /// derived: in the middle, while b is unknown: var(D -+ S3) is 4 sigma^2 for b = +1, 2 sigma^2 for b = -1.
 constexpr float kNoiseOfCode = 3;
+
+/// A register of every instruction set that we build for (a vector type of g++ and clang).
+using Four [[gnu::vector_size(16)]] = float;
 
 PolaritySaid say(const PolarityColumn* columns, SegmentCore core) {
   PolarityColumn s;
@@ -63,10 +67,14 @@ void PolarityEvidence::costs_of_states(std::size_t first, std::span<const std::i
   for (std::size_t k = 0; k < first_cells.size(); ++k) {
     const std::vector<float>& half = halves_[static_cast<std::size_t>(first_cells[k] & 1)];
     const auto last = static_cast<std::int32_t>(half.size() - kOrderStates);
-    const float* __restrict sign = half.data() + std::clamp((first_cells[k] >> 1) + kStates, 0, last);
-    const float plus = said_[first + k].plus, minus = said_[first + k].minus;
-    float* __restrict cost = out[k].data();
-    for (std::size_t j = 0; j < kOrderStates; ++j) cost[j] = sign[j] > 0 ? plus : minus;
+    const float* sign = half.data() + std::clamp((first_cells[k] >> 1) + kStates, 0, last);
+    const Four plus = Four{} + said_[first + k].plus, minus = Four{} + said_[first + k].minus;
+    for (std::size_t j = 0; j < kOrderStates; j += 4) {
+      Four here{};
+      std::memcpy(&here, sign + j, sizeof here);
+      here = here > 0 ? plus : minus;
+      std::memcpy(out[k].data() + j, &here, sizeof here);
+    }
   }
 }
 

@@ -193,9 +193,7 @@ class Solver {
     for (std::size_t i = 0; i < segments_.size(); ++i) {
       const SegmentOrder own = out_.segments[i];
       if (!own.decided) continue;
-      const auto alike = [&](std::size_t o) {
-        return out_.segments[o].decided && out_.segments[o].shift == own.shift;
-      };
+      const auto alike = [&](std::size_t o) { return out_.segments[o].decided && out_.segments[o].shift == own.shift; };
       const Segment& p = segments_[i];
       if (p.joined && !p.kink && alike(i - 1)) sets.unite(i, i - 1);
       if (p.up >= 0 && alike(index(p.up))) sets.unite(i, index(p.up));

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pipeline/decode/phase/poly_trig.hpp"
+#include "pipeline/decode/unwrap/order_gap.hpp"
 #include "pipeline/decode/unwrap/order_windows.hpp"
 #include "pipeline/types/simd.hpp"
 
@@ -131,7 +132,7 @@ class Rows {
       passed_on(States::load(said), States::load(work_.unary[to]), unseen_jump_).store(out);
     } else {
       const GapCosts g = before(later);
-      pass_gap(said, work_.unary[to], from < to ? g : GapCosts{-g.lean, g.below, g.above}, out);
+      pass_gap_here(said, work_.unary[to], from < to ? g : GapCosts{-g.lean, g.below, g.above}, out);
     }
   }
 
@@ -147,14 +148,15 @@ class Rows {
     }
   }
 
-  /// row = the sum of both, the segment's own evidence once, less its least; then running means over the rows above and below. A mean, not a sum: what misleads the code (an edge,
-  /// a moving shadow) misleads many rows alike, so that repeating it makes it no truer.
+  /// row = the sum of both, the segment's own evidence once, less its least; then running means over the rows above and
+  /// below. A mean, not a sum: what misleads the code (an edge, a moving shadow) misleads many rows alike, so that
+  /// repeating it makes it no truer.
   void between_rows() {
     const std::size_t n = segments_.size();
     for (std::size_t i = 0; i < n; ++i) {
-      const States sum = States::each([](auto a, auto b, auto own) HWY_ATTR { return hn::Add(a, hn::Sub(b, own)); },
-                                      States::load(work_.row[i]), States::load(work_.right[i]),
-                                      States::load(work_.unary[i]));
+      const States sum =
+          States::each([](auto a, auto b, auto own) HWY_ATTR { return hn::Add(a, hn::Sub(b, own)); },
+                       States::load(work_.row[i]), States::load(work_.right[i]), States::load(work_.unary[i]));
       const States row = levelled(sum);
       row.store(work_.row[i]);
       mean_of_rows(work_.up, segments_[i].up, i, row).store(work_.up[i]);

@@ -100,8 +100,9 @@ HWY_INLINE Choice cheapest_state(const States& costs) {
   const States place = States::each(
       [&](auto cost, auto state) HWY_ATTR { return hn::IfThenElse(hn::Eq(cost, first), state, none); }, costs, number);
   const StateLanes best = place.least();
-  const States others = States::each(
-      [&](auto cost, auto state) HWY_ATTR { return hn::IfThenElse(hn::Eq(state, best), impossible, cost); }, costs, number);
+  const States others = States::each([&](auto cost, auto state)
+                                         HWY_ATTR { return hn::IfThenElse(hn::Eq(state, best), impossible, cost); },
+                                     costs, number);
   const Cost least = hn::GetLane(first);
   return {hn::GetLane(best), least, static_cast<Cost>(hn::GetLane(others.least()) - least)};
 }
