@@ -22,9 +22,9 @@ constexpr std::size_t kBlocksAtOnce = 250;
 constexpr std::size_t kCatchUp = 2;
 constexpr std::size_t kAll = ~std::size_t{0};
 
-// Median of every 64th pixel: for a distance bar.
-double median_depth(const Map<float>& depth) {
-  std::vector<float> some;
+// Median of every 64th pixel: for a distance bar. some: scratch.
+double median_depth(const Map<float>& depth, std::vector<float>& some) {
+  some.clear();
   for (std::size_t i = 0; i < depth.size(); i += 64) {
     if (!std::isnan(depth[i])) some.push_back(depth[i]);
   }
@@ -112,7 +112,7 @@ std::shared_ptr<const BurstPreview> FuseStage::make_preview(const flow::Item<Tra
     last_preview_.whole = std::make_shared<const ModelSnapshot>(mesher_.snapshot());
   }
   const SurfacePatch& patch = *item->patch;
-  last_preview_.surface_distance_mm = median_depth(patch.depth_mm);
+  last_preview_.surface_distance_mm = median_depth(patch.depth_mm, depths_);
   last_preview_.live = std::make_shared<const Map<std::uint8_t>>(live_image(patch.texture_dn));
   if (config_.preview_model && until_preview_-- == 0) {
     until_preview_ = config_.preview_period - 1;

@@ -68,6 +68,7 @@ class FuseStage final : public flow::Stage {
   BurstPreview last_preview_;
   SightVotes sight_;
   int until_preview_ = 0;
+  std::vector<float> depths_;  ///< scratch
 };
 
 }  // namespace enamel::stage

@@ -18,13 +18,13 @@ TrackStage::TrackStage(const calib::Rig& rig, const pipeline::TrackerConfig& tra
 Result<void> TrackStage::step() {
   const auto decoded = patch.take();
   const auto view = model.take();
-  const TrackResult result = tracker_.track(decoded.id, decoded.captured, decoded->patch, *view, decoded->motion.twist);
+  std::shared_ptr<const SurfacePatch> completed{decoded.value, &decoded->patch};
+  const TrackResult result = tracker_.track(decoded.id, decoded.captured, completed, *view, decoded->motion.twist);
   if (result.state == TrackState::kLost) {
     tracked.emit(flow::make_rejected<Tracked>(decoded, "too_little_surface"));
     return {};
   }
   OrderCheck orders;
-  std::shared_ptr<const SurfacePatch> completed{decoded.value, &decoded->patch};
   if (view->segment == result.segment) completed = complete(decoded.value, *view, result.T_model_cam, orders);
   Tracked out{std::move(completed), decoded->motion, result, orders, decoded->digests, decoded->sight};
   out.digests.track = Digest()
@@ -43,9 +43,9 @@ Result<void> TrackStage::step() {
 
 std::shared_ptr<const SurfacePatch> TrackStage::complete(const std::shared_ptr<const Decoded>& decoded,
                                                          const ModelView& view, const Pose& T_model_cam,
-                                                         OrderCheck& orders) const {
+                                                         OrderCheck& orders) {
   orders = guide_.check(decoded->patch, view, T_model_cam);
-  const auto told = guide_.decide(decoded->relative, view, T_model_cam);
+  const auto told = guide_.decide(decoded->relative, view, T_model_cam, votes_);
   const bool none = std::all_of(told.begin(), told.end(), [](std::int32_t k) { return k == kOpenOrder; });
   if (none && orders.contradicting == 0) return {decoded, &decoded->patch};
   auto judged = std::make_shared<SurfacePatch>(decoded->patch);

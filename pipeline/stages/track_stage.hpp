@@ -35,10 +35,11 @@ class TrackStage final : public flow::Stage {
   /// The decoded patch itself, or a copy with the regions that the model decides and without what contradicts it.
   [[nodiscard]] std::shared_ptr<const SurfacePatch> complete(const std::shared_ptr<const Decoded>& decoded,
                                                              const ModelView& view, const Pose& T_model_cam,
-                                                             OrderCheck& orders) const;
+                                                             OrderCheck& orders);
 
   pipeline::Tracker tracker_;
   pipeline::ModelGuide guide_;
+  pipeline::GuideVotes votes_;
   pipeline::NormalConfig normals_;
 };
 

@@ -49,13 +49,15 @@ std::int32_t BlockGrid::allocate(const BlockIndex& index) {
   if (found != kNoBlock) {
     return found;
   }
-  if ((blocks_.size() + 1) * 2 > slots_.size()) {
+  if ((size() + 1) * 2 > slots_.size()) {
     grow();
   }
-  const auto id = static_cast<std::int32_t>(blocks_.size());
-  blocks_.push_back(std::make_unique<Block>());
-  blocks_.back()->index = index;
+  if (size() == slabs_.size() * kSlab) {
+    slabs_.push_back(std::make_unique<Block[]>(kSlab));
+  }
+  const auto id = static_cast<std::int32_t>(size());
   indices_.push_back(index);
+  block(id).index = index;
   insert(key_of(index), id);
   link(id);
   return id;

@@ -26,8 +26,9 @@ struct Mean {
 
 }  // namespace
 
-CoarseDepth::CoarseDepth(const Map<float>& depth_mm)
-    : cells_((depth_mm.width() + kCell - 1) / kCell, (depth_mm.height() + kCell - 1) / kCell, kNoDepth) {
+void CoarseDepth::build(const Map<float>& depth_mm) {
+  const int width = (depth_mm.width() + kCell - 1) / kCell, height = (depth_mm.height() + kCell - 1) / kCell;
+  if (cells_.width() != width || cells_.height() != height) cells_ = Map<float>(width, height);
   for (int j = 0; j < cells_.height(); ++j) {
     for (int i = 0; i < cells_.width(); ++i) {
       Mean mean;
@@ -45,7 +46,8 @@ CoarseDepth::CoarseDepth(const Map<float>& depth_mm)
 }
 
 void CoarseDepth::grow() {
-  const Map<float> old = cells_;
+  before_ = cells_;
+  const Map<float>& old = before_;
   for (int j = 0; j < old.height(); ++j) {
     for (int i = 0; i < old.width(); ++i) {
       if (!std::isnan(old(i, j))) {

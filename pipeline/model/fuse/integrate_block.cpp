@@ -30,7 +30,7 @@ static_assert(sizeof(Surfel) == kSurfelFloats * sizeof(float) && offsetof(Surfel
 /// What the patch says about the eight voxels of a row; weight 0 = nothing.
 struct Measured {
   HWY_ALIGN std::array<float, kBlockEdge> distance, weight;
-  HWY_ALIGN std::array<std::int32_t, kBlockEdge> support;
+  HWY_ALIGN std::array<std::uint8_t, kBlockEdge> support;
 };
 
 struct Points {
@@ -70,7 +70,8 @@ template <class D>
                               hn::And(hn::Lt(u, hn::Set(d, static_cast<float>(picture.width + 1))),
                                       hn::Lt(v, hn::Set(d, static_cast<float>(picture.height + 1)))));
   hn::Store(hn::Zero(d), d, out.weight.data() + first);
-  hn::Store(hn::Zero(di), di, out.support.data() + first);
+  const hn::Rebind<std::uint8_t, Floats> db;
+  hn::StoreU(hn::Zero(db), db, out.support.data() + first);
   if (hn::AllFalse(d, inside)) return 0;
   const Vi column = hn::ConvertTo(di, hn::IfThenElse(inside, u, one));
   const Vi row = hn::ConvertTo(di, hn::IfThenElse(inside, v, one));
@@ -89,8 +90,8 @@ template <class D>
   const Vf faded = hn::Mul(weight, hn::Min(one, hn::Mul(above, hn::Set(d, limits.fade))));
   hn::Store(hn::IfThenElseZero(ok, distance), d, out.distance.data() + first);
   hn::Store(hn::IfThenElseZero(ok, faded), d, out.weight.data() + first);
-  hn::Store(hn::IfThenElseZero(hn::RebindMask(di, ok), gather(di, picture.surfels, 5, index)), di,
-            out.support.data() + first);
+  const Vi support = hn::IfThenElseZero(hn::RebindMask(di, ok), gather(di, picture.surfels, 5, index));
+  hn::StoreU(hn::DemoteTo(db, support), db, out.support.data() + first);
   return hn::CountTrue(d, ok);
 }
 
@@ -115,14 +116,12 @@ template <class D>
 [[gnu::always_inline]] inline void update_counts(const Measured& in, const IntegrateLimits& limits, std::size_t first,
                                                  Block& block) {
   const Bytes d;
-  HWY_ALIGN std::array<std::uint8_t, kBlockEdge> support;
-  for (std::size_t i = 0; i < kBlockEdge; ++i) support[i] = static_cast<std::uint8_t>(in.support[i]);
   const auto least_seen = hn::Set(d, limits.min_observations);
   const auto least_bursts = hn::Set(d, limits.min_bursts);
   for (std::size_t i = 0; i < kBlockEdge; i += hn::Lanes(d)) {
     std::uint8_t* const observations = &block.observations[first + i];
     std::uint8_t* const bursts = &block.bursts[first + i];
-    const auto added = hn::Load(d, support.data() + i);
+    const auto added = hn::Load(d, in.support.data() + i);
     const auto seen = hn::LoadU(d, observations);
     const auto times = hn::LoadU(d, bursts);
     const auto seen_now = hn::SaturatedAdd(seen, added);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "pipeline/model/fuse/depth_hint.hpp"
 #include "pipeline/model/fuse/sampler.hpp"
@@ -15,7 +14,6 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr int kNewtonSteps = 6;
 constexpr float kConvergedMm = 4e-3F;  ///< one more step from here is exact to 10 nm: derived, (4 um)^2 / 2R, R = 1 mm
-constexpr float kSameSurfaceMm = 0.3F;
 
 /// Points o + s d in voxels, s = camera depth in mm.
 struct Ray {
@@ -60,6 +58,8 @@ class Caster {
       if (!sampler_.sample(ray.at(at), d, gradient)) {
         outside = false;
         at += 2 * fine;
+        // Steps that stay where there is no block would find nothing either.
+        for (const float end = std::min(to, sampler_.void_until(ray.origin, ray.direction)); at < end;) at += 2 * fine;
         continue;
       }
       if (d <= 0.0F && outside) {
@@ -77,43 +77,9 @@ class Caster {
   float voxel_mm_, band_mm_;
 };
 
-/// Unit normals from the gradients of the 3 x 3 neighbours on the same surface: the gradient of a trilinear interpolant
-/// jumps between voxels, the mean over about one voxel does not.
-Map<Vec3f> smooth_normals(const Map<Vec3f>& points, const Map<Vec3f>& gradients) {
-  const int w = points.width();
-  const int h = points.height();
-  Map<Vec3f> normals(w, h, Vec3f::Constant(kNan));
-  for (int j = 0; j < h; ++j) {
-    for (int i = 0; i < w; ++i) {
-      const Vec3f& p = points(i, j);
-      if (std::isnan(p.x())) {
-        continue;
-      }
-      Vec3f sum = Vec3f::Zero();
-      for (int y = std::max(0, j - 1); y <= std::min(h - 1, j + 1); ++y) {
-        for (int x = std::max(0, i - 1); x <= std::min(w - 1, i + 1); ++x) {
-          const Vec3f e = points(x, y) - p;
-          if ((e.x() * e.x() + e.y() * e.y()) + e.z() * e.z() < kSameSurfaceMm * kSameSurfaceMm) {  // false for NaN
-            sum += gradients(x, y);
-          }
-        }
-      }
-      normals(i, j) = sum / std::sqrt((sum.x() * sum.x() + sum.y() * sum.y()) + sum.z() * sum.z());
-    }
-  }
-  return normals;
-}
-
-/// Of the rays through every stride-th pixel: (u - c) / f.
-std::vector<float> slopes(int count, int stride, double c, double f) {
-  std::vector<float> out;
-  for (int i = 0; i < count; ++i) out.push_back(static_cast<float>((i * stride - c) / f));
-  return out;
-}
-
 }  // namespace
 
-ModelView TsdfModel::view(const Pose& T_model_cam, const SurfacePatch& hint) const {
+ModelView TsdfModel::view(const Pose& T_model_cam, const SurfacePatch& hint) {
   ModelView view;
   view.T_model_cam = T_model_cam;
   view.after_burst = after_burst_;
@@ -126,8 +92,9 @@ ModelView TsdfModel::view(const Pose& T_model_cam, const SurfacePatch& hint) con
   const int width = (camera_.width + view.stride - 1) / view.stride;
   const int height = (camera_.height + view.stride - 1) / view.stride;
   view.points = Map<Vec3f>(width, height, Vec3f::Constant(kNan));
-  Map<Vec3f> gradients(width, height, Vec3f::Zero());
-  const CoarseDepth coarse(hint.depth_mm);
+  view.normals = Map<Vec3f>(width, height, Vec3f::Zero());
+  planes_.clear(width, height);
+  coarse_.build(hint.depth_mm);
   Caster caster(grid_, config_);
   Ray ray;
   ray.origin = (T_model_cam.translation() / config_.voxel_mm).cast<float>();
@@ -136,16 +103,17 @@ ModelView TsdfModel::view(const Pose& T_model_cam, const SurfacePatch& hint) con
   const auto per_voxel = static_cast<float>(1 / config_.voxel_mm);
   const auto band = static_cast<float>(config_.voxel_mm * config_.truncation_voxels);
   const auto search = static_cast<float>(config_.view_search_mm);
-  const std::vector<float> columns = slopes(width, view.stride, camera_.cx, camera_.fx);
-  const std::vector<float> rows = slopes(height, view.stride, camera_.cy, camera_.fy);
+  const auto slope = [&](int i, double c, double f) { return static_cast<float>((i * view_stride_ - c) / f); };
+  // Pixels without a point keep the gradients of an earlier view: nobody asks for them.
   for (int j = 0; j < height; ++j) {
+    const float y = slope(j, camera_.cy, camera_.fy);
     for (int i = 0; i < width; ++i) {
       const int u = i * view.stride;
       const int v = j * view.stride;
       const float own = hint.depth_mm(u, v);
-      const float guess = std::isnan(own) ? coarse.near_pixel(u, v) : own;
+      const float guess = std::isnan(own) ? coarse_.near_pixel(u, v) : own;
       if (!(guess > 0.0F)) continue;
-      const Vec3f in_camera(columns[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)], 1.0F);
+      const Vec3f in_camera(slope(i, camera_.cx, camera_.fx), y, 1.0F);
       const Vec3f in_model = R * in_camera;
       ray.direction = in_model * per_voxel;
       ray.mm_per_depth = in_camera.norm();
@@ -154,10 +122,10 @@ ModelView TsdfModel::view(const Pose& T_model_cam, const SurfacePatch& hint) con
       const float range = std::isnan(own) ? search : band;
       if (!caster.newton(ray, s, gradient) && !caster.march(ray, guess - range, guess + range, s, gradient)) continue;
       view.points(i, j) = t + s * in_model;
-      gradients(i, j) = gradient;
+      planes_.put(i, j, view.points(i, j), gradient);
     }
   }
-  view.normals = smooth_normals(view.points, gradients);
+  smooth_normals(planes_, view.normals);
   return view;
 }
 

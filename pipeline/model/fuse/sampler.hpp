@@ -1,8 +1,11 @@
 // Trilinear interpolation of the distance field and its gradient. In the header: the inner loop of a view.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 
 #include "pipeline/model/fuse/block_grid.hpp"
 #include "pipeline/types/geometry.hpp"
@@ -53,14 +56,35 @@ class Sampler {
     return sum;
   }
 
+  /// How far along o + s d (voxels) the last sample's place without a block reaches, by s and with a margin; -infinity
+  /// where that had a block. Only for a last sample on that ray.
+  [[nodiscard]] float void_until(const Vec3f& origin, const Vec3f& direction) const {
+    if (block_ != nullptr || index_ == kNowhere) return -std::numeric_limits<float>::infinity();
+    float least = std::numeric_limits<float>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = static_cast<Eigen::Index>(k);
+      const bool up = direction[axis] > 0;
+      const float bound = static_cast<float>((index_[k] + (up ? 1 : 0)) * kBlockEdge);
+      // derived: rounding of a position is a millionth of it at most.
+      const float margin = 1e-2F + 1e-6F * std::fabs(bound);
+      const float beyond = (up ? bound - margin : bound + margin) - origin[axis];
+      if (direction[axis] != 0) least = std::min(least, beyond / direction[axis]);
+    }
+    return least;
+  }
+
  private:
   static float mix(float a, float b, float t) noexcept { return a + t * (b - a); }
 
   /// Finds the block, the lower corner within it and the position beyond that. False where there is no block.
   bool locate(const Vec3f& at) {
     constexpr float kLimit = static_cast<float>(kBlockRange - 1) * kBlockEdge;
-    if (!(std::fabs(at.x()) < kLimit && std::fabs(at.y()) < kLimit && std::fabs(at.z()) < kLimit)) return false;
-    std::array<std::int32_t, 3> index;
+    if (!(std::fabs(at.x()) < kLimit && std::fabs(at.y()) < kLimit && std::fabs(at.z()) < kLimit)) {
+      index_ = kNowhere;
+      block_ = nullptr;
+      return false;
+    }
+    BlockIndex index;
     for (std::size_t k = 0; k < 3; ++k) {
       const float x = at[static_cast<Eigen::Index>(k)];
       auto lower = static_cast<std::int32_t>(x);
@@ -70,11 +94,22 @@ class Sampler {
       part_[k] = x - static_cast<float>(lower);
     }
     if (index != index_) {
+      const std::int32_t id = id_of(index);
       index_ = index;
-      const std::int32_t id = grid_.find({index[0], index[1], index[2]});
       block_ = id == kNoBlock ? nullptr : &grid_.block(id);
     }
     return block_ != nullptr;
+  }
+
+  /// By the last block's links where that is a neighbour.
+  [[nodiscard]] std::int32_t id_of(const BlockIndex& index) const {
+    if (block_ != nullptr) {
+      const int dx = index[0] - index_[0], dy = index[1] - index_[1], dz = index[2] - index_[2];
+      if (std::max({std::abs(dx), std::abs(dy), std::abs(dz)}) <= 1) {
+        return block_->neighbour[neighbour_index(dx, dy, dz)];
+      }
+    }
+    return grid_.find(index);
   }
 
   bool corners(std::array<float, 8>& value) const {
@@ -111,7 +146,8 @@ class Sampler {
 
   const BlockGrid& grid_;
   const Block* block_ = nullptr;
-  std::array<std::int32_t, 3> index_{kBlockRange, kBlockRange, kBlockRange};  ///< of the block last looked up
+  static constexpr BlockIndex kNowhere{kBlockRange, kBlockRange, kBlockRange};
+  BlockIndex index_ = kNowhere;  ///< of the block last looked up
   std::array<int, 3> local_{};   ///< lower corner within the block, 0 … 7
   std::array<float, 3> part_{};  ///< position between lower and upper corner, 0 … 1
 };

@@ -47,8 +47,8 @@ class SurfelMap {
   };
   int stride_ = 1;
   Map<Surfel> surfels_;
-  Map<float> along_rows_mm_, row_support_;
-  std::vector<float> smooth_mm_, support_;  ///< of one row of pixels
+  Map<float> along_rows_mm_, row_support_;  ///< of all rows of pixels, a surfel's column each
+  std::vector<float> smooth_mm_, support_;  ///< of one row of surfels
   Line line_;
   Map<float> cos_to_axis_;  ///< of each surfel's ray
 };

@@ -52,7 +52,7 @@ TsdfModel::TsdfModel(const calib::Rig& rig, const FuseConfig& config)
       view_stride_(pixel_step(config.view_pitch_mm, rig.camera.fx / calib::middle_depth_mm(rig))),
       surfels_(rig, config) {}
 
-void TsdfModel::touch(const Vec3f& p_model, FuseStats& stats) {
+void TsdfModel::touch(const Vec3f& p_model, std::size_t slot, FuseStats& stats) {
   const auto per_block = static_cast<float>(1.0 / (config_.voxel_mm * kBlockEdge));
   BlockIndex index{};
   for (int k = 0; k < 3; ++k) {
@@ -63,20 +63,20 @@ void TsdfModel::touch(const Vec3f& p_model, FuseStats& stats) {
     const auto whole = static_cast<std::int32_t>(at);
     index[static_cast<std::size_t>(k)] = whole - static_cast<std::int32_t>(at < static_cast<float>(whole));  // floor
   }
-  if (last_id_ != kNoBlock && index == last_index_) {
+  if (index == last_[0] || index == last_[1] || index == last_[2]) {
     return;
   }
+  last_[slot] = index;
   const std::size_t before = grid_.size();
-  last_id_ = grid_.allocate(index);
-  last_index_ = index;
-  Block& block = grid_.block(last_id_);
+  const std::int32_t id = grid_.allocate(index);
+  Block& block = grid_.block(id);
   if (grid_.size() != before) {
     ++stats.blocks_new;
-    tentative_.push_back(last_id_);
+    tentative_.push_back(id);
   }
   if (block.touched_by != integrations_) {
     block.touched_by = integrations_;
-    touched_.push_back(last_id_);
+    touched_.push_back(id);
   }
 }
 
@@ -85,7 +85,7 @@ void TsdfModel::allocate_band(const SurfacePatch& patch, const Pose& T_model_cam
   const Vec3f t = T_model_cam.translation().cast<float>();
   const auto reach = static_cast<float>(config_.voxel_mm * config_.truncation_voxels);
   touched_.clear();
-  last_id_ = kNoBlock;
+  last_.fill({kBlockRange, kBlockRange, kBlockRange});  // none
   const int step = kBandStride / surfels_.stride();
   for (int j = 0; j < surfels_.height(); j += step) {
     for (int i = 0; i < surfels_.width(); i += step) {
@@ -95,9 +95,9 @@ void TsdfModel::allocate_band(const SurfacePatch& patch, const Pose& T_model_cam
       const std::size_t pixel = patch.points.index(i * surfels_.stride(), j * surfels_.stride());
       const Vec3f p = R * patch.points[pixel] + t;
       const Vec3f along = R * patch.normals[pixel] * reach;
-      for (const float s : {-1.0F, 0.0F, 1.0F}) {
-        touch(p + along * s, stats);
-      }
+      touch(p - along, 0, stats);
+      touch(p, 1, stats);
+      touch(p + along, 2, stats);
     }
   }
   stats.blocks_touched = static_cast<std::uint32_t>(touched_.size());

@@ -3,13 +3,17 @@
 // blocks are allocated in raster order, the hash is never iterated. Not thread-safe; one owner.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "calib/model/rig.hpp"
 #include "pipeline/model/fuse/block_grid.hpp"
+#include "pipeline/model/fuse/depth_hint.hpp"
 #include "pipeline/model/fuse/fuse_config.hpp"
 #include "pipeline/model/fuse/surfel_map.hpp"
+#include "pipeline/model/fuse/view_planes.hpp"
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/model_view.hpp"
 #include "pipeline/types/patch.hpp"
@@ -28,7 +32,7 @@ class TsdfModel {
   /// The model as seen from T_model_cam, searched near the depth of `hint` (a patch taken from about that pose: the one
   /// just fused) and, where that has holes, near the depth of its surroundings. Shows every observed voxel, also those
   /// seen once.
-  [[nodiscard]] ModelView view(const Pose& T_model_cam, const SurfacePatch& hint) const;
+  [[nodiscard]] ModelView view(const Pose& T_model_cam, const SurfacePatch& hint);
 
   /// Blocks whose voxels began or ceased to count as surface, or whose surface moved by at least min_move_mm, since
   /// they were last taken; ordered by index. Taking marks them as unchanged.
@@ -46,7 +50,8 @@ class TsdfModel {
 
  private:
   void allocate_band(const SurfacePatch& patch, const Pose& T_model_cam, FuseStats& stats);
-  void touch(const Vec3f& p_model, FuseStats& stats);
+  /// slot: of the points along a normal, of which each goes its own way through the blocks.
+  void touch(const Vec3f& p_model, std::size_t slot, FuseStats& stats);
   void carve(const SurfacePatch& patch, const Pose& T_cam_model, FuseStats& stats);
   void note_changed(std::int32_t id);
   void carve_confirmed(const SurfacePatch& patch, const Pose& T_cam_model, FuseStats& stats);
@@ -59,8 +64,9 @@ class TsdfModel {
   std::vector<std::int32_t> touched_;    ///< ids of the blocks in the band of the current patch, in raster order
   std::vector<std::int32_t> tentative_;  ///< ids of blocks without confirmed voxels, in order of allocation
   std::vector<std::int32_t> pending_;    ///< ids of blocks changed since they were last taken, in order of change
-  BlockIndex last_index_{};              ///< block found by the last touch()
-  std::int32_t last_id_ = kNoBlock;
+  std::array<BlockIndex, 3> last_{};     ///< found by the last touch() of each slot
+  CoarseDepth coarse_;                   ///< of the view being drawn, as
+  ViewPlanes planes_;                    ///< these
   std::uint64_t integrations_ = 0;
   std::uint64_t after_burst_ = 0;
 };

@@ -49,13 +49,9 @@ std::int32_t vote(const RayDepth& rays, const ModelSight& sight, std::size_t pix
 
 /// Votes of many pixels.
 struct Tally {
-  std::vector<std::int32_t> of;  ///< each order
-  std::int32_t seen = 0;         ///< all that see the model
+  std::span<std::int32_t> of;  ///< each order
+  std::int32_t seen = 0;       ///< all that see the model
 
-  void clear(std::size_t orders) {
-    of.assign(orders, 0);
-    seen = 0;
-  }
   void add(std::int32_t vote) {
     seen += vote != kUnseen ? 1 : 0;
     if (vote >= 0) ++of[static_cast<std::size_t>(vote)];
@@ -70,6 +66,11 @@ struct Tally {
   }
 };
 
+Tally tally_of(GuideVotes& votes, std::size_t region) {
+  const std::size_t first = votes.first[region];
+  return {std::span(votes.orders).subspan(first, votes.first[region + 1] - first), votes.seen[region]};
+}
+
 std::size_t orders_of(const RelativeSurface::Region& region) {
   return static_cast<std::size_t>(std::max(0, region.high - region.low + 1));
 }
@@ -82,11 +83,11 @@ std::ptrdiff_t blank_edge(Votes begin, Votes end, std::ptrdiff_t most_px) {
   return blank <= most_px ? blank : 0;
 }
 
-/// What a span in a region of several orders agrees on by itself.
+/// What a span in a region of several orders agrees on by itself. scratch: see GuideVotes::of_span.
 std::optional<std::int32_t> own_order(const Tally& region, const GuideConfig& config,
-                                      std::span<const std::int32_t> votes) {
-  Tally own;
-  own.clear(region.of.size());
+                                      std::span<const std::int32_t> votes, std::vector<std::int32_t>& scratch) {
+  scratch.assign(region.of.size(), 0);
+  Tally own{scratch};
   for (const std::int32_t v : votes) own.add(v);
   const auto order = own.agreed(config.min_span_votes, config);
   return order && region.of[static_cast<std::size_t>(*order)] >= config.min_votes ? order : std::nullopt;
@@ -94,9 +95,9 @@ std::optional<std::int32_t> own_order(const Tally& region, const GuideConfig& co
 
 /// Votes of a span's pixels into orders. edge_px: what the view leaves blank along an edge of the model.
 void settle(const Tally& region, std::int32_t low, const GuideConfig& config, int edge_px,
-            std::span<std::int32_t> votes) {
+            std::span<std::int32_t> votes, std::vector<std::int32_t>& scratch) {
   const auto whole = region.agreed(config.min_votes, config);
-  const std::int32_t order = (whole ? whole : own_order(region, config, votes)).value_or(kOpenOrder);
+  const std::int32_t order = (whole ? whole : own_order(region, config, votes, scratch)).value_or(kOpenOrder);
   const auto front = blank_edge(votes.begin(), votes.end(), edge_px);
   const auto back = blank_edge(votes.rbegin(), votes.rend(), edge_px);
   // In a region that agrees, pixels beside the model join it; nowhere does one that is for another order.
@@ -114,29 +115,41 @@ ModelGuide::ModelGuide(std::shared_ptr<const RayDepth> rays, const calib::LensVa
 
 std::vector<std::int32_t> ModelGuide::decide(const RelativeSurface& relative, const ModelView& view,
                                              const Pose& T_model_cam) const {
-  if (view.empty) return std::vector<std::int32_t>(relative.phase_rad.size(), kOpenOrder);
+  GuideVotes votes;
+  (void)decide(relative, view, T_model_cam, votes);
+  return std::move(votes.pixels);
+}
+
+std::span<const std::int32_t> ModelGuide::decide(const RelativeSurface& relative, const ModelView& view,
+                                                 const Pose& T_model_cam, GuideVotes& votes) const {
+  votes.pixels.assign(relative.phase_rad.size(), kOpenOrder);
+  if (view.empty) return votes.pixels;
   const ModelSight sight(view, camera_, T_model_cam);
-  std::vector<std::int32_t> votes;  // made into orders in place
-  std::vector<Tally> regions(relative.regions.size());
-  for (std::size_t r = 0; r < regions.size(); ++r) regions[r].clear(orders_of(relative.regions[r]));
+  votes.first.assign(1, 0);
+  for (const auto& region : relative.regions) votes.first.push_back(votes.first.back() + orders_of(region));
+  votes.orders.assign(votes.first.back(), 0);
+  votes.seen.assign(relative.regions.size(), 0);
+  std::size_t n = 0;
   for (const auto& span : relative.spans) {
     const auto r = static_cast<std::size_t>(span.region);
     const std::size_t row = static_cast<std::size_t>(span.row) * static_cast<std::size_t>(rays_->width);
-    for (std::int32_t u = span.begin; u < span.end; ++u) {
-      const float phase = relative.phase_rad[votes.size()] + kTurn * static_cast<float>(span.wraps);
-      votes.push_back(vote(*rays_, sight, row + static_cast<std::size_t>(u), phase, relative.regions[r],
-                           static_cast<float>(config_.tolerance_mm)));
-      regions[r].add(votes.back());
+    Tally tally = tally_of(votes, r);
+    for (std::int32_t u = span.begin; u < span.end; ++u, ++n) {
+      const float phase = relative.phase_rad[n] + kTurn * static_cast<float>(span.wraps);
+      votes.pixels[n] = vote(*rays_, sight, row + static_cast<std::size_t>(u), phase, relative.regions[r],
+                             static_cast<float>(config_.tolerance_mm));
+      tally.add(votes.pixels[n]);
     }
+    votes.seen[r] = tally.seen;
   }
   std::size_t first = 0;
   for (const auto& span : relative.spans) {
     const auto r = static_cast<std::size_t>(span.region);
-    const std::span<std::int32_t> own(&votes[first], static_cast<std::size_t>(span.end - span.begin));
-    settle(regions[r], relative.regions[r].low, config_, 2 * view.stride, own);
+    const std::span<std::int32_t> own(&votes.pixels[first], static_cast<std::size_t>(span.end - span.begin));
+    settle(tally_of(votes, r), relative.regions[r].low, config_, 2 * view.stride, own, votes.of_span);
     first += own.size();
   }
-  return votes;
+  return votes.pixels;
 }
 
 bool ModelGuide::lies_on_another_order(const ModelSight& sight, std::size_t pixel, float depth_mm) const {

@@ -4,8 +4,10 @@
 // place.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "pipeline/decode/triangulate/ray_depth.hpp"
@@ -28,6 +30,15 @@ struct GuideConfig {
   std::size_t min_checked = 500;  ///< fewer say nothing about a share
 };
 
+/// Memory that ModelGuide::decide works in.
+struct GuideVotes {
+  std::vector<std::int32_t> pixels;   ///< of each pixel; in the end its order
+  std::vector<std::int32_t> orders;   ///< of each order of each region
+  std::vector<std::size_t> first;     ///< of `orders`, for each region
+  std::vector<std::int32_t> seen;     ///< of each region: all that see the model
+  std::vector<std::int32_t> of_span;  ///< of each order, of one span
+};
+
 /// Immutable, thread-safe. view.empty: nothing is decided, nothing checked.
 class ModelGuide {
  public:
@@ -37,6 +48,9 @@ class ModelGuide {
   /// of whole turns lies inside, that of its span, for the pixels that lie on the model with it.
   [[nodiscard]] std::vector<std::int32_t> decide(const RelativeSurface& relative, const ModelView& view,
                                                  const Pose& T_model_cam) const;
+  /// The same in memory that is used again: votes.pixels.
+  [[nodiscard]] std::span<const std::int32_t> decide(const RelativeSurface& relative, const ModelView& view,
+                                                     const Pose& T_model_cam, GuideVotes& votes) const;
 
   /// What the code decided beside what the model shows. Pixels on the model agree; those that would lie on it with
   /// another order contradict; all others (new surface, moving tissue) are not counted.

@@ -29,7 +29,7 @@ FuseStats SegmentedModel::integrate(BurstId burst, const SurfacePatch& patch, co
   return apart_->model.integrate(burst, patch, placed.T_model_cam);
 }
 
-ModelView SegmentedModel::view(const Pose& T_segment_cam, const SurfacePatch& hint) const {
+ModelView SegmentedModel::view(const Pose& T_segment_cam, const SurfacePatch& hint) {
   const bool of_model = active_ == kModelSegment || !apart_;
   ModelView out = (of_model ? model_ : apart_->model).view(T_segment_cam, hint);
   out.segment = active_;

@@ -36,7 +36,7 @@ class SegmentedModel {
   FuseStats integrate(BurstId burst, const SurfacePatch& patch, const TrackResult& placed);
   /// The segment that the last burst was fused into, as TsdfModel::view; a model that has still to take over bursts
   /// shows what it has.
-  [[nodiscard]] ModelView view(const Pose& T_segment_cam, const SurfacePatch& hint) const;
+  [[nodiscard]] ModelView view(const Pose& T_segment_cam, const SurfacePatch& hint);
 
   void join(const SegmentJoin& join);
   /// Fuses at most so many bursts of joined segments into the model.

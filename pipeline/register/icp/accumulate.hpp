@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "pipeline/register/icp/normal_system.hpp"
 #include "pipeline/register/icp/patch_samples.hpp"
@@ -17,13 +18,23 @@ namespace enamel::pipeline {
 /// Median of |e| by counting (1 µm bins): no order of points can change it.
 class ResidualHistogram {
  public:
+  static constexpr std::int32_t kLastBin = 1023;
+  static constexpr std::int32_t kNoBin = kLastBin + 1;  ///< of what is no residual
+
   void add(float abs_e_mm) {
-    ++bins_[std::min(static_cast<std::size_t>(abs_e_mm * 1000.0F), bins_.size() - 1)];
+    ++bins_[std::min(static_cast<std::size_t>(abs_e_mm * 1000.0F), static_cast<std::size_t>(kLastBin))];
     ++count_;
+  }
+  /// Bins of residuals, kNoBin among them.
+  void add_bins(std::span<const std::int32_t> bins) {
+    for (const std::int32_t bin : bins) {
+      ++bins_[static_cast<std::size_t>(bin)];
+      count_ += bin != kNoBin ? 1U : 0U;
+    }
   }
   [[nodiscard]] double median_mm() const {
     std::size_t seen = 0;
-    for (std::size_t i = 0; i < bins_.size(); ++i) {
+    for (std::size_t i = 0; i <= static_cast<std::size_t>(kLastBin); ++i) {
       seen += bins_[i];
       if (2 * seen >= count_) return (static_cast<double>(i) + 0.5) * 1e-3;
     }
@@ -31,7 +42,7 @@ class ResidualHistogram {
   }
 
  private:
-  std::array<std::uint32_t, 1024> bins_{};
+  std::array<std::uint32_t, kNoBin + 1> bins_{};
   std::uint32_t count_ = 0;
 };
 

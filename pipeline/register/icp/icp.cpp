@@ -18,7 +18,13 @@ MatchGate make_gate(const IcpLevel& level, const IcpConfig& config) {
 }  // namespace
 
 PatchPyramid make_pyramid(const SurfacePatch& patch, const IcpConfig& config) {
-  return pyramid_of(patch, config.levels, config.samples);
+  PatchPyramid out;
+  make_pyramid(patch, config, out);
+  return out;
+}
+
+void make_pyramid(const SurfacePatch& patch, const IcpConfig& config, PatchPyramid& out) {
+  fill_pyramid(patch, config.levels, config.samples, out);
 }
 
 IcpResult align(const PatchPyramid& patch, const Reference& reference, const ViewCamera& camera, const Pose& start,

@@ -55,6 +55,8 @@ struct IcpResult {
 };
 
 [[nodiscard]] PatchPyramid make_pyramid(const SurfacePatch& patch, const IcpConfig& config);
+/// The same into one whose memory is used again.
+void make_pyramid(const SurfacePatch& patch, const IcpConfig& config, PatchPyramid& out);
 
 /// Aligns the patch, starting at `start`; `prior` is where motion says it is and holds directions that the surface
 /// leaves free. Pure: the same arguments give the same bits. Thread-safe. Never fails: see IcpResult::converged.

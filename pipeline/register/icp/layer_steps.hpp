@@ -30,12 +30,10 @@ template <class Config>
          below(config.small_step_mm, config.small_step_mm / config.rho_mm);
 }
 
-/// Samples of the patch at every layer's stride.
+/// Samples of the patch at every layer's stride, into memory that is used again.
 template <class Layers>
-[[nodiscard]] PatchPyramid pyramid_of(const SurfacePatch& patch, const Layers& layers, const SampleConfig& samples) {
-  PatchPyramid out;
-  for (std::size_t l = 0; l < out.levels.size(); ++l) out.levels[l] = sample_patch(patch, layers[l].stride_px, samples);
-  return out;
+void fill_pyramid(const SurfacePatch& patch, const Layers& layers, const SampleConfig& samples, PatchPyramid& out) {
+  sample_levels(patch, {layers[0].stride_px, layers[1].stride_px, layers[2].stride_px}, samples, out.levels);
 }
 
 /// What a pass and the step made of it say of the alignment.

@@ -30,7 +30,9 @@ LayeredConfig plain_point_to_plane(LayeredConfig config) {
 }
 
 PatchPyramid make_pyramid(const SurfacePatch& patch, const LayeredConfig& config) {
-  return pyramid_of(patch, config.layers, config.samples);
+  PatchPyramid out;
+  fill_pyramid(patch, config.layers, config.samples, out);
+  return out;
 }
 
 IcpResult align_layered(const PatchPyramid& patch, const Reference& reference, const ViewCamera& camera,

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <span>
 
 #include "pipeline/register/icp/pitch.hpp"
 
@@ -15,20 +17,6 @@ bool far_from_edges(const Map<float>& depth, int u, int v, int reach, float jump
   const float z = depth(u, v);
   return std::abs(depth(u - reach, v) - z) < jump && std::abs(depth(u + reach, v) - z) < jump &&
          std::abs(depth(u, v - reach) - z) < jump && std::abs(depth(u, v + reach) - z) < jump;
-}
-
-void append(SampleSet& out, const Vec3f& p, const Vec3f& n, float weight) {
-  out.x.push_back(p.x());
-  out.y.push_back(p.y());
-  out.z.push_back(p.z());
-  out.nx.push_back(n.x());
-  out.ny.push_back(n.y());
-  out.nz.push_back(n.z());
-  out.weights.push_back(weight);
-}
-
-void reserve(SampleSet& out, std::size_t n) {
-  for (auto* field : {&out.x, &out.y, &out.z, &out.nx, &out.ny, &out.nz, &out.weights}) field->reserve(n);
 }
 
 class SigmaHistogram {
@@ -52,34 +40,120 @@ class SigmaHistogram {
   std::size_t count_ = 0;
 };
 
+struct Sample {
+  Vec3f p = Vec3f::Zero(), n = Vec3f::Zero();
+  float sigma = 0, weight = 0;
+};
+
+class SampleRule {
+ public:
+  SampleRule(const SurfacePatch& patch, const SampleConfig& config)
+      : patch_(patch),
+        reach_(config.edge_px),
+        jump_(static_cast<float>(config.edge_pitches * reach_ * mean_pitch_mm(patch.points))),
+        min_cos_(static_cast<float>(std::cos(config.max_incidence_deg * std::numbers::pi / 180))),
+        floor2_(static_cast<float>(config.sigma_floor_mm * config.sigma_floor_mm)) {}
+
+  [[nodiscard]] bool take(int u, int v, Sample& out) const {
+    if (!far_from_edges(patch_.depth_mm, u, v, reach_, jump_)) return false;
+    out.p = patch_.points(u, v);
+    out.n = patch_.normals(u, v);
+    out.sigma = patch_.sigma_mm(u, v);
+    const float cosine = -out.n.dot(out.p) / out.p.norm();
+    out.weight = cosine / (out.sigma * out.sigma + floor2_);
+    return cosine > min_cos_ && std::isfinite(out.weight) && out.sigma >= 0;
+  }
+
+ private:
+  const SurfacePatch& patch_;
+  int reach_;
+  float jump_, min_cos_, floor2_;
+};
+
+/// Fills one set from the rows of a patch. The set's memory is used again.
+class SetWriter {
+ public:
+  SetWriter(SampleSet& out, const SurfacePatch& patch, int stride, int reach)
+      : out_(&out), stride_(stride), offset_(std::max(stride / 2, reach)) {
+    const auto across = static_cast<std::size_t>(patch.depth_mm.width() / stride + 1);
+    const auto down = static_cast<std::size_t>(patch.depth_mm.height() / stride + 1);
+    for (auto* field : fields()) field->resize(across * down);
+  }
+  [[nodiscard]] int stride() const noexcept { return stride_; }
+  [[nodiscard]] int offset() const noexcept { return offset_; }
+  /// Whether each of this set's samples is one of the other's.
+  [[nodiscard]] bool within(const SetWriter& finer) const {
+    return stride_ % finer.stride_ == 0 && offset_ >= finer.offset_ && (offset_ - finer.offset_) % finer.stride_ == 0;
+  }
+  void begin_row(int v) {
+    const bool mine = v >= offset_ && (v - offset_) % stride_ == 0;
+    next_u_ = mine ? offset_ : std::numeric_limits<int>::max();
+  }
+  /// Pixels of a row in their order.
+  [[nodiscard]] bool wants(int u) {
+    if (u != next_u_) return false;
+    next_u_ += stride_;
+    return true;
+  }
+  void add(const Sample& s) {
+    out_->x[n_] = s.p.x(), out_->y[n_] = s.p.y(), out_->z[n_] = s.p.z();
+    out_->nx[n_] = s.n.x(), out_->ny[n_] = s.n.y(), out_->nz[n_] = s.n.z();
+    out_->weights[n_++] = s.weight;
+    sigmas_.add(s.sigma);
+    sum_ += s.p.cast<double>();
+  }
+  void end() {
+    for (auto* field : fields()) field->resize(n_);
+    out_->centroid = n_ > 0 ? Vec3d(sum_ / static_cast<double>(n_)) : Vec3d(Vec3d::Zero());
+    out_->median_sigma_mm = sigmas_.median_mm();
+  }
+
+ private:
+  [[nodiscard]] std::array<std::vector<float>*, 7> fields() const {
+    return {&out_->x, &out_->y, &out_->z, &out_->nx, &out_->ny, &out_->nz, &out_->weights};
+  }
+
+  SampleSet* out_;
+  int stride_, offset_, next_u_ = 0;
+  std::size_t n_ = 0;
+  SigmaHistogram sigmas_;
+  Vec3d sum_ = Vec3d::Zero();
+};
+
+/// The first writer's samples, of which those of the others are some.
+void walk(const SurfacePatch& patch, const SampleRule& rule, int reach, std::span<SetWriter> writers) {
+  SetWriter& finest = writers.front();
+  Sample sample;
+  for (int v = finest.offset(); v < patch.depth_mm.height() - reach; v += finest.stride()) {
+    for (SetWriter& writer : writers) writer.begin_row(v);
+    for (int u = finest.offset(); u < patch.depth_mm.width() - reach; u += finest.stride()) {
+      const bool good = rule.take(u, v, sample);
+      for (SetWriter& writer : writers) {
+        if (writer.wants(u) && good) writer.add(sample);
+      }
+    }
+  }
+  for (SetWriter& writer : writers) writer.end();
+}
+
 }  // namespace
+
+void sample_levels(const SurfacePatch& patch, const std::array<int, 3>& strides, const SampleConfig& config,
+                   std::array<SampleSet, 3>& out) {
+  const SampleRule rule(patch, config);
+  const auto writer = [&](std::size_t l) { return SetWriter(out[l], patch, strides[l], config.edge_px); };
+  std::array writers{writer(2), writer(1), writer(0)};  // finest first
+  if (writers[1].within(writers[0]) && writers[2].within(writers[0])) {
+    walk(patch, rule, config.edge_px, writers);
+    return;
+  }
+  for (SetWriter& one : writers) walk(patch, rule, config.edge_px, {&one, 1});
+}
 
 SampleSet sample_patch(const SurfacePatch& patch, int stride, const SampleConfig& config) {
   SampleSet out;
-  const int reach = config.edge_px;
-  const auto jump = static_cast<float>(config.edge_pitches * reach * mean_pitch_mm(patch.points));
-  const auto min_cos = static_cast<float>(std::cos(config.max_incidence_deg * std::numbers::pi / 180));
-  const auto floor2 = static_cast<float>(config.sigma_floor_mm * config.sigma_floor_mm);
-  const int offset = std::max(stride / 2, reach);
-  reserve(out, patch.depth_mm.size() / static_cast<std::size_t>(stride * stride));
-  SigmaHistogram sigmas;
-  Vec3d sum = Vec3d::Zero();
-  for (int v = offset; v < patch.depth_mm.height() - reach; v += stride) {
-    for (int u = offset; u < patch.depth_mm.width() - reach; u += stride) {
-      if (!far_from_edges(patch.depth_mm, u, v, reach, jump)) continue;
-      const Vec3f& p = patch.points(u, v);
-      const Vec3f& n = patch.normals(u, v);
-      const float sigma = patch.sigma_mm(u, v);
-      const float cosine = -n.dot(p) / p.norm();
-      const float weight = cosine / (sigma * sigma + floor2);
-      if (!(cosine > min_cos) || !std::isfinite(weight) || !(sigma >= 0)) continue;
-      append(out, p, n, weight);
-      sigmas.add(sigma);
-      sum += p.cast<double>();
-    }
-  }
-  if (out.size() > 0) out.centroid = sum / static_cast<double>(out.size());
-  out.median_sigma_mm = sigmas.median_mm();
+  SetWriter writer(out, patch, stride, config.edge_px);
+  walk(patch, SampleRule(patch, config), config.edge_px, {&writer, 1});
   return out;
 }
 

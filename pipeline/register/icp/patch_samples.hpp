@@ -1,6 +1,7 @@
 // The points of a patch that registration may trust, thinned to a grid, with their weights.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "pipeline/types/geometry.hpp"
@@ -27,5 +28,8 @@ struct SampleSet {
 
 /// Samples every stride-th pixel in both directions, row by row. stride >= 1. Pure.
 [[nodiscard]] SampleSet sample_patch(const SurfacePatch& patch, int stride, const SampleConfig& config);
+/// The same with three strides, the last one the finest, into sets whose memory is used again.
+void sample_levels(const SurfacePatch& patch, const std::array<int, 3>& strides, const SampleConfig& config,
+                   std::array<SampleSet, 3>& out);
 
 }  // namespace enamel::pipeline

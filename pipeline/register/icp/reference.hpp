@@ -18,11 +18,19 @@ struct ReferenceConfig {
   double min_coherence = 0.85;  ///< length of the mean normal: below it the window straddles an edge, not matched
 };
 
-/// A thinned copy of the usable pixels of a view; immutable after construction.
+/// Memory that drawing a Reference needs; what it holds is of no use to anybody else.
+struct ReferenceScratch {
+  std::vector<float> line, rows, sums;
+  std::vector<std::uint8_t> along, across, across_before;
+};
+
+/// A thinned copy of the usable pixels of a view.
 class Reference {
  public:
   Reference() = default;
   Reference(const ModelView& view, const ReferenceConfig& config);
+  /// Becomes that of another view. Its memory, and the scratch's, is used again.
+  void draw(const ModelView& view, const ReferenceConfig& config, ReferenceScratch& scratch);
 
   [[nodiscard]] bool empty() const noexcept { return usable_px_ == 0; }
   [[nodiscard]] std::size_t usable_px() const noexcept { return usable_px_; }
@@ -33,10 +41,10 @@ class Reference {
 
   /// Model frame. x of the point is NaN where nothing may be matched. Padded: one cache line serves two.
   struct alignas(32) Pixel {
-    Vec3f point;
-    float unused0;
-    Vec3f normal;
-    float unused1;
+    Vec3f point = Vec3f::Zero();
+    float unused0 = 0;
+    Vec3f normal = Vec3f::Zero();
+    float unused1 = 0;
   };
   [[nodiscard]] const Pixel& pixel(std::size_t i) const noexcept { return pixels_[i]; }
 

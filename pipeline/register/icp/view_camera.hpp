@@ -22,6 +22,10 @@ class ViewCamera {
     const float inv_z = 1.0F / p.z();
     return {fx_ * (p.x() * inv_z) + cx_, fy_ * (p.y() * inv_z) + cy_};
   }
+  [[nodiscard]] float fx() const noexcept { return fx_; }
+  [[nodiscard]] float fy() const noexcept { return fy_; }
+  [[nodiscard]] float cx() const noexcept { return cx_; }
+  [[nodiscard]] float cy() const noexcept { return cy_; }
 
  private:
   float fx_ = 1, fy_ = 1, cx_ = 0, cy_ = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <numbers>
-#include <vector>
 
 #include "pipeline/register/icp/seconds.hpp"
 
@@ -32,22 +31,25 @@ std::optional<IcpResult> NearAlignment::operator()(const SegmentMemory& segment,
   const MotionModel& motion = segment.motion;
   const Pose predicted = motion.predict(burst.t);
   const Ask ask{segment, burst, predicted};
-  std::vector<Pose> starts{predicted, motion.last_pose()};
-  if (const auto by_twist = motion.predict_by_twist(burst.t)) starts.insert(starts.begin() + 1, *by_twist);
+  Starts starts;
+  starts.add(predicted);
+  if (const auto by_twist = motion.predict_by_twist(burst.t)) starts.add(*by_twist);
+  starts.add(motion.last_pose());
   // The model first: it averages many bursts. The last patch covers what the model, two bursts behind, does not show
   // yet.
   if (!burst.view.empty && burst.view.segment == segment.id) {
-    if (auto found = from(starts, reference_of(burst.view), ask)) return found;
+    if (auto found = from(std::span(starts.poses).first(starts.count), reference_of(burst.view), ask)) return found;
   }
   for (const Pose& turned :
        turned_about_work_point(motion.last_pose(), config_.motion.work_distance_mm, config_.wrist_deg)) {
-    starts.push_back(turned);
+    starts.add(turned);
   }
-  return from(starts, Reference(*segment.last_patch, config_.icp.reference), ask);
+  const ModelView last = viewer_(*segment.last_patch->patch, segment.last_patch->T_model_cam);
+  return from(std::span(starts.poses).first(starts.count), Reference(last, config_.icp.reference), ask);
 }
 
 const Reference& NearAlignment::reference_of(const ModelView& view) {
-  if (view.drawing == 0 || view.drawing != drawing_) reference_ = Reference(view, config_.icp.reference);
+  if (view.drawing == 0 || view.drawing != drawing_) reference_.draw(view, config_.icp.reference, scratch_);
   drawing_ = view.drawing;
   return reference_;
 }

@@ -2,11 +2,14 @@
 // to the last patch. Private to register/track.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 
 #include "pipeline/register/icp/icp.hpp"
+#include "pipeline/register/icp/patch_view.hpp"
 #include "pipeline/register/track/burst_texture.hpp"
 #include "pipeline/register/track/segment_memory.hpp"
 #include "pipeline/register/track/tracker_config.hpp"
@@ -17,8 +20,8 @@ namespace enamel::pipeline {
 /// Refers to what its owner keeps. Remembers what it made of the model's view last: results do not depend on it.
 class NearAlignment {
  public:
-  NearAlignment(const TrackerConfig& config, const calib::LensValues& lens)
-      : config_(config), lens_(lens), camera_(lens) {}
+  NearAlignment(const TrackerConfig& config, const calib::LensValues& lens, const PatchViewer& viewer)
+      : config_(config), lens_(lens), viewer_(viewer), camera_(lens) {}
 
   struct Burst {
     const PatchPyramid& pyramid;
@@ -32,6 +35,12 @@ class NearAlignment {
   [[nodiscard]] std::optional<IcpResult> operator()(const SegmentMemory& segment, const Burst& burst);
 
  private:
+  /// Poses to begin with, in their order.
+  struct Starts {
+    std::array<Pose, 11> poses;
+    std::size_t count = 0;
+    void add(const Pose& pose) { poses[count++] = pose; }
+  };
   struct Ask {
     const SegmentMemory& segment;
     const Burst& burst;
@@ -49,9 +58,11 @@ class NearAlignment {
 
   const TrackerConfig& config_;
   const calib::LensValues& lens_;
+  const PatchViewer& viewer_;
   ViewCamera camera_;
   Reference reference_;        ///< of the view …
   std::uint64_t drawing_ = 0;  ///< … with this ModelView::drawing
+  ReferenceScratch scratch_;
 };
 
 }  // namespace enamel::pipeline

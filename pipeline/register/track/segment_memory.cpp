@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "pipeline/register/icp/patch_view.hpp"
-
 namespace enamel::pipeline {
 
 void SegmentMemory::absorb(SegmentMemory&& other, const Pose& T_this_other, bool is_newer) {
@@ -13,8 +11,8 @@ void SegmentMemory::absorb(SegmentMemory&& other, const Pose& T_this_other, bool
   motion.carry_into(T_this_other);
   texture = std::move(other.texture);
   if (texture) texture->T_model_cam = T_this_other * texture->T_model_cam;
-  last_patch.reset();
-  if (other.last_patch) last_patch = carried_into(T_this_other, std::move(*other.last_patch));
+  last_patch = std::move(other.last_patch);
+  if (last_patch) last_patch->T_model_cam = T_this_other * last_patch->T_model_cam;
 }
 
 }  // namespace enamel::pipeline

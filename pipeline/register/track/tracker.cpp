@@ -35,7 +35,7 @@ struct Tracker::Burst {
   BurstId id;
   DeviceTime t;
   bool in_sequence;  ///< a moment after the last one
-  const SurfacePatch& patch;
+  const std::shared_ptr<const SurfacePatch>& patch;
   const PatchPyramid& pyramid;
   BurstTexture& texture;
   const ModelView& view;
@@ -50,17 +50,17 @@ Tracker::Tracker(const calib::Rig& rig, const TrackerConfig& config)
                FringePhase(rig)},
       grid_size_(full_grid(rig.camera, config.icp.levels.back().stride_px)),
       viewer_(lens_, lens_.width, lens_.height, config_.keyframes.view_stride),
-      near_(config_, lens_),
+      near_(config_, lens_, viewer_),
       votes_(config_.join) {}
 
-TrackResult Tracker::track(BurstId id, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view,
-                           const std::optional<ProbeTwist>& twist) {
+TrackResult Tracker::track(BurstId id, DeviceTime t_mid, const std::shared_ptr<const SurfacePatch>& patch,
+                           const ModelView& view, const std::optional<ProbeTwist>& twist) {
   const bool in_sequence = last_seen_ && t_mid > *last_seen_ && seconds(*last_seen_, t_mid) <= config_.max_gap_s;
   last_seen_ = t_mid;
-  const PatchPyramid pyramid = make_pyramid(patch, config_.icp);
-  BurstTexture texture(patch, texture_);
-  const Burst burst{id, t_mid, in_sequence, patch, pyramid, texture, view, twist};
-  if (static_cast<double>(pyramid.levels.back().size()) < config_.start_coverage * static_cast<double>(grid_size_)) {
+  make_pyramid(*patch, config_.icp, pyramid_);
+  BurstTexture texture(*patch, texture_);
+  const Burst burst{id, t_mid, in_sequence, patch, pyramid_, texture, view, twist};
+  if (static_cast<double>(pyramid_.levels.back().size()) < config_.start_coverage * static_cast<double>(grid_size_)) {
     TrackResult lost;
     if (!segments_.empty()) lost.T_model_cam = find(active_).motion.last_pose();
     lost.segment = active_;
@@ -73,7 +73,7 @@ TrackResult Tracker::track(BurstId id, DeviceTime t_mid, const SurfacePatch& pat
   if (auto back = back_in_an_older(burst, here)) return *back;
   TrackResult out = here ? accept(find(active_), TrackState::kTracking, burst, *here)
                          : accept(start(burst), TrackState::kStarted, burst, as_it_lies());
-  if (const auto join = vote({id, out.segment, out.T_model_cam}, patch, pyramid)) {
+  if (const auto join = vote({id, out.segment, out.T_model_cam}, *patch, pyramid_)) {
     out.state = TrackState::kRelocalised;
     out.segment = join->into;
     out.T_model_cam = join->T_into_segment * out.T_model_cam;
@@ -189,9 +189,9 @@ void Tracker::remember_texture(SegmentMemory& segment, const Burst& burst, const
 
 TrackResult Tracker::accept(SegmentMemory& segment, TrackState state, const Burst& burst, const IcpResult& icp) {
   segment.motion.add(burst.t, icp.T_model_cam, burst.twist);
-  segment.last_patch = viewer_(burst.patch, icp.T_model_cam);
+  segment.last_patch = {burst.patch, icp.T_model_cam};
   if (segment.keyframes.wants(icp.T_model_cam)) {
-    segment.keyframes.add(burst.patch, icp.T_model_cam, *segment.last_patch);
+    segment.keyframes.add(*burst.patch, icp.T_model_cam, viewer_(*burst.patch, icp.T_model_cam));
   } else {
     segment.keyframes.describe_next_surface();
   }

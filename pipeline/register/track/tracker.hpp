@@ -2,7 +2,9 @@
 // its own, which is joined to an older one as soon as bursts agree where it lies.
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "calib/model/rig.hpp"
@@ -37,8 +39,14 @@ class Tracker {
 
   /// view: a segment as it was some bursts ago, drawn from any recent pose, or empty. t_mid: data time of mid-burst.
   /// twist: what the burst itself shows of the probe's velocity; a prior for the bursts to come.
-  [[nodiscard]] TrackResult track(BurstId burst, DeviceTime t_mid, const SurfacePatch& patch, const ModelView& view,
-                                  const std::optional<ProbeTwist>& twist = std::nullopt);
+  /// The patch is kept until the next one is placed.
+  [[nodiscard]] TrackResult track(BurstId burst, DeviceTime t_mid, const std::shared_ptr<const SurfacePatch>& patch,
+                                  const ModelView& view, const std::optional<ProbeTwist>& twist = std::nullopt);
+  /// The same of a patch that nobody shares.
+  [[nodiscard]] TrackResult track(BurstId burst, DeviceTime t_mid, SurfacePatch patch, const ModelView& view,
+                                  const std::optional<ProbeTwist>& twist = std::nullopt) {
+    return track(burst, t_mid, std::make_shared<const SurfacePatch>(std::move(patch)), view, twist);
+  }
 
   /// Looks for the place of a burst, whose segment is still apart, in the older segments that are remembered. After the
   /// scan, when these have all their keyframes; `burst` as track() placed it, after the joins since.
@@ -79,6 +87,7 @@ class Tracker {
   SegmentId active_ = kModelSegment;     ///< where the last burst was placed
   SegmentId next_id_ = kModelSegment;
   JoinVotes votes_;
+  PatchPyramid pyramid_;                 ///< of the burst at hand
   std::optional<DeviceTime> last_seen_;  ///< of the last burst handed in
   std::uint64_t searches_ = 0;
 };
