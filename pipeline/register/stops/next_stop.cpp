@@ -184,7 +184,7 @@ double StopPlanner::usual_picture_mm2() const {
   return *middle;
 }
 
-double StopPlanner::seconds_to(const Candidate& c) const {
+double StopPlanner::cost_s(const Candidate& c) const {
   const double way = std::max(std::abs(c.rot_deg - rot_deg_), std::abs(c.swing_deg - swing_deg_));
   return config_.stop_s + way / config_.speed_deg_per_s;
 }
@@ -198,7 +198,7 @@ std::optional<calib::AxisAngles> StopPlanner::plan() {
     if (c.is_taken) continue;
     const Gain g = gain_of(c);
     if (g.overlap_mm2 < least_overlap || g.gain_mm2 < least_gain) continue;
-    const double rate = g.gain_mm2 / seconds_to(c);
+    const double rate = g.gain_mm2 / cost_s(c);
     if (rate <= best_rate) continue;
     best_rate = rate;
     best = &c;

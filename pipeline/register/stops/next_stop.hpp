@@ -21,16 +21,16 @@ struct PlannerConfig {
   double swing_from_deg = -30, swing_to_deg = 30, swing_step_deg = 10;
   double search_step_deg =
       20;  ///< derived: a picture is 13.5 mm high, 28 degrees of a circle of 27 mm: nothing between
-  double max_incidence_deg = 65;   ///< chosen: sigma of depth is doubled there
+  double max_incidence_deg = 75;   ///< derived: what is met flatter is not measured
   double good_incidence_deg = 50;  ///< chosen: better than this is not looked for
-  double better_share = 0.3;       ///< chosen: what of a place's worth is being seen well, the rest being seen at all
+  double better_share = 0.1;       ///< chosen: what of a place's worth is being seen well, the rest being seen at all
   double cell_mm = 0.35;       ///< chosen: what lies between two teeth is not much wider; a third finer is 4x as slow
   double reach_mm = 9;         ///< derived: of a picture 13.5 mm high, 30 % overlap
-  double min_overlap = 0.3;    ///< of a usual picture, so that a stop can be laid on what was seen
-  double min_gain = 0.04;      ///< of a usual picture: chosen, see docs/desktop-scan.md
+  double min_overlap = 0.2;    ///< of a usual picture, so that a stop can be laid on what was seen
+  double min_gain = 0.015;     ///< of a usual picture: chosen, see docs/desktop-scan.md
   double min_picture_mm2 = 5;  ///< chosen: a stop that shows less saw no model
   std::size_t max_stops = 96;  ///< chosen: a third more than the plan `full` has
-  double stop_s = 0.4;         ///< settling and four bursts
+  double stop_s = 3;           ///< chosen: what a stop counts beside its way, so that few stops come before short ways
   double speed_deg_per_s = 20;
 };
 
@@ -81,7 +81,7 @@ class StopPlanner {
   [[nodiscard]] Gain gain_of(const Candidate& candidate);
   [[nodiscard]] double worth(float cosine) const;
   [[nodiscard]] double usual_picture_mm2() const;
-  [[nodiscard]] double seconds_to(const Candidate& candidate) const;
+  [[nodiscard]] double cost_s(const Candidate& candidate) const;
 
   calib::Mount mount_;
   PlannerConfig config_;
