@@ -86,7 +86,9 @@ TEST_F(LateLight, is_exposed_as_long_as_asked_and_says_so) {
   const auto lit_exposures = [&](int frames) {
     std::vector<std::uint32_t> out;
     for (int i = 0; i < 200 && std::cmp_less(out.size(), frames); ++i) {
-      if (out.size() % 4 == 0) EXPECT_TRUE(device_->arm());
+      if (out.size() % 4 == 0) {
+        EXPECT_TRUE(device_->arm());
+      }
       const auto frame = device_->next_frame();
       if (frame && tag_of(frame->pixels.bytes())) out.push_back(frame->exposure_us);
     }

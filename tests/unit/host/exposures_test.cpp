@@ -104,8 +104,22 @@ void expect_more_and_nothing_worse(const Stop& stop, double least_gain) {
   for (std::size_t i = 0; i < one.depth_mm.size(); ++i)
     lost += !std::isnan(one.depth_mm[i]) && std::isnan(all.depth_mm[i]) ? 1U : 0U;
   EXPECT_LE(static_cast<double>(lost), 0.01 * static_cast<double>(before.px)) << "seen by one exposure, not by all";
-  std::printf("%zu -> %zu px, median %.4f -> %.4f mm, far %.4f -> %.4f, lost %zu\n", before.px, after.px,
-              before.median_mm, after.median_mm, before.far_share, after.far_share, lost);
+}
+
+/// Of what glares in the first burst and has no depth there, the share that has one by all.
+double share_healed(const Stop& stop) {
+  constexpr int kClipped = 247;  // of 255
+  const SurfacePatch one = stop.patch(1), all = stop.patch(stop.bursts.size());
+  std::size_t blind = 0, healed = 0;
+  for (std::size_t i = 0; i < one.depth_mm.size(); ++i) {
+    bool clips = false;
+    for (int k = 0; k < 4; ++k) clips = clips || proto::frame_bytes(*stop.bursts[0], k)[i] >= kClipped;
+    if (!clips || !std::isnan(one.depth_mm[i])) continue;
+    ++blind;
+    healed += std::isnan(all.depth_mm[i]) ? 0U : 1U;
+  }
+  EXPECT_GT(blind, 300U) << "nothing glares, and nothing can be healed";
+  return blind == 0 ? 0 : static_cast<double>(healed) / static_cast<double>(blind);
 }
 
 TEST(Exposures, dark_dies_need_a_longer_one_and_gain_by_it) {
@@ -119,7 +133,7 @@ TEST(Exposures, dark_dies_need_a_longer_one_and_gain_by_it) {
   stop.expose(further[0]);
   EXPECT_TRUE(is_exposed(*stop.bursts[1], further[0]));
   EXPECT_FALSE(is_exposed(*stop.bursts[0], further[0]));
-  expect_more_and_nothing_worse(stop, 0.05);
+  expect_more_and_nothing_worse(stop, 0.3);
 }
 
 TEST(Exposures, coated_stone_in_bright_light_needs_a_shorter_one_and_gains_by_it) {
@@ -135,7 +149,8 @@ TEST(Exposures, coated_stone_in_bright_light_needs_a_shorter_one_and_gains_by_it
   ASSERT_EQ(further.size(), 1U);
   EXPECT_LT(further[0], stop.bursts[0]->meta[0].exposure_us);
   stop.expose(further[0]);
-  expect_more_and_nothing_worse(stop, 0.05);
+  expect_more_and_nothing_worse(stop, 0.005);
+  EXPECT_GT(share_healed(stop), 0.6);
 }
 
 TEST(Exposures, plain_stone_needs_no_other) {
