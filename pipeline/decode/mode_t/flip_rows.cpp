@@ -55,19 +55,8 @@ void flip_loop(const PhaseMaps& m, const RowErrors& errors, std::size_t at, std:
   }
 }
 
-/// layout: pixels of a stretch, all of which are worked where one is asked. Most are not: flips are few.
-constexpr std::size_t kFlipStretch = 16;
-
-/// Whether one of a stretch's pixels may be asked.
-[[gnu::always_inline]] inline bool is_near_flip(const float* weights) {
-  const float* __restrict weight = weights;
-  int near = 0;
-  for (std::size_t u = 0; u < kFlipStretch; ++u) near |= static_cast<int>(std::abs(weight[u]) < kFull);
-  return near != 0;
-}
-
-void rejoin(const FlipRow& flips, const NoiseModel& model, std::size_t at, std::size_t width, PhaseMaps& m,
-            float* weights) {
+void rejoin_loop(const FlipRow& flips, const NoiseModel& model, std::size_t at, std::size_t width, PhaseMaps& m,
+                 float* weights) {
   const NoiseModel noise = model;  // a copy cannot alias what is written
   const float drop = flips.drop_sigmas, ramp = 1.0F / (flips.full_sigmas - flips.drop_sigmas);
   const float* __restrict blur = flips.sigma_rad, * __restrict rate = flips.motion_rad, * __restrict mean = &m.mean_dn[at];
@@ -104,22 +93,6 @@ void rejoin(const FlipRow& flips, const NoiseModel& model, std::size_t at, std::
     residual[u] = select(asked, r, residual[u]);
     weight[u] = select(asked, b * w, weight[u]);
   }
-}
-
-void rejoin_loop(const FlipRow& flips, const NoiseModel& noise, std::size_t at, std::size_t width, PhaseMaps& m,
-                 float* weights) {
-  const auto work = [&](std::size_t begin, std::size_t end) {
-    if (begin == end) return;
-    const FlipRow row{flips.sigma_rad + begin, flips.motion_rad + begin, flips.drop_sigmas, flips.full_sigmas};
-    rejoin(row, noise, at + begin, end - begin, m, weights + begin);
-  };
-  std::size_t begin = 0, u = 0;
-  for (; u + kFlipStretch <= width; u += kFlipStretch) {
-    if (is_near_flip(weights + u)) continue;
-    work(begin, u);
-    begin = u + kFlipStretch;
-  }
-  work(begin, width);
 }
 
 }  // namespace enamel::pipeline::HWY_NAMESPACE
