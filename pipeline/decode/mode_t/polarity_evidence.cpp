@@ -72,7 +72,7 @@ void PolarityEvidence::costs_of_states(std::size_t first, std::span<const std::i
     for (std::size_t j = 0; j < kOrderStates; j += 4) {
       Four here{};
       std::memcpy(&here, sign + j, sizeof here);
-      here = here > 0 ? plus : minus;
+      here = here > Four{} ? plus : minus;
       std::memcpy(out[k].data() + j, &here, sizeof here);
     }
   }

@@ -83,7 +83,7 @@ class Rows {
       const bool counts = (off > 0) & (k > r.repeats_to) & (k < r.repeats_from);
       const float cost = nats[k] + per_order * static_cast<float>(counts ? off : 0);
       const std::int32_t in_64ths = (static_cast<std::int32_t>(smaller(cost, kImpossibleNats) * 128) + 1) >> 1;
-      priced[static_cast<std::size_t>(k)] = (k >= r.first) & (k <= r.last) ? in_64ths : kImpossible;
+      priced[static_cast<std::size_t>(k)] = ((k >= r.first) & (k <= r.last)) ? in_64ths : kImpossible;
     }
     for (std::size_t k = 0; k < kOrderStates; ++k) out.of[k] = static_cast<Cost>(priced[k]);
   }

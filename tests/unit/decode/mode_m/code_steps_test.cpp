@@ -110,5 +110,61 @@ TEST(MicroEvidence, a_narrow_segment_at_the_images_border_is_heard) {
   }
 }
 
+/// The sums of a row whose pixels know their fringe, against those of each pixel turned by it.
+TEST(CodeSums, know_the_turns_of_the_flood) {
+  const Seen s = see(0, 0.02);
+  constexpr std::size_t kRow = 7;
+  const std::int16_t* wraps = &s.flood.wraps(0, kRow);
+  CodeSumRow wrapped, unwrapped;
+  code_sums_of_row(s.phase, s.noise, s.code, kRow, wrapped);
+  unwrapped_sums_of_row(s.phase, s.noise, s.code, wraps, kRow, unwrapped);
+  double left_as_they_are = 0;
+  for (std::size_t u = 0; u < kWidth; ++u) {
+    const auto order = static_cast<std::size_t>(wraps[u]);
+    const CodeSums want = turned(wrapped.at(u), s.code.cosine[order], s.code.sine[order]), found = unwrapped.at(u);
+    const float size = want.xx + want.yy;
+    EXPECT_NEAR(found.xx, want.xx, 1e-5F * size) << u;
+    EXPECT_NEAR(found.xy, want.xy, 1e-5F * size) << u;
+    EXPECT_NEAR(found.xd, want.xd, 1e-5F * size) << u;
+    EXPECT_NEAR(found.yd, want.yd, 1e-5F * size) << u;
+    EXPECT_EQ(found.dd, wrapped.at(u).dd) << u;
+    left_as_they_are = std::max(left_as_they_are, static_cast<double>(std::abs(wrapped.at(u).xx - want.xx) / size));
+  }
+  EXPECT_GT(left_as_they_are, 0.1);
+}
+
+/// The labelling asks for all states of many segments at once.
+TEST(MicroEvidence, says_of_states_together_what_it_says_of_cells_one_by_one) {
+  constexpr int kFringe_px = 13, kSegments = 70;
+  const Seen s = see(0, 0.05);
+  std::vector<Segment> segments(kSegments);
+  std::vector<std::int32_t> cells;
+  for (int k = 0; k < kSegments; ++k) {
+    Segment& p = segments[static_cast<std::size_t>(k)];
+    p.row = k / 10, p.begin = k % 10 * kFringe_px, p.end = p.begin + kFringe_px;
+    cells.push_back(k * 3 - 60);  // from before the frame to beyond it
+  }
+  MicroEvidence evidence;
+  evidence.measure(s.phase, s.noise, segments, s.code, 4.6F);
+  std::vector<StateNats> together(kSegments);
+  evidence.costs_of_states(0, cells, together.data());
+  int asked = 0, alike = 0;
+  for (std::size_t k = 0; k < kSegments; ++k) {
+    for (std::size_t state = 0; state < kOrderStates; ++state) {
+      const std::int32_t cell = cells[k] + 2 * static_cast<std::int32_t>(state);
+      if (cell < 0 || cell >= evidence.cells()) continue;
+      std::array<float, 1> one{};
+      evidence.costs(k, cell, one);
+      EXPECT_EQ(together[k][state], one[0]) << k << " state " << state;
+      ++asked;
+      if (cell < 2) continue;
+      evidence.costs(k, cell - 2, one);
+      alike += together[k][state] == one[0] ? 1 : 0;
+    }
+  }
+  EXPECT_GT(asked, kSegments * 8);
+  EXPECT_LT(alike, asked / 2);  // another order costs something else
+}
+
 }  // namespace
 }  // namespace enamel::pipeline

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
+#include "pipeline/decode/mode_m/micro_join.hpp"
 #include "pipeline/decode/mode_m/micro_phase.hpp"
 #include "tests/support/fold_error.hpp"
 #include "tests/unit/decode/dsim.hpp"
@@ -29,11 +31,13 @@ double phase_of(int i) {
 /// A burst through the refit; every row's spans are its half fringes, as the decoder would have placed them.
 struct Refit {
   MicroCode code;
-  PhaseMaps three, maps;
+  PhaseMaps three, before, maps;  ///< before: motion is undone
   Map<std::int16_t> wraps;
   std::vector<CellSpan> spans;
   MicroMotion motion;
   CodeStrips strips;
+  NoiseModel noise;
+  float third = 0;
 
   explicit Refit(const Options& o, bool saturated_code = false) {
     const calib::Rig rig = test::micro_rig(8, 8);
@@ -44,14 +48,15 @@ struct Refit {
       const double light = gain * test::frame_wave(rig.patterns, k, phase_of(i) + o.motion_rad * (k - 1.5), o.harmonic);
       return light + (o.noise > 0 ? o.noise * normal() : 0);
     });
-    const NoiseModel noise = noise16(std::max(o.noise, 1e-3));
+    noise = noise16(std::max(o.noise, 1e-3));
     compute_micro_phase(frames.view(), noise, {}, maps);
     if (saturated_code) std::fill(maps.code_dn.pixels().begin(), maps.code_dn.pixels().end(), std::nanf(""));
     three = maps;
     place();
-    const float third = estimate_third_harmonic(spans, maps).a1_rad;
+    third = estimate_third_harmonic(spans, maps).a1_rad;
     correct_third_harmonic(wraps, third, maps);
     fit_micro_motion({maps, wraps, code, third, noise}, {}, motion);
+    before = maps;
     undo_micro_motion(wraps, motion, maps);
     join_code_frame({spans, wraps, code, motion, third, noise}, {}, maps, {strips});
   }
@@ -143,6 +148,47 @@ TEST(MicroRefit, without_a_code_frame_the_three_frame_solution_stays) {
   for (std::size_t i = 0; i < r.maps.sigma_rad.size(); ++i)
     ASSERT_NEAR(r.maps.sigma_rad[i], r.three.sigma_rad[i], 1e-6);
   EXPECT_NEAR(r.rms_of(r.maps), r.rms_of(r.three), 1e-4);
+}
+
+/// Pixels at which a map differs.
+template <class T>
+std::size_t differing(const Map<T>& a, const Map<T>& b) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += a[i] == b[i] ? 0U : 1U;
+  return count;
+}
+
+TEST(MicroRefit, row_by_row_gives_the_bits_of_one_step_after_the_other) {
+  const Refit r({.noise = 0.02, .motion_rad = 0.1});
+  const CodeJoin join{r.spans, r.wraps, r.code, r.motion, r.third, r.noise};
+  CodeStrips strips;
+  std::vector<float> scratch;
+  PhaseMaps together = r.before, left_in = r.before;
+  undo_motion_and_join(join, {}, together, {strips}, scratch);
+  EXPECT_EQ(differing(together.phase_rad, r.maps.phase_rad), 0U);
+  EXPECT_EQ(differing(together.sigma_rad, r.maps.sigma_rad), 0U);
+  EXPECT_EQ(differing(together.reject, r.maps.reject), 0U);
+  join_code_frame(join, {}, left_in, {strips});
+  EXPECT_GT(differing(left_in.phase_rad, r.maps.phase_rad), r.maps.phase_rad.size() / 2);
+}
+
+TEST(MicroRefit, stretches_without_a_surface_stay_as_they_are) {
+  const Refit r({.noise = 0.02, .motion_rad = 0.1});
+  constexpr int kBegin = 77, kEnd = 300;
+  Map<std::int16_t> wraps = r.wraps;
+  for (int v = 0; v < kHeight; v += 2) std::fill(&wraps(kBegin, v), &wraps(kEnd, v), kNoWraps);
+  PhaseMaps maps = r.before, whole = r.before;
+  undo_micro_motion(wraps, r.motion, maps);
+  undo_micro_motion(r.wraps, r.motion, whole);
+  std::size_t moved = 0;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const bool surface = wraps(u, v) != kNoWraps;
+      ASSERT_EQ(maps.phase_rad(u, v), (surface ? whole : r.before).phase_rad(u, v)) << u << ' ' << v;
+      moved += maps.phase_rad(u, v) == r.before.phase_rad(u, v) ? 0U : 1U;
+    }
+  }
+  EXPECT_GT(moved, maps.phase_rad.size() / 2);
 }
 
 }  // namespace
