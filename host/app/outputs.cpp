@@ -153,6 +153,7 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   report.known_line = known_line(scan);
   report.stage_ms = scan.stage_ms;
   report.latency_ms = scan.latency_ms;
+  report.pixel_ms = scan.pixel_ms;
   report.link_ms = scan.link_ms;
   report.pipeline_json = scan.graph_json;
   report.bottleneck = scan.figures.bottleneck;

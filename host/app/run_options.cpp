@@ -130,6 +130,11 @@ void print_summary(const host::Report& report, bool json) {
                                        number(report.latency_ms.p95, "%.0f", " / ") +
                                        number(report.latency_ms.p99, "%.0f", " ms"));
   }
+  if (report.pixel_ms.p50 > 0) {
+    row("to the screen p50 / p95 / p99", number(report.pixel_ms.p50, "%.0f", " / ") +
+                                             number(report.pixel_ms.p95, "%.0f", " / ") +
+                                             number(report.pixel_ms.p99, "%.0f", " ms"));
+  }
   if (!report.link_ms.empty()) {
     const host::Percentiles link = host::percentiles_of(report.link_ms);
     row("link p50 / p95 / p99",

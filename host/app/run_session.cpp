@@ -44,6 +44,7 @@ class Watch {
     while (!session_.ended()) {
       const PreviewFrame now = look();
       obey(screen_.draw(now), now);
+      if (const auto shown = screen_.take_shown()) session_.shown(shown->burst, shown->at);
       if (!screen_.has_window()) clock_.sleep_for(kIdle);
       progress_.update(now.counters.fused + now.counters.rejected);
       if (now.state == ScanState::kRefining) tell_refinement(now.refined);

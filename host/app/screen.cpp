@@ -53,6 +53,7 @@ void Screen::add(std::shared_ptr<const BurstPreview> burst) {
   if (!burst) return;
   newest_ = std::move(burst);
   trail_.add(*newest_);
+  newest_shown_ = !newest_->rejected.empty();  // of a burst that was rejected there is nothing to see
 }
 
 std::shared_ptr<PreviewFrame> Screen::frame(PreviewFrame session) const {
@@ -67,7 +68,13 @@ view::UserCommands Screen::draw(PreviewFrame session) {
   window_->wait_frame();
   const view::UserCommands commands = window_->poll();
   // A frame that the driver refuses is left out; the next one is tried anew.
+  const std::uint64_t before = window_->stats().frames_drawn;
   static_cast<void>(window_->render(frame(std::move(session))));
+  const view::ViewerStats now = window_->stats();
+  if (now.frames_drawn > before && !newest_shown_) {
+    newest_shown_ = true;
+    shown_ = Shown{newest_->burst, now.last_shown};
+  }
   return commands;
 }
 

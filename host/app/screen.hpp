@@ -3,7 +3,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "calib/model/rig.hpp"
 #include "pipeline/types/mesh.hpp"
@@ -32,6 +34,12 @@ class Screen {
   void add(std::shared_ptr<const BurstPreview> burst);
   /// Draws the newest burst and handles the keyboard. Without a window: nothing to do, nothing wanted.
   view::UserCommands draw(PreviewFrame session);
+  /// The burst that the last draw() was the first to show and since when, once.
+  struct Shown {
+    BurstId burst;
+    HostTime at;
+  };
+  [[nodiscard]] std::optional<Shown> take_shown() { return std::exchange(shown_, std::nullopt); }
   /// Last picture, of the finished mesh, to a PNG. Returns which path drew it. Errors: kDisplay, kFileWrite.
   [[nodiscard]] Result<std::string> write_picture(PreviewFrame session, const Mesh& mesh, const std::string& path);
 
@@ -42,6 +50,8 @@ class Screen {
   Clock& clock_;
   std::unique_ptr<view::ViewerWindow> window_;
   std::shared_ptr<const BurstPreview> newest_;
+  bool newest_shown_ = true;
+  std::optional<Shown> shown_;
   view::Trail trail_;
 };
 

@@ -127,6 +127,7 @@ std::string to_json(const Report& r) {
                         {"sight", sight(r.sight)},
                         {"rate_hz", r.rate_hz},
                         {"latency_ms", percentiles(r.latency_ms)},
+                        {"pixel_ms", percentiles(r.pixel_ms)},
                         {"link_ms", link(r.link_ms)},
                         {"stage_ms", stages},
                         {"hash", r.hash},

@@ -46,6 +46,7 @@ struct Report {
   SightTotals sight;
   double rate_hz = 0;           ///< accepted bursts by the time the run took; wall time, so not part of the hash
   Percentiles latency_ms;       ///< last exposure to fused, live runs only
+  Percentiles pixel_ms;         ///< last exposure to the screen, of the bursts shown; live runs with a window only
   std::vector<double> link_ms;  ///< last exposure to host, of each accepted burst in order; live runs only
   std::map<std::string, Percentiles> stage_ms;
   std::string pipeline_json;  ///< object: what each stage took and waited for; wall time, so not part of the hash

@@ -232,6 +232,10 @@ PreviewSlot* LiveSession::preview() {
   return pipeline != nullptr ? &pipeline->preview() : nullptr;
 }
 
+void LiveSession::shown(BurstId burst, HostTime at) {
+  if (ScanPipeline* pipeline = pipeline_ready_.load(std::memory_order_acquire)) pipeline->shown(burst, at);
+}
+
 std::shared_ptr<const PipelineFigures> LiveSession::figures() const {
   const ScanPipeline* pipeline = pipeline_ready_.load(std::memory_order_acquire);
   return pipeline != nullptr ? pipeline->figures() : nullptr;

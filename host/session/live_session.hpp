@@ -58,6 +58,7 @@ class LiveSession final : public Session, private FeedSink {
 
   [[nodiscard]] PreviewFrame view() const override;
   [[nodiscard]] PreviewSlot* preview() override;
+  void shown(BurstId burst, HostTime at) override;
   [[nodiscard]] std::shared_ptr<const PipelineFigures> figures() const override;
   [[nodiscard]] std::optional<calib::Rig> rig() const override;
   [[nodiscard]] Result<Outcome> finish() override;

@@ -44,6 +44,7 @@ class ReplaySession final : public Session {
 
   [[nodiscard]] PreviewFrame view() const override;
   [[nodiscard]] PreviewSlot* preview() override { return &pipeline_->preview(); }
+  void shown(BurstId burst, HostTime at) override { pipeline_->shown(burst, at); }
   [[nodiscard]] std::shared_ptr<const PipelineFigures> figures() const override { return pipeline_->figures(); }
   [[nodiscard]] std::optional<calib::Rig> rig() const override { return rig_; }
   [[nodiscard]] Result<Outcome> finish() override;

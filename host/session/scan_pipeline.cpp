@@ -48,8 +48,9 @@ struct ScanPipeline::Impl {
   Clock& clock;
   std::once_flag started;
   IngressGate<Accepted> gate;
-  ExposureTimes exposures;      ///< live only
-  std::vector<double> link_ms;  ///< of push()'s thread
+  ExposureTimes exposures, to_show;  ///< live only; to_show with somebody who watches
+  LogHistogram pixel_ns;             ///< last exposure to the screen
+  std::vector<double> link_ms;       ///< of push()'s thread
   flow::Graph graph;
   PreviewSlot preview;
   std::atomic<SinkStage*> sink{nullptr};  ///< of the graph, once built
@@ -181,6 +182,7 @@ bool ScanPipeline::push(Accepted item) {
   impl_->start(item.burst->temp_centi_c / 100.0);
   take_in(*item.burst, impl_->temp_c);
   if (item.exposed) impl_->exposures.note(item.id, *item.exposed);
+  if (item.exposed && impl_->options.preview_model) impl_->to_show.note(item.id, *item.exposed);
   if (item.exposed && item.arrived)
     impl_->link_ms.push_back(1e-6 * static_cast<double>((*item.arrived - *item.exposed).count()));
   if (impl_->gate.push(std::move(item))) return false;
@@ -206,12 +208,18 @@ Result<void> ScanPipeline::join() {
 
 PreviewSlot& ScanPipeline::preview() { return impl_->preview; }
 
+void ScanPipeline::shown(BurstId burst, HostTime at) {
+  if (const auto exposed = impl_->to_show.take(burst)) impl_->pixel_ns.record((at - *exposed).count());
+}
+
 void ScanPipeline::count_into(PreviewFrame& frame) const {
   const SinkStage* sink = impl_->sink;
   if (sink == nullptr) return;
   frame.counters.fused = sink->fused_count.value();
   frame.counters.rejected = sink->rejected_count.value();
-  frame.latency_ms = 1e-6 * static_cast<double>(sink->latency_ns.summary().p50);
+  const LogHistogram::Summary on_screen = impl_->pixel_ns.summary();
+  const LogHistogram::Summary latency = on_screen.count > 0 ? on_screen : sink->latency_ns.summary();
+  frame.latency_ms = 1e-6 * static_cast<double>(latency.p50);
   if (const double share = impl_->refined.load(); share >= 0) {
     frame.state = ScanState::kRefining;
     frame.refined = share;
@@ -250,6 +258,7 @@ ScanResult ScanPipeline::take_result() {
     if (stage.name != "source" && stage.name != "sink") result.stage_ms[stage.name] = ms(stage.service_ns);
   }
   result.latency_ms = ms(sink.latency_ns.summary());
+  result.pixel_ms = ms(impl_->pixel_ns.summary());
   result.link_ms = std::move(impl_->link_ms);
   if (impl_->first_push) result.seconds = std::chrono::duration<double>(impl_->drained_at - *impl_->first_push).count();
   result.temp_c = impl_->temp_c;

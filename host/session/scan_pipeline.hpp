@@ -78,8 +78,9 @@ struct ScanResult {
   SightTotals sight;
   std::map<std::string, Percentiles> stage_ms;
   Percentiles latency_ms;
-  std::vector<double> link_ms;                  ///< last exposure to host, of each accepted burst; live only
-  double seconds = 0;                           ///< from the first burst in to the last burst out
+  Percentiles pixel_ms;         ///< last exposure to the screen, of the bursts that were shown; live only
+  std::vector<double> link_ms;  ///< last exposure to host, of each accepted burst; live only
+  double seconds = 0;           ///< from the first burst in to the last burst out
   std::optional<std::array<double, 2>> temp_c;  ///< coldest and warmest burst, degrees C; empty without bursts
   PipelineFigures figures;                      ///< of the whole run, wall time …
   std::string graph_json;                       ///< … and everything that the graph knows of it
@@ -123,6 +124,8 @@ class ScanPipeline {
   [[nodiscard]] Result<void> join();
 
   [[nodiscard]] PreviewSlot& preview();
+  /// The picture that first shows this burst is on the screen since `at`. From the thread that draws.
+  void shown(BurstId burst, HostTime at);
   /// Bursts that have reached the sink so far, and how soon; after the last one, how far the refinement is. From any
   /// thread.
   void count_into(PreviewFrame& frame) const;

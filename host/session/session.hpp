@@ -49,6 +49,9 @@ class Session {
   [[nodiscard]] virtual PreviewFrame view() const = 0;
   /// Where the pipeline leaves the newest burst; null before the rig is known. One taker.
   [[nodiscard]] virtual PreviewSlot* preview() = 0;
+  /// The burst, of preview(), is on the screen since `at`, for the first time. Of use to those that know when it was
+  /// exposed.
+  virtual void shown([[maybe_unused]] BurstId burst, [[maybe_unused]] HostTime at) {}
   /// How the stages get on; null before the first burst.
   [[nodiscard]] virtual std::shared_ptr<const PipelineFigures> figures() const = 0;
   /// That measures, once known.

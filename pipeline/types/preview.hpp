@@ -70,7 +70,7 @@ struct PreviewFrame : BurstPreview {
   AppendLog<Vec3f>::View trail;  ///< path of the probe so far, model frame; NaN where it breaks
   PreviewCounters counters;
   double rate_hz = 0;      ///< fused bursts a second
-  double latency_ms = 0;   ///< last exposure to fused, median so far; 0: unknown, as in a playback
+  double latency_ms = 0;   ///< last exposure to the screen, without one to fused, median so far; 0: unknown, as played
   double refined = 0;      ///< share of the refinement after the scan that is done
   std::string result;      ///< of a finished scan: how surely its distances are known, or empty
   std::string message;     ///< empty, or what is wrong with its cause and remedy (line breaks allowed)

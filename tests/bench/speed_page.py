@@ -10,6 +10,7 @@ import sys
 import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import graph_cores as cores  # noqa: E402
 import speed_history as history  # noqa: E402
 import speed_recordings as recordings  # noqa: E402
 import speed_short as short  # noqa: E402
@@ -140,6 +141,8 @@ def write_page(out, measured, rows):
     page.text += [wrapped(f"**{p}**") for p in problems]
     stage_tables(page, measured["recordings"])
     whole_tables(page, measured["recordings"])
+    page.table("bursts/s by workers, simulated from the times above", [str(w) for w in cores.WORKERS] + ["ends at, bursts/s"],
+               [""] * (len(cores.WORKERS) + 1), cores.rows_of(measured["recordings"]))
     history_table(page, rows)
     page.write(out, "speed", "tools/bench-speed", machine(), measured)
     print(f"{out}/speed.md")

@@ -129,6 +129,7 @@ struct ViewerWindow::Impl {
     last_draw = began;
     ever_drawn = true;
     ++stats.frames_drawn;
+    stats.last_shown = ended;
     stats.last_frame_ms = 1e3 * seconds(ended - began);
   }
 

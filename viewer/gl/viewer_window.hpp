@@ -36,6 +36,7 @@ struct ViewerStats {
   bool refined = false;              ///< the view rests: its picture is of the mesh as it is
   int draw_calls = 0;                ///< of the model in the last frame
   double last_frame_ms = 0;
+  HostTime last_shown{};  ///< when the last frame was handed to the display; the epoch before the first
 };
 
 class ViewerWindow {

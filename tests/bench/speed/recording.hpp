@@ -20,6 +20,10 @@ struct Recording {
 /// At most `most` bursts, 0: all. Errors: of open_bursts and parse_rig; kEmptyInput without bursts.
 [[nodiscard]] Result<Recording> load_recording(const std::string& path, std::size_t most);
 
+/// The way there, back, there again … `passes` times, each burst at the ends once, in steps of the recording's mean; a
+/// pixel in every frame of each other pass is another, so that none is taken for a frame that hung. passes >= 1. Pure.
+[[nodiscard]] Recording there_and_back(const Recording& recording, std::size_t passes);
+
 /// Feeds all bursts through the real pipeline, no window, default configuration, and refines the map as a replay does.
 /// workers: 0 is one thread in topological order. Errors: of ScanPipeline.
 [[nodiscard]] Result<host::ScanResult> run_scan(const Recording& recording, int workers,

@@ -32,6 +32,16 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+/// Of the last quarter by that of the second: the first one fills keyframes and the model.
+double aged(const std::vector<double>& values) {
+  const std::size_t quarter = values.size() / 4;
+  if (quarter == 0) return 0;
+  const auto at = [&](std::size_t n) { return values.begin() + static_cast<std::ptrdiff_t>(n); };
+  const double early = percentile({at(quarter), at(2 * quarter)}, 0.99);
+  const double late = percentile({at(values.size() - quarter), values.end()}, 0.99);
+  return early > 0 ? late / early : 0;
+}
+
 }  // namespace
 
 StageCost summarise(const std::vector<std::vector<StepCost>>& repeats) {
@@ -55,7 +65,8 @@ StageCost summarise(const std::vector<std::vector<StepCost>>& repeats) {
           .p50_ms = percentile(ms, 0.5),
           .p99_ms = percentile(ms, 0.99),
           .blocks = mean(blocks),
-          .kib = mean(kib)};
+          .kib = mean(kib),
+          .ageing = {aged(instructions), aged(ms)}};
 }
 
 Result<ScanCost> measure_scan(const Recording& recording, int repeats) {

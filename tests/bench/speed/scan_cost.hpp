@@ -10,11 +10,17 @@
 
 namespace enamel::bench {
 
+/// What a stage takes at the end of a scan beside what it took when the scan had begun.
+struct Ageing {
+  double instructions = 0, ms = 0;  ///< 99th percentile of the last quarter by that of the second; 0: too few bursts
+};
+
 struct StageCost {
   std::size_t bursts = 0;
   double instructions = 0;                     ///< mean a burst; of each burst the least of the repeats
   double mean_ms = 0, p50_ms = 0, p99_ms = 0;  ///< core time; of each burst the least of the repeats
   double blocks = 0, kib = 0;                  ///< heap, mean a burst over the second half of the recording
+  Ageing ageing;
 };
 
 struct ScanCost {

@@ -27,14 +27,16 @@ struct Options {
   std::string json;
   int bursts = 0;  ///< of each recording, 0: all
   int repeat = 3;
+  int passes = 1;  ///< there and back
   bool quick = false;
   bool help = false;
 };
 
 constexpr const char* kUsage =
-    "usage: bench_speed CAPTURE... [--bursts N] [--repeat R] [--json FILE] [--quick]\n"
+    "usage: bench_speed CAPTURE... [--bursts N] [--repeat R] [--passes P] [--json FILE] [--quick]\n"
     "\n"
-    "Instructions, core time and heap blocks a burst of every stage; the same of its peers. --quick: stages alone.\n";
+    "Instructions, core time and heap blocks a burst of every stage; the same of its peers. --quick: stages alone.\n"
+    "--passes: plays the way there and back so often, and says what a stage takes at the end beside the beginning.\n";
 
 bool parse_count(std::string_view text, int& out) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
@@ -49,10 +51,11 @@ Result<Options> parse(const std::vector<std::string>& words) {
       o.help = true;
     } else if (word == "--quick") {
       o.quick = true;
-    } else if (word == "--bursts" || word == "--repeat" || word == "--json") {
+    } else if (word == "--bursts" || word == "--repeat" || word == "--passes" || word == "--json") {
       if (++i == words.size()) return fail(ErrorCode::kUsage, word + " needs a value");
       if (word == "--json") o.json = words[i];
       if (word == "--bursts" && !parse_count(words[i], o.bursts)) return fail(ErrorCode::kUsage, word + " N: N >= 1");
+      if (word == "--passes" && !parse_count(words[i], o.passes)) return fail(ErrorCode::kUsage, word + " P: P >= 1");
       if (word == "--repeat" && !parse_count(words[i], o.repeat)) return fail(ErrorCode::kUsage, word + " R: R >= 1");
     } else if (word.starts_with("-")) {
       return fail(ErrorCode::kUsage, "unknown option " + word);
@@ -79,7 +82,8 @@ Json stage_json(const StageCost& c) {
   return {{"bursts", c.bursts},
           {"instructions", c.instructions},
           {"ms", {{"mean", c.mean_ms}, {"p50", c.p50_ms}, {"p99", c.p99_ms}}},
-          {"heap", {{"blocks", c.blocks}, {"kib", c.kib}}}};
+          {"heap", {{"blocks", c.blocks}, {"kib", c.kib}}},
+          {"ageing", {{"instructions", c.ageing.instructions}, {"ms", c.ageing.ms}}}};
 }
 
 Json cost_json(const PeerCost& cost) { return {{"ms", cost.ms}, {"instructions", cost.instructions}}; }
@@ -108,7 +112,8 @@ Json peers_json(const Recording& recording, const std::vector<PlacedPatch>& patc
 }
 
 Result<Json> measure(const std::string& path, const Options& o) {
-  ENAMEL_TRY_ASSIGN(const Recording recording, load_recording(path, static_cast<std::size_t>(o.bursts)));
+  ENAMEL_TRY_ASSIGN(Recording recording, load_recording(path, static_cast<std::size_t>(o.bursts)));
+  if (o.passes > 1) recording = there_and_back(recording, static_cast<std::size_t>(o.passes));
   std::fprintf(stderr, "%s: %zu bursts, %d times on one thread ...\n", recording.name.c_str(), recording.bursts.size(),
                o.repeat);
   ENAMEL_TRY_ASSIGN(const ScanCost cost, measure_scan(recording, o.repeat));
@@ -149,6 +154,8 @@ void print(const Json& recording) {
     std::printf("  %-8s %9.3f M instructions  %8.3f ms  p99 %8.3f  %7.1f blocks %9.1f KiB\n", name.c_str(),
                 1e-6 * s["instructions"].get<double>(), s["ms"]["mean"].get<double>(), s["ms"]["p99"].get<double>(),
                 s["heap"]["blocks"].get<double>(), s["heap"]["kib"].get<double>());
+    std::printf("  %-8s p99 of the end by the beginning's: %.3f of instructions, %.3f of time\n", "",
+                s["ageing"]["instructions"].get<double>(), s["ageing"]["ms"].get<double>());
   }
   std::printf("  whole %s\n", recording["whole"].dump().c_str());
   if (recording.contains("peers")) std::printf("  peers %s\n", recording["peers"].dump().c_str());

@@ -118,5 +118,44 @@ TEST(Meter, gives_a_stage_the_blocks_that_it_asked_for_and_another_none) {
   }
 }
 
+TEST(Ageing, a_stage_that_takes_longer_the_more_bursts_there_were_is_told) {
+  const auto ageing_with = [](double growth) {
+    std::vector<StepCost> costs(80);
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+      const double work = (1 + growth * static_cast<double>(i) / 80) * (1 + 0.05 * static_cast<double>(i % 7));
+      costs[i] = {.burst = i, .instructions = static_cast<std::uint64_t>(1e8 * work), .core_ms = 20 * work, .heap = {}};
+    }
+    return summarise({costs}).ageing;
+  };
+  EXPECT_NEAR(ageing_with(0).instructions, 1, 0.01);
+  EXPECT_NEAR(ageing_with(0).ms, 1, 0.01);
+  EXPECT_GT(ageing_with(0.6).instructions, 1.2) << "control";
+  EXPECT_EQ(summarise({std::vector<StepCost>(3)}).ageing.ms, 0) << "too few to say";
+}
+
+TEST(ThereAndBack, bursts_follow_each_other_and_none_is_twice_the_same) {
+  Recording recording;
+  for (std::uint64_t n = 0; n < 4; ++n) {
+    auto burst = std::make_shared<proto::Burst>();
+    burst->t_first_exposure_ns = 5000 + 100 * n;
+    burst->payload = {static_cast<std::uint8_t>(10 * n), 1, 2, 3};
+    for (std::uint32_t k = 0; k < 4; ++k)
+      burst->meta.push_back({.t_strobe_ns = 5000 + 100 * n + 7 * k, .offset = k, .length = 1});
+    recording.bursts.push_back({.id = BurstId{n}, .burst = std::move(burst)});
+  }
+  const Recording out = there_and_back(recording, 3);
+  std::vector<int> order;
+  for (std::size_t n = 0; n < out.bursts.size(); ++n) {
+    const proto::Burst& burst = *out.bursts[n].burst;
+    order.push_back(burst.payload[0] / 10);
+    EXPECT_EQ(burst.burst_index, n);
+    EXPECT_EQ(burst.t_first_exposure_ns, 5000 + 100 * n);
+    EXPECT_EQ(burst.meta[3].t_strobe_ns, 5000 + 100 * n + 21);
+    for (std::size_t before = n >= 2 ? n - 2 : 0; before < n; ++before)
+      EXPECT_NE(burst.payload, out.bursts[before].burst->payload);
+  }
+  EXPECT_THAT(order, testing::ElementsAre(0, 1, 2, 3, 2, 1, 0, 1, 2, 3));
+}
+
 }  // namespace
 }  // namespace enamel::bench

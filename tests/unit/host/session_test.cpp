@@ -53,6 +53,33 @@ struct Played {
   std::unique_ptr<Session> session;
 };
 
+TEST(ScanPipeline, the_way_to_the_screen_is_measured_of_the_bursts_that_were_shown) {
+  const auto rig = calib::load_rig(ENAMEL_SOURCE_DIR "/config/rigs/probe.json").value();
+  ManualClock clock;
+  const auto result_with = [&](std::uint64_t offset) {
+    auto pipeline =
+        ScanPipeline::create(rig, {}, {.workers = 0, .preview_model = true, .waiting_room = 16}, clock).value();
+    for (std::uint64_t n = 0; n < 10; ++n) {
+      pipeline->push({BurstId{n}, std::make_shared<const proto::Burst>(test::camera_burst(n, 16, 12)),
+                      host_time(static_cast<std::int64_t>(n) * 1'000'000'000)});
+    }
+    for (const std::uint64_t n : {1U, 4U, 7U})  // the others were overtaken
+      pipeline->shown(BurstId{n + offset}, host_time(static_cast<std::int64_t>(n) * 1'000'000'000 + 40'000'000));
+    pipeline->shown(BurstId{1 + offset}, host_time(900'000'000'000));  // was shown before
+    PreviewFrame seen;
+    pipeline->finish();
+    pipeline->wait_drained();
+    pipeline->count_into(seen);
+    EXPECT_TRUE(pipeline->join());
+    return std::pair(pipeline->take_result().pixel_ms, seen.latency_ms);
+  };
+  const auto [on_screen, shown_ms] = result_with(0);
+  EXPECT_NEAR(on_screen.p50, 40, 4) << "classes of the histogram";
+  EXPECT_NEAR(on_screen.p99, 40, 4);
+  EXPECT_NEAR(shown_ms, 40, 4);
+  EXPECT_EQ(result_with(100).first.p99, 0) << "control: bursts that never came in";
+}
+
 TEST(Session, bursts_whose_frames_were_not_exposed_alike_are_turned_away) {
   Played played(3, {}, kForeign);  // each frame of test::camera_burst has a gain of its own
   played.session->start();
