@@ -8,7 +8,7 @@
 namespace enamel::host {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
 class Drawing {
  public:
@@ -19,8 +19,8 @@ class Drawing {
         focal_px_(static_cast<float>(shape.px_per_mm * shape.distance_mm)),
         depth_(shape.size_px, shape.size_px, std::numeric_limits<float>::infinity()) {
     const int n = shape.size_px;
-    patch_.depth_mm = patch_.sigma_mm = patch_.texture_dn = patch_.modulation_dn = Map<float>(n, n, kNone);
-    patch_.points = patch_.normals = Map<Vec3f>(n, n, Vec3f::Constant(kNone));
+    patch_.depth_mm = patch_.sigma_mm = patch_.texture_dn = patch_.modulation_dn = Map<float>(n, n, kNothing);
+    patch_.points = patch_.normals = Map<Vec3f>(n, n, Vec3f::Constant(kNothing));
   }
 
   SurfacePatch draw(float near_mm, float far_mm) {
@@ -71,10 +71,10 @@ class Drawing {
     depth_[i] = point.z();
     const Vec3f n = T_view_part_.linear() * normal.normalized();
     const bool seen = front && n.dot(point) < 0;
-    patch_.depth_mm[i] = seen ? point.z() : kNone;
-    patch_.sigma_mm[i] = seen ? kSigma_mm : kNone;
-    patch_.points[i] = seen ? point : Vec3f::Constant(kNone);
-    patch_.normals[i] = seen ? n : Vec3f::Constant(kNone);
+    patch_.depth_mm[i] = seen ? point.z() : kNothing;
+    patch_.sigma_mm[i] = seen ? kSigma_mm : kNothing;
+    patch_.points[i] = seen ? point : Vec3f::Constant(kNothing);
+    patch_.normals[i] = seen ? n : Vec3f::Constant(kNothing);
   }
 
   const Mesh& mesh_;

@@ -19,7 +19,7 @@ constexpr double kAnywhere_mm = 1e6;
 struct Seed {
   Pose T_fixed_moving = Pose::Identity();
   Vec3d middle = Vec3d::Zero();  ///< moving part's frame
-  double area_mm2 = 0;           ///< that lies on the surface
+  double share = 0;              ///< of what is near that lies on the other's surface
 };
 
 struct Meeting {
@@ -59,7 +59,7 @@ std::optional<Seed> seed_at(const std::vector<SurfaceElement>& near, const LaidP
     if (!lay_surface(near, fixed.surface, layer, config.prior, seed.T_fixed_moving)) return std::nullopt;
     const Meeting met = meeting(near, fixed, seed.T_fixed_moving, on_mm, config);
     if (met.share() < config.seed_share) return std::nullopt;
-    seed.area_mm2 = met.on_mm2;
+    seed.share = met.share();
     on_mm = config.evidence.match_mm;
   }
   return seed;
@@ -70,17 +70,23 @@ std::vector<Seed> seeds_of(const LaidPart& moving, const LaidPart& fixed, const 
   std::vector<pipeline::KnownFeatures> known;
   for (const PartView& view : fixed.views) known.push_back({view.features, view.T_part_view});
   std::vector<Seed> out;
+  std::size_t strong = 0;
   constexpr std::size_t kJump = 7;
   for (std::size_t first = 0; first < kJump; ++first) {
-    for (std::size_t k = first; k < moving.views.size() && out.size() < config.most_seeds; k += kJump) {
+    for (std::size_t k = first; k < moving.views.size() && strong < config.strong_seeds; k += kJump) {
       const PartView& view = moving.views[k];
       const std::vector<SurfaceElement> near = round_about(moving.surface, view.target, config.seed_radius_mm);
       for (const pipeline::PlaceHypothesis& place : pipeline::vote_for_places(view.features, known, {})) {
         const Pose start = place.T_model_cam * view.T_part_view.inverse();
-        if (auto seed = seed_at(near, fixed, start, view.target, config)) out.push_back(*seed);
+        const auto seed = seed_at(near, fixed, start, view.target, config);
+        if (!seed) continue;
+        strong += seed->share >= config.strong_share ? 1U : 0U;
+        out.push_back(*seed);
       }
     }
   }
+  std::ranges::stable_sort(out, std::greater(), &Seed::share);
+  if (out.size() > config.most_grown) out.resize(config.most_grown);
   return out;
 }
 

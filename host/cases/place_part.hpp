@@ -27,7 +27,9 @@ struct PlaceConfig {
   double near_deg = 60;                    ///< chosen: where it looks much the same way; cheek and tongue sides do not
   double seed_radius_mm = 9;               ///< derived: of a picture, its corners left out
   double seed_share = 0.6;                 ///< chosen: of a seed's surface that has to lie on the other's to be grown
-  std::size_t most_seeds = 10;             ///< chosen: then no more are sought; wrong ones are one in three at worst
+  double strong_share = 0.9;               ///< chosen: seeds of more are hardly wrong; a wrong tooth's has 0.6 to 0.8
+  std::size_t strong_seeds = 4;            ///< chosen: then no more are sought
+  std::size_t most_grown = 10;             ///< chosen: seeds, those of the largest share
   double same_place_mm = 0.3;              ///< chosen: places nearer than this are one
   double max_sigma_mm = 0.05;  ///< chosen: at the part's far end; a bite is off by 50 um at worst (product §3)
 };
