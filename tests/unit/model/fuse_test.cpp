@@ -51,7 +51,7 @@ Pose around(synthetic::Random& random) {
 
 TEST(Fuse, an_empty_model_shows_an_empty_view) {
   const calib::Rig rig = synthetic::small_rig();
-  const TsdfModel model(rig);
+  TsdfModel model(rig);
   const Pose pose = looking_at(Vec3d::Zero(), Vec3d::UnitZ(), 48);
   const ModelView view = model.view(pose, render(rig, synthetic::sphere(Vec3d::Zero(), 4), pose));
   EXPECT_TRUE(view.empty);
