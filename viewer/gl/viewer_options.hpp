@@ -16,8 +16,9 @@ struct ViewerOptions {
   int height = 800;
   bool visible = true;
   double max_fps = 20;  ///< software rendering shares the cores with the pipeline
-  double max_busy_share =
-      0.4;               ///< of one thread: after a frame that took t, the next starts t / share later at the earliest
+  /// Of one thread: after a frame that took t, the next starts t / share later at the earliest. chosen: a frame within
+  /// its frame_ms comes twelve times a second and leaves two cores three quarters of their time.
+  double max_busy_share = 0.25;
   double frame_ms = 20;  ///< that a frame may take: what is too much for that is drawn coarser while the view moves
   std::size_t triangle_budget = DetailBudget::kSoftwareStart;  ///< of the first frames, when drawn in software
   double ui_scale = 1.0;                                       ///< 1.0 … 2.0
