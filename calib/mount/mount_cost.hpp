@@ -74,23 +74,24 @@ struct MountDotCost {
     for (std::size_t i = 0; i < 9; ++i) by_camera[i] = T((*camera)[i]), by_projector[i] = T((*projector)[i]);
     std::array<T, 6> to_projector;
     for (std::size_t i = 0; i < 6; ++i) to_projector[i] = T((*relative)[i]);
-    return (*this)(r, s, drive, board, stop, by_camera.data(), by_projector.data(), to_projector.data(), residual);
+    const std::array<const T*, 8> blocks{
+        r, s, drive, board, stop, by_camera.data(), by_projector.data(), to_projector.data()};
+    return (*this)(blocks.data(), residual);
   }
 
-  /// With the rig's blocks as parameters, too.
+  /// With the rig's blocks as parameters, too: rotation, swing, drive, board, stop, camera, projector, T_proj_cam.
   template <class T>
-  bool operator()(const T* r, const T* s, const T* drive, const T* board, const T* stop, const T* by_camera,
-                  const T* by_projector, const T* to_projector, T* residual) const {
+  bool operator()(const T* const* b, T* residual) const {
     const std::array<T, 3> design{T(place_mm.x()), T(place_mm.y()), T(place_mm.z())};
-    const auto p = model->place(r, s, drive, stop, move(board, design));
+    const auto p = model->place(b[0], b[1], b[2], b[4], move(b[3], design));
     if (!(p[2] > 0.0)) return false;
-    const auto seen = image(by_camera, p);
+    const auto seen = image(b[5], p);
     const T du = seen[0] - camera_px.x(), dv = seen[1] - camera_px.y();
     residual[0] = whitening(0, 0) * du + whitening(0, 1) * dv;
     residual[1] = whitening(1, 0) * du + whitening(1, 1) * dv;
     residual[2] = residual[3] = T(0.0);
     if (!has_projector) return true;
-    const auto lit = image(by_projector, move(to_projector, p));
+    const auto lit = image(b[6], move(b[7], p));
     for (int k = 0; k < 2; ++k) {
       const T there = map.projector_px[k] + map.jacobian(k, 0) * du + map.jacobian(k, 1) * dv;
       residual[2 + k] = (there - lit[static_cast<std::size_t>(k)]) / std::sqrt(map.variance_px2[k]);

@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Dense>
+#include <memory>
 
 #include "calib/mount/loose_stops.hpp"
 #include "calib/solve/bundle.hpp"
@@ -135,11 +136,14 @@ Eigen::MatrixXd rig_coupling(const std::vector<MountStop>& stops, const TargetDe
   ceres::Problem problem;
   for (std::size_t j = 0; j < stops.size(); ++j) {
     for (const DotView& dot : stops[j].view.dots) {
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<MountDotCost, 4, 4, 4, 6, 6, 5, 9, 9, 6>(
-                                   new MountDotCost(cost_of(dot, target, setting, j))),
-                               new ceres::HuberLoss(kDotHuber), b.rotation.data(), b.swing.data(), b.drive.data(),
-                               b.board.data(), b.stops[j].data(), setting.camera.data(), setting.projector.data(),
-                               setting.relative.data());
+      const std::vector<double*> of_dot{b.rotation.data(),        b.swing.data(),         b.drive.data(),
+                                        b.board.data(),           b.stops[j].data(),      setting.camera.data(),
+                                        setting.projector.data(), setting.relative.data()};
+      auto cost = std::make_unique<ceres::DynamicAutoDiffCostFunction<MountDotCost>>(
+          new MountDotCost(cost_of(dot, target, setting, j)));
+      for (const int size : {4, 4, 6, 6, 5, 9, 9, 6}) cost->AddParameterBlock(size);
+      cost->SetNumResiduals(4);
+      problem.AddResidualBlock(cost.release(), new ceres::HuberLoss(kDotHuber), of_dot);
     }
   }
   std::vector<double*> blocks = b.all();
