@@ -52,7 +52,8 @@ void directions_loop(const PhaseMaps& m, const float* carrier_rad, std::size_t a
     const PixelReject* __restrict reject = &m.reject[at + from];
     std::int32_t* __restrict valid = open.data();
     for (std::size_t u = 0; u < count; ++u)
-      valid[u] = (reject[u] == PixelReject::kNone) & (reject[u + 1] == PixelReject::kNone) ? 1 : 0;
+      valid[u] =
+          static_cast<int>(reject[u] == PixelReject::kNone) & static_cast<int>(reject[u + 1] == PixelReject::kNone);
     const float* __restrict p = &m.phase_rad[at + from], * __restrict sigma = &m.sigma_rad[at + from];
     const float* __restrict c = carrier_rad + at + from;
     float* __restrict follows = sums + from, * __restrict expected = sums + width + from;
