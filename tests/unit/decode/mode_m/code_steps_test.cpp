@@ -142,28 +142,32 @@ TEST(MicroEvidence, says_of_states_together_what_it_says_of_cells_one_by_one) {
   for (int k = 0; k < kSegments; ++k) {
     Segment& p = segments[static_cast<std::size_t>(k)];
     p.row = k / 10, p.begin = k % 10 * kFringe_px, p.end = p.begin + kFringe_px;
-    cells.push_back(k * 3 - 60);  // from before the frame to beyond it
+    cells.push_back(k - 20);  // from before the frame on; the last states of the last segments lie beyond it
   }
   MicroEvidence evidence;
   evidence.measure(s.phase, s.noise, segments, s.code, 4.6F);
   std::vector<StateNats> together(kSegments);
   evidence.costs_of_states(0, cells, together.data());
-  int asked = 0, alike = 0;
+  int asked = 0, beyond = 0, different = 0;
   for (std::size_t k = 0; k < kSegments; ++k) {
     for (std::size_t state = 0; state < kOrderStates; ++state) {
       const std::int32_t cell = cells[k] + 2 * static_cast<std::int32_t>(state);
-      if (cell < 0 || cell >= evidence.cells()) continue;
+      if (cell < 0 || cell >= evidence.cells()) {
+        ++beyond;
+        continue;
+      }
       std::array<float, 1> one{};
       evidence.costs(k, cell, one);
       EXPECT_EQ(together[k][state], one[0]) << k << " state " << state;
       ++asked;
       if (cell < 2) continue;
       evidence.costs(k, cell - 2, one);
-      alike += together[k][state] == one[0] ? 1 : 0;
+      different += together[k][state] == one[0] ? 0 : 1;
     }
   }
-  EXPECT_GT(asked, kSegments * 8);
-  EXPECT_LT(alike, asked / 2);  // another order costs something else
+  EXPECT_GT(asked, kSegments * 4);
+  EXPECT_GT(beyond, kSegments);
+  EXPECT_GT(different, asked / 7);  // one order of seven is the segment's own, and costs less than the one before it
 }
 
 }  // namespace
