@@ -26,16 +26,17 @@ void normals_loop(ViewPlanes& planes, std::size_t first) {
   ENAMEL_INDEPENDENT
   for (std::ptrdiff_t u = 0; u < width; ++u) {
     float sx = 0, sy = 0, sz = 0;
-    for (std::ptrdiff_t dv = -1; dv <= 1; ++dv) {
-      for (std::ptrdiff_t du = -1; du <= 1; ++du) {
-        const std::ptrdiff_t at = u + dv * stride + du;
-        const float ex = x[at] - x[u], ey = y[at] - y[u], ez = z[at] - z[u];
-        const bool same = (ex * ex + ey * ey) + ez * ez < kSameSurfaceMm * kSameSurfaceMm;  // false for NaN
-        sx += select(same, gx[at], 0.0F);
-        sy += select(same, gy[at], 0.0F);
-        sz += select(same, gz[at], 0.0F);
-      }
-    }
+    const auto add = [&](std::ptrdiff_t at) __attribute__((always_inline)) {
+      const float ex = x[at] - x[u], ey = y[at] - y[u], ez = z[at] - z[u];
+      const bool same = (ex * ex + ey * ey) + ez * ez < kSameSurfaceMm * kSameSurfaceMm;  // false for NaN
+      sx += select(same, gx[at], 0.0F);
+      sy += select(same, gy[at], 0.0F);
+      sz += select(same, gz[at], 0.0F);
+    };
+    // Spelt out: a loop in here would keep a compiler from working many pixels at a time.
+    add(u - stride - 1), add(u - stride), add(u - stride + 1);
+    add(u - 1), add(u), add(u + 1);
+    add(u + stride - 1), add(u + stride), add(u + stride + 1);
     const float length = std::sqrt((sx * sx + sy * sy) + sz * sz);
     nx[u] = sx / length, ny[u] = sy / length, nz[u] = sz / length;
   }
