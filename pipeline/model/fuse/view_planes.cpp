@@ -14,6 +14,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace enamel::pipeline::HWY_NAMESPACE {
 
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, ViewPlanes::kLanes>;
+
 constexpr float kSameSurfaceMm = 0.3F;
 
 /// One row of pixels, the first of which is element `first`.
@@ -26,18 +29,27 @@ void normals_loop(ViewPlanes& planes, std::size_t first) {
   ENAMEL_INDEPENDENT
   for (std::ptrdiff_t u = 0; u < width; ++u) {
     float sx = 0, sy = 0, sz = 0;
-    for (std::ptrdiff_t dv = -1; dv <= 1; ++dv) {
-      for (std::ptrdiff_t du = -1; du <= 1; ++du) {
-        const std::ptrdiff_t at = u + dv * stride + du;
-        const float ex = x[at] - x[u], ey = y[at] - y[u], ez = z[at] - z[u];
-        const bool same = (ex * ex + ey * ey) + ez * ez < kSameSurfaceMm * kSameSurfaceMm;  // false for NaN
-        sx += select(same, gx[at], 0.0F);
-        sy += select(same, gy[at], 0.0F);
-        sz += select(same, gz[at], 0.0F);
-      }
-    }
-    const float length = std::sqrt((sx * sx + sy * sy) + sz * sz);
-    nx[u] = sx / length, ny[u] = sy / length, nz[u] = sz / length;
+    const auto add = [&](std::ptrdiff_t at) __attribute__((always_inline)) {
+      const float ex = x[at] - x[u], ey = y[at] - y[u], ez = z[at] - z[u];
+      const bool same = (ex * ex + ey * ey) + ez * ez < kSameSurfaceMm * kSameSurfaceMm;  // false for NaN
+      sx += select(same, gx[at], 0.0F);
+      sy += select(same, gy[at], 0.0F);
+      sz += select(same, gz[at], 0.0F);
+    };
+    // Spelt out: a loop in here would keep a compiler from working many pixels at a time.
+    add(u - stride - 1), add(u - stride), add(u - stride + 1);
+    add(u - 1), add(u), add(u + 1);
+    add(u + stride - 1), add(u + stride), add(u + stride + 1);
+    nx[u] = sx, ny[u] = sy, nz[u] = sz;
+  }
+  // By name: a compiler leaves a loop with std::sqrt, which may set errno, as it is.
+  const Floats d;
+  for (std::size_t u = 0; u < planes.nx.size(); u += hn::Lanes(d)) {
+    const auto sx = hn::LoadU(d, nx + u), sy = hn::LoadU(d, ny + u), sz = hn::LoadU(d, nz + u);
+    const auto length = hn::Sqrt(hn::Add(hn::Add(hn::Mul(sx, sx), hn::Mul(sy, sy)), hn::Mul(sz, sz)));
+    hn::StoreU(hn::Div(sx, length), d, nx + u);
+    hn::StoreU(hn::Div(sy, length), d, ny + u);
+    hn::StoreU(hn::Div(sz, length), d, nz + u);
   }
 }
 
@@ -55,7 +67,7 @@ void ViewPlanes::clear(int view_width, int view_height) {
   const std::size_t size = stride * (static_cast<std::size_t>(height) + 2);
   x.assign(size, std::numeric_limits<float>::quiet_NaN());
   for (auto* plane : {&y, &z, &gx, &gy, &gz}) plane->resize(size);
-  for (auto* row : {&nx, &ny, &nz}) row->resize(static_cast<std::size_t>(width));
+  for (auto* row : {&nx, &ny, &nz}) row->resize((static_cast<std::size_t>(width) + kLanes - 1) / kLanes * kLanes);
 }
 
 void smooth_normals(ViewPlanes& planes, Map<Vec3f>& normals) {

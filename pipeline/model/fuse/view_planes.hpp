@@ -24,10 +24,11 @@ struct ViewPlanes {
     gx[at] = gradient.x(), gy[at] = gradient.y(), gz[at] = gradient.z();
   }
 
+  static constexpr std::size_t kLanes = 8;
   int width = 0, height = 0;
   std::size_t stride = 0;  ///< elements a row
   std::vector<float> x, y, z, gx, gy, gz;
-  std::vector<float> nx, ny, nz;  ///< of one row, without rim: scratch
+  std::vector<float> nx, ny, nz;  ///< of one row, without rim, in eights: scratch
 };
 
 /// Unit normals from the gradients of the 3 x 3 neighbours on the same surface: the gradient of a trilinear interpolant

@@ -53,11 +53,13 @@ void window_sums(const Thinned& of, int radius, ReferenceScratch& scratch) {
 /// Of each pixel of row v whether the next one along the row lies close by, and the one in the next row.
 void note_close(const Thinned& of, int v, float jump2, std::vector<std::uint8_t>& along,
                 std::vector<std::uint8_t>& across) {
-  for (int u = 0; u < of.width; ++u) {
-    const Vec3f& p = of.point(u, v);
-    const auto at = static_cast<std::size_t>(u);
-    along[at] = u + 1 < of.width && close(of.point(u + 1, v), p, jump2) ? 1 : 0;
-    across[at] = v + 1 < of.height && close(of.point(u, v + 1), p, jump2) ? 1 : 0;
+  const auto step = static_cast<std::size_t>(of.step), last = static_cast<std::size_t>(of.width) - 1;
+  const Vec3f* here = &of.point(0, v);
+  const Vec3f* below = v + 1 < of.height ? &of.point(0, v + 1) : nullptr;
+  for (std::size_t u = 0; u <= last; ++u) {
+    const Vec3f& p = here[u * step];
+    along[u] = u < last && close(here[(u + 1) * step], p, jump2) ? 1 : 0;
+    across[u] = below != nullptr && close(below[u * step], p, jump2) ? 1 : 0;
   }
 }
 
