@@ -6,24 +6,13 @@
 #include <cmath>
 #include <cstdint>
 
-/// Before a loop: its iterations touch different elements, whatever the pointers' names suggest.
-#if defined(__clang__)
-#define ENAMEL_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#else
-#define ENAMEL_INDEPENDENT _Pragma("GCC ivdep")
-#endif
+#include "pipeline/types/loops.hpp"
 
 namespace enamel::pipeline {
 
 /// layout: numbers of mathematics.
 inline constexpr float kPiF = 3.14159265358979F;
 inline constexpr float kTwoPiF = 6.28318530717959F;
-
-/// c ? a : b without a branch that a compiler could thread through a loop: loops of selects vectorise everywhere.
-[[nodiscard]] inline float select(bool c, float a, float b) noexcept {
-  const std::uint32_t mask = 0U - static_cast<std::uint32_t>(c);
-  return std::bit_cast<float>((std::bit_cast<std::uint32_t>(a) & mask) | (std::bit_cast<std::uint32_t>(b) & ~mask));
-}
 
 [[nodiscard]] inline float smaller(float a, float b) noexcept { return a < b ? a : b; }
 [[nodiscard]] inline float larger(float a, float b) noexcept { return a > b ? a : b; }
