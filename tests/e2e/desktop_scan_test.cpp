@@ -111,11 +111,14 @@ TEST(DesktopScanLive, a_plan_is_taken_laid_written_and_replays_to_the_same_bits)
   EXPECT_EQ(desktop["stops"][1]["bursts"], 4);
   EXPECT_EQ(report["bursts"]["fused"], 4 * std::size(kStopsOfPlan));
   EXPECT_TRUE(desktop["slips"].empty()) << desktop["slips"];
+  EXPECT_EQ(desktop["plan"]["ended"], "planned");
+  EXPECT_EQ(desktop["plan"]["is_complete"], true);
   const Ran again =
       run({program("enamel"), "replay", desk.file("out/capture.mcap"), "--headless", "--out", desk.file("again")},
           seconds(120));
   EXPECT_EQ(again.code, 0) << again.err;
   EXPECT_EQ(report_in(desk.file("again"))["hash"], report["hash"]) << again.err;
+  EXPECT_TRUE(report_in(desk.file("again"))["desktop"]["plan"].is_null()) << "a recording does not say";
   EXPECT_TRUE(report["hash"].is_string());
 }
 
@@ -146,6 +149,8 @@ TEST(DesktopScanLive, ctrl_c_keeps_what_was_taken) {
   const std::size_t stops = report["desktop"]["stops"].size();
   EXPECT_GE(stops, 2U);
   EXPECT_LT(stops, 20U);
+  EXPECT_EQ(report["desktop"]["plan"]["ended"], "stopped");
+  EXPECT_EQ(report["desktop"]["plan"]["is_complete"], false);
   EXPECT_EQ(report["bursts"]["fused"], 2 * stops);
   EXPECT_TRUE(std::filesystem::exists(desk.file("out/capture.mcap")));
 }
