@@ -132,7 +132,7 @@ Result<int> run_desktop_scan(const DesktopScan& scan) {
                        .truth = scan.scan.truth,
                        .notes = scan.scan.notes};
   ENAMEL_TRY_ASSIGN(const int code, run_session(session, run, clock));
-  if (scan.base) add_base(scan.scan.run.out, mount);
+  if (scan.base) add_base(scan.scan.run.out, mount.mount);
   return code;
 }
 

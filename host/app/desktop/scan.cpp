@@ -22,10 +22,10 @@ struct PartOptions {
 
 /// Told before anything moves: sizes by another table or head are others.
 Result<void> compare_mounts(const std::vector<host::PartFacts>& parts, const std::string& mount_path) {
-  ENAMEL_TRY_ASSIGN(const calib::Mount mount, mount_for(mount_path, nullptr));
+  ENAMEL_TRY_ASSIGN(const MountFile file, mount_for(mount_path, nullptr));
   for (const host::PartFacts& part : parts)
-    if (!part.mount_serial.empty() && part.mount_serial != mount.serial)
-      log::warn("case", "part {} was scanned on mount {}, and this is {}", part.name, part.mount_serial, mount.serial);
+    if (!part.mount_serial.empty() && part.mount_serial != file.mount.serial)
+      log::warn("case", "part {} was scanned on mount {}, and this is {}", part.name, part.mount_serial, file.mount.serial);
   return {};
 }
 
