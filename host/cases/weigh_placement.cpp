@@ -51,27 +51,33 @@ class Blocks {
   std::map<std::array<double, 3>, Block> blocks_;
 };
 
-/// Of the unknowns, where what is left is alike within a patch and not from one to the next (the cluster-robust
-/// covariance of Liang & Zeger 1986, enlarged for what the fit took out of few patches).
+/// Of the unknowns, where distances are alike within a patch and not from one to the next: those that are left (the
+/// cluster-robust covariance of Liang & Zeger 1986, enlarged for what the fit took out of few patches), and
+/// kBlockFloor_mm that calibration leaves and the fit may have taken up.
 class PatchSpread {
  public:
   void add(const Vec3d& point, const pipeline::Vector6& J, double distance_mm) {
     const Vec3d cell = (point / kPatch_mm).array().floor();
-    pipeline::Vector6& pull =
-        pulls_.try_emplace({cell.x(), cell.y(), cell.z()}, pipeline::Vector6::Zero()).first->second;
-    pull += J * distance_mm;
+    Patch& patch = patches_[{cell.x(), cell.y(), cell.z()}];
+    patch.pull += J * distance_mm;
+    patch.floor += J * kBlockFloor_mm;
     H_ += J * J.transpose();
   }
   [[nodiscard]] pipeline::Matrix6 covariance() const {
+    const auto count = static_cast<double>(patches_.size());
+    const double enlarged = count / std::max(1.0, count - kUnknowns);
     pipeline::Matrix6 spread = pipeline::Matrix6::Zero();
-    for (const auto& [cell, pull] : pulls_) spread += pull * pull.transpose();
+    for (const auto& [cell, patch] : patches_)
+      spread += enlarged * patch.pull * patch.pull.transpose() + patch.floor * patch.floor.transpose();
     const pipeline::Matrix6 inverse = H_.inverse();
-    const auto patches = static_cast<double>(pulls_.size());
-    return inverse * spread * inverse * (patches / std::max(1.0, patches - kUnknowns));
+    return inverse * spread * inverse;
   }
 
  private:
-  std::map<std::array<double, 3>, pipeline::Vector6> pulls_;
+  struct Patch {
+    pipeline::Vector6 pull = pipeline::Vector6::Zero(), floor = pipeline::Vector6::Zero();
+  };
+  std::map<std::array<double, 3>, Patch> patches_;
   pipeline::Matrix6 H_ = pipeline::Matrix6::Zero();
 };
 
