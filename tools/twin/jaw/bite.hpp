@@ -21,7 +21,7 @@ struct Bite {
 [[nodiscard]] JawConfig jaw_in_bite(JawConfig config, JawSide side);
 
 /// `config`: from_mm and to_mm of the lower arch; side, both_sides and palate count for nothing. The upper is shifted
-/// over the lower and let down to where its teeth meet; nothing turns it, so they touch in few places.
+/// over the lower and let down to where its teeth meet, to some tenths; nothing turns it, so they meet in few places.
 [[nodiscard]] Bite make_bite(const JawConfig& config, std::uint64_t seed);
 
 }  // namespace enamel::twin
