@@ -9,7 +9,8 @@
 namespace enamel::host {
 namespace {
 
-constexpr ViewShape kPicture{.size_px = 900, .px_per_mm = 11, .distance_mm = 300, .reach_mm = 90};
+constexpr ViewShape kPicture{.size_px = 900, .px_per_mm = 24, .distance_mm = 300, .reach_mm = 90};  // a tooth alone
+constexpr double kFilled = 0.94;  // chosen: of the picture's width
 
 /// Towards the camera that scanned the bite.
 Vec3d bite_looks(const Mesh& bite) {
@@ -51,6 +52,22 @@ Pose camera_of(const CaseParts& parts, const PlacedCase& placed) {
   return T;
 }
 
+/// As large as all of it goes in.
+ViewShape shape_for(const CaseParts& parts, const PlacedCase& placed, const Pose& T_frame_view) {
+  double half_mm = 0;
+  for (const auto& [name, T_frame_part] : placed.T_frame_part) {
+    if (name == kBite) continue;
+    const Pose T_view_part = T_frame_view.inverse() * T_frame_part;
+    for (const Vec3f& v : parts.at(name)->surface.mesh().vertices) {
+      const Vec3d p = T_view_part * v.cast<double>();
+      half_mm = std::max(half_mm, p.head<2>().cwiseAbs().maxCoeff() * kPicture.distance_mm / p.z());
+    }
+  }
+  ViewShape out = kPicture;
+  if (half_mm > 0) out.px_per_mm = std::min(out.px_per_mm, kFilled * 0.5 * out.size_px / half_mm);
+  return out;
+}
+
 cv::Vec3f colour_of(const std::string& part) {
   if (part == kUpper) return {150, 205, 240};  // blue, green, red
   return part == kLower ? cv::Vec3f{235, 210, 165} : cv::Vec3f{140, 215, 150};
@@ -62,11 +79,12 @@ std::vector<std::uint8_t> case_png(const CaseParts& parts, const PlacedCase& pla
   std::vector<std::uint8_t> png;
   if (!placed.T_frame_part.contains(kBite) || placed.T_frame_part.size() < 2) return png;
   const Pose T_frame_view = camera_of(parts, placed);
+  const ViewShape shape = shape_for(parts, placed, T_frame_view);
   cv::Mat image(kPicture.size_px, kPicture.size_px, CV_8UC3, cv::Scalar(245, 245, 245));
   Map<float> nearest(kPicture.size_px, kPicture.size_px, 1e9F);
   for (const auto& [name, T_frame_part] : placed.T_frame_part) {
     if (name == kBite) continue;
-    const SurfacePatch seen = draw_part(parts.at(name)->surface, T_frame_part.inverse() * T_frame_view, kPicture);
+    const SurfacePatch seen = draw_part(parts.at(name)->surface, T_frame_part.inverse() * T_frame_view, shape);
     const cv::Vec3f colour = colour_of(name);
     for (std::size_t i = 0; i < seen.depth_mm.size(); ++i) {
       if (!(seen.depth_mm[i] < nearest[i])) continue;

@@ -16,6 +16,8 @@ namespace {
 
 constexpr int kFewestOfBlock = 8;         // chosen: of some twenty elements; fewer are a rim
 constexpr double kBlockFloor_mm = 0.002;  // chosen: what calibration leaves on a block of any size
+constexpr double kPatch_mm = 5;           // chosen: of a tooth's side; what is left by calibration is alike within it
+constexpr double kUnknowns = 6;
 
 struct Block {
   Vec3d point = Vec3d::Zero(), normal = Vec3d::Zero();
@@ -49,6 +51,36 @@ class Blocks {
   std::map<std::array<double, 3>, Block> blocks_;
 };
 
+/// Of the unknowns, where distances are alike within a patch and not from one to the next: those that are left (the
+/// cluster-robust covariance of Liang & Zeger 1986, enlarged for what the fit took out of few patches), and
+/// kBlockFloor_mm that calibration leaves and the fit may have taken up.
+class PatchSpread {
+ public:
+  void add(const Vec3d& point, const pipeline::Vector6& J, double distance_mm) {
+    const Vec3d cell = (point / kPatch_mm).array().floor();
+    Patch& patch = patches_[{cell.x(), cell.y(), cell.z()}];
+    patch.pull += J * distance_mm;
+    patch.floor += J * kBlockFloor_mm;
+    H_ += J * J.transpose();
+  }
+  [[nodiscard]] pipeline::Matrix6 covariance() const {
+    const auto count = static_cast<double>(patches_.size());
+    const double enlarged = count / std::max(1.0, count - kUnknowns);
+    pipeline::Matrix6 spread = pipeline::Matrix6::Zero();
+    for (const auto& [cell, patch] : patches_)
+      spread += enlarged * patch.pull * patch.pull.transpose() + patch.floor * patch.floor.transpose();
+    const pipeline::Matrix6 inverse = H_.inverse();
+    return inverse * spread * inverse;
+  }
+
+ private:
+  struct Patch {
+    pipeline::Vector6 pull = pipeline::Vector6::Zero(), floor = pipeline::Vector6::Zero();
+  };
+  std::map<std::array<double, 3>, Patch> patches_;
+  pipeline::Matrix6 H_ = pipeline::Matrix6::Zero();
+};
+
 double worst_sigma_mm(const PartSurface& part, const Pose& T, const Vec3d& centre, double rho_mm,
                       const pipeline::Matrix6& C) {
   double worst2 = 0;
@@ -70,13 +102,15 @@ void add_sigmas(const std::vector<Block>& blocks, const PartSurface& moving, con
   const double rho_mm = std::max(1.0, std::sqrt(spread2));
   const double sigma_mm = std::max(out.form_rms_mm, kBlockFloor_mm);
   pipeline::NormalSystem system;
+  PatchSpread patches;
   for (const Block& b : blocks) {
     pipeline::Vector6 J;
     J << (b.point - centre).cross(b.normal) / rho_mm, b.normal;
     system.add(J, 0, 1 / (sigma_mm * sigma_mm));
+    patches.add(b.point, J, b.distance_mm);
   }
   out.weak_directions = pipeline::solve(system, pipeline::Vector6::Zero(), config.prior).weak;
-  const pipeline::Matrix6 C = system.H.inverse();
+  const pipeline::Matrix6 C = system.H.inverse() + patches.covariance();
   out.sigma_rad = std::sqrt(C.topLeftCorner<3, 3>().trace()) / rho_mm;
   out.sigma_mm = std::sqrt(C.bottomRightCorner<3, 3>().trace());
   out.far_sigma_mm = std::max(worst_sigma_mm(moving, out.T_fixed_moving, centre, rho_mm, C),

@@ -135,24 +135,33 @@ TEST(DesktopScanLive, a_lost_step_ends_in_a_warning_that_names_the_stop) {
   EXPECT_NEAR(report["desktop"]["slips"][0]["rotation_deg"].get<double>(), -1.8, 0.06);
 }
 
-TEST(DesktopScanLive, ctrl_c_keeps_what_was_taken) {
+TEST(DesktopScanLive, ctrl_c_keeps_what_was_taken_of_a_part_and_nothing_that_was_placed_before_it) {
   Desk desk("DESK-C-");
   std::string plan = "rot_deg,swing_deg\n";
   for (int k = 1; k <= 20; ++k) plan += std::to_string(15 * k) + ",0\n";
   ASSERT_TRUE(write_file(desk.file("plan.csv"), plan));
-  auto scan = app::ChildProcess::start(desk.scan(), {desk.file("scan.out"), desk.file("scan.err")});
+  ASSERT_TRUE(make_folder(desk.file("out")));
+  for (const char* name : {"out/lower.stl", "out/case.png", "out/notes.stl"})
+    ASSERT_TRUE(write_file(desk.file(name), "of before"));
+  auto scan = app::ChildProcess::start(desk.scan({"--part", "die-46"}), {desk.file("scan.out"), desk.file("scan.err")});
   ASSERT_TRUE(scan);
   ASSERT_TRUE(desk.stands_beyond(44));  // the third stop: two are taken
   scan->signal(SIGINT);
   EXPECT_EQ(scan->wait(desk.clock, seconds(90)).value_or(-1), 0) << read_file(desk.file("scan.err")).value_or("");
-  const Json report = report_in(desk.file("out"));
+  const Json report = report_in(desk.file("out/die-46"));
   const std::size_t stops = report["desktop"]["stops"].size();
   EXPECT_GE(stops, 2U);
   EXPECT_LT(stops, 20U);
   EXPECT_EQ(report["desktop"]["plan"]["ended"], "stopped");
   EXPECT_EQ(report["desktop"]["plan"]["is_complete"], false);
   EXPECT_EQ(report["bursts"]["fused"], 2 * stops);
-  EXPECT_TRUE(std::filesystem::exists(desk.file("out/capture.mcap")));
+  EXPECT_TRUE(std::filesystem::exists(desk.file("out/die-46/capture.mcap")));
+  const Json in_case = Json::parse(read_file(desk.file("out/case.json")).value_or("{}"), nullptr, false);
+  ASSERT_EQ(in_case["parts"].size(), 1U) << in_case;
+  EXPECT_EQ(in_case["parts"][0]["name"], "die-46");
+  EXPECT_EQ(in_case["parts"][0]["stops"], stops);
+  for (const char* name : {"out/lower.stl", "out/case.png"}) EXPECT_FALSE(std::filesystem::exists(desk.file(name)));
+  EXPECT_TRUE(std::filesystem::exists(desk.file("out/notes.stl")));
 }
 
 TEST(DesktopScanLive, nothing_moves_without_axes_and_nothing_is_written_without_a_probe) {

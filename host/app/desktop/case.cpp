@@ -40,14 +40,7 @@ Result<host::CaseParts> load_parts(const std::string& folder, const std::vector<
 
 /// PART.stl of all that stand in the common frame, and the picture; those of a run before are taken away.
 Result<void> write_placed(const std::string& folder, const host::CaseParts& parts, const host::PlacedCase& placed) {
-  std::error_code ec;
-  std::vector<fs::path> before;
-  for (const auto& entry : fs::directory_iterator(folder, ec)) before.push_back(entry.path());
-  for (const fs::path& path : before) {
-    const fs::path name = path.filename();
-    if (name == "case.png" || (name.extension() == ".stl" && host::check_part(name.stem().string())))
-      fs::remove(path, ec);
-  }
+  drop_placed(folder);
   if (placed.T_frame_part.size() < 2) return {};
   for (const auto& [name, T] : placed.T_frame_part) {
     Mesh mesh = parts.at(name)->surface.mesh();

@@ -96,6 +96,17 @@ Result<void> write_case(const std::string& folder, const host::PlacedCase* place
   return write_file(folder + "/case.json", host::case_json(parts, placed));
 }
 
+void drop_placed(const std::string& folder) {
+  std::error_code ec;
+  std::vector<fs::path> there;
+  for (const auto& entry : fs::directory_iterator(folder, ec)) there.push_back(entry.path());
+  for (const fs::path& path : there) {
+    const fs::path name = path.filename();
+    if (name == "case.png" || (name.extension() == ".stl" && host::check_part(name.stem().string())))
+      fs::remove(path, ec);
+  }
+}
+
 Result<PartFolder> PartFolder::open(const std::string& case_folder, const std::string& part, bool again) {
   ENAMEL_TRY(host::check_part(part));
   const std::string path = case_folder + "/" + part;
@@ -114,11 +125,13 @@ Result<PartFolder> PartFolder::open(const std::string& case_folder, const std::s
   return PartFolder(path, older);
 }
 
-void PartFolder::give_up() const {
-  if (older_.empty() || was_scanned(path_)) return;
+bool PartFolder::close() const {
+  if (was_scanned(path_)) return true;
+  if (older_.empty()) return false;
   std::error_code ec;
   fs::remove(path_, ec);  // unless something is in it
   if (!has(path_)) fs::rename(older_, path_, ec);
+  return false;
 }
 
 }  // namespace enamel::app

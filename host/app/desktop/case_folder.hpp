@@ -16,13 +16,17 @@ namespace enamel::app {
 /// Errors: of read_case; kFileWrite.
 [[nodiscard]] Result<void> write_case(const std::string& folder, const host::PlacedCase* placed);
 
+/// Takes away what `enamel desktop case` made of the parts: PART.stl and case.png.
+void drop_placed(const std::string& folder);
+
 /// The part's folder for a new scan. A part that was scanned is not written over: `again` moves its folder to PART.N,
-/// the next free number. Put back by give_up() where no scan came about. Errors: kUsage, kFileWrite.
+/// the next free number. Put back by close() where no scan came about. Errors: kUsage, kFileWrite.
 class PartFolder {
  public:
   [[nodiscard]] static Result<PartFolder> open(const std::string& case_folder, const std::string& part, bool again);
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
-  void give_up() const;
+  /// Whether a scan came about.
+  [[nodiscard]] bool close() const;
 
  private:
   PartFolder(std::string path, std::string older) : path_(std::move(path)), older_(std::move(older)) {}

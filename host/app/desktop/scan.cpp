@@ -38,7 +38,8 @@ Result<int> scan_part(DesktopScan scan, const PartOptions& part) {
   scan.scan.run.out = folder.path();
   log::info("desktop", "recording and results go to {}", folder.path());
   const auto code = run_desktop_scan(scan);
-  folder.give_up();  // where nothing came about
+  if (!folder.close()) return code;
+  drop_placed(case_folder);  // the part before had been placed, not this one
   ENAMEL_TRY(write_case(case_folder, nullptr));
   return code;
 }

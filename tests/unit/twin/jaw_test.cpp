@@ -5,6 +5,7 @@
 
 #include "protocol/base/file.hpp"
 #include "tests/unit/twin/twin_fixture.hpp"
+#include "tools/twin/jaw/bite.hpp"
 #include "tools/twin/optics/random.hpp"
 #include "tools/twin/surface/mesh_file.hpp"
 
@@ -46,6 +47,38 @@ TEST(TwinJaw, mesh_keeps_its_edge_limit_and_has_no_holes) {
     if (a.s > config.from_mm + 1 && a.s < config.to_mm - 1 && a.n > -8.5 && a.n < 7) ++open_inside;
   }
   EXPECT_EQ(open_inside, 0);
+}
+
+/// How deep the upper's deepest vertex is in the lower, mm; negative: so far apart.
+double crossed_mm(const JawField& lower, const TriSurface& upper, const Eigen::Isometry3d& T_lower_upper) {
+  double deepest = -1e9;
+  for (const Vec3f& v : upper.vertices) deepest = std::max(deepest, -lower.value(T_lower_upper * v.cast<double>()));
+  return deepest;
+}
+
+TEST(TwinBite, jaws_of_one_patient_meet_and_do_not_cross) {
+  const JawConfig config = coarse_jaw();
+  constexpr std::uint64_t kSeed = 6;
+  const Bite bite = make_bite(config, kSeed);
+  const Jaw lower = make_jaw(jaw_in_bite(config, JawSide::kLower), kSeed);
+  const Jaw upper = make_jaw(jaw_in_bite(config, JawSide::kUpper), kSeed);
+  const std::size_t lowers = lower.mesh.vertices.size(), uppers = upper.mesh.vertices.size();
+  ASSERT_EQ(bite.mesh.vertices.size(), lowers + uppers);
+  for (std::size_t i = 0; i < lowers; i += 997)
+    EXPECT_LT((bite.T_bite_lower * lower.mesh.vertices[i].cast<double>() - bite.mesh.vertices[i].cast<double>()).norm(),
+              1e-4);
+  for (std::size_t i = 0; i < uppers; i += 997)
+    EXPECT_LT(
+        (bite.T_bite_upper * upper.mesh.vertices[i].cast<double>() - bite.mesh.vertices[lowers + i].cast<double>())
+            .norm(),
+        1e-4);
+  const JawField field(lower.dentition, JawSide::kLower, kSeed);
+  Eigen::Isometry3d T_lower_upper = bite.T_bite_lower.inverse() * bite.T_bite_upper;
+  constexpr double kCell_mm = 0.25;  // of the maps that say where they meet: slopes are taken for steps
+  EXPECT_LT(crossed_mm(field, upper.mesh, T_lower_upper), kCell_mm);
+  EXPECT_GT(crossed_mm(field, upper.mesh, T_lower_upper), -2 * kCell_mm);
+  T_lower_upper.translation().z() -= 6 * kCell_mm;  // the control: bitten through
+  EXPECT_GT(crossed_mm(field, upper.mesh, T_lower_upper), kCell_mm);
 }
 
 TEST(TwinJaw, surface_is_wound_outwards_and_carries_enamel_and_gum) {

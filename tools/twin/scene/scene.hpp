@@ -26,7 +26,7 @@
 
 namespace enamel::twin {
 
-enum class ObjectKind : std::uint8_t { kJaw, kRidge, kPlane, kSpheres, kSteps, kPlate, kFile, kBoard };
+enum class ObjectKind : std::uint8_t { kJaw, kRidge, kPlane, kSpheres, kSteps, kPlate, kFile, kBoard, kBite };
 enum class PathKind : std::uint8_t { kViews, kArch, kCalibration, kMount };
 
 struct FileObjectConfig {
@@ -84,7 +84,7 @@ struct SceneConfig {
   SpheresConfig spheres;
   StepsConfig steps;
   RingPlateConfig plate;
-  JawConfig jaw;
+  JawConfig jaw;  ///< of a bite both jaws
   RidgeConfig ridge;
   SphereBarConfig bar;  ///< beside a jaw or ridge
   FileObjectConfig file;

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "protocol/base/json_text.hpp"
+#include "tools/twin/jaw/bite.hpp"
 #include "tools/twin/scene/looks.hpp"
 #include "tools/twin/scene/scene.hpp"
 #include "tools/twin/surface/mesh_file.hpp"
@@ -34,6 +35,23 @@ Body make_jaw_body(const SceneConfig& config, SortedJson& objects) {
                      {"teeth", teeth}});
   body.surroundings.mesh = std::move(jaw.mesh);
   body.dentition = std::move(jaw.dentition);
+  return body;
+}
+
+SortedJson rows_of(const Eigen::Isometry3d& T) {
+  SortedJson rows = SortedJson::array();
+  for (int r = 0; r < 4; ++r) rows.push_back({T.matrix()(r, 0), T.matrix()(r, 1), T.matrix()(r, 2), T.matrix()(r, 3)});
+  return rows;
+}
+
+Body make_bite_body(const SceneConfig& config, SortedJson& objects) {
+  Body body;
+  Bite bite = make_bite(jaw_of_look(config), config.seed);
+  objects.push_back({{"type", "mesh"},
+                     {"file", "surface.ply"},
+                     {"T_bite_lower", rows_of(bite.T_bite_lower)},
+                     {"T_bite_upper", rows_of(bite.T_bite_upper)}});
+  body.surroundings.mesh = std::move(bite.mesh);
   return body;
 }
 
@@ -98,6 +116,9 @@ Result<Body> make_body(const SceneConfig& config) {
   switch (config.object) {
     case ObjectKind::kJaw:
       body = make_jaw_body(config, objects);
+      break;
+    case ObjectKind::kBite:
+      body = make_bite_body(config, objects);
       break;
     case ObjectKind::kRidge:
       body = make_ridge_body(config, objects);

@@ -13,7 +13,8 @@ namespace enamel::twin {
 namespace {
 
 using Names = std::string_view;
-constexpr std::array<std::pair<Names, ObjectKind>, 8> kObjects{{{"jaw", ObjectKind::kJaw},
+constexpr std::array<std::pair<Names, ObjectKind>, 9> kObjects{{{"jaw", ObjectKind::kJaw},
+                                                                {"bite", ObjectKind::kBite},
                                                                 {"ridge", ObjectKind::kRidge},
                                                                 {"plane", ObjectKind::kPlane},
                                                                 {"spheres", ObjectKind::kSpheres},
@@ -96,7 +97,7 @@ void bind_plate(ConfigReader r, RingPlateConfig& p) {
 }
 
 void bind_object(ConfigReader r, SceneConfig& c) {
-  r.bind("type", c.object, kObjects, "jaw, ridge, plane, spheres, steps, plate, file or board");
+  r.bind("type", c.object, kObjects, "jaw, bite, ridge, plane, spheres, steps, plate, file or board");
   r.bind("plane.half_mm", c.plane.half_mm, {1, 500}, "half edge of the plane");
   r.bind("spheres.diameters_mm", c.spheres.diameters_mm, {0.1, 100}, "one a ball, along x");
   r.bind("spheres.pitch_mm", c.spheres.pitch_mm, {0.1, 200}, "centre to centre");
