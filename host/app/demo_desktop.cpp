@@ -84,7 +84,7 @@ Result<int> run_desktop_demo(const DesktopDemo& demo) {
   ENAMEL_TRY_ASSIGN(desktop.desktop.mount, calibrated_mount(demo, clock));
   desktop.port = out + "/axes.port";
   desktop.scan.run = demo.run;
-  desktop.scan.serial = "TWIN-DESKTOP";
+  desktop.scan.serial = "SIM-0001";  // of config/rigs/probe.json, the unit that is calibrated
   desktop.scan.link.tag = "enamel-demo-" + std::to_string(::getpid());
   desktop.scan.may_replace_simulated = true;
   desktop.scan.wait_seconds = 60;

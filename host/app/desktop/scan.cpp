@@ -25,7 +25,8 @@ Result<void> compare_mounts(const std::vector<host::PartFacts>& parts, const std
   ENAMEL_TRY_ASSIGN(const MountFile file, mount_for(mount_path, nullptr));
   for (const host::PartFacts& part : parts)
     if (!part.mount_serial.empty() && part.mount_serial != file.mount.serial)
-      log::warn("case", "part {} was scanned on mount {}, and this is {}", part.name, part.mount_serial, file.mount.serial);
+      log::warn("case", "part {} was scanned on mount {}, and this is {}", part.name, part.mount_serial,
+                file.mount.serial);
   return {};
 }
 
