@@ -20,7 +20,7 @@ done
 cd "$source_dir"
 mapfile -t decoder < <(find pipeline/decode -name '*.cpp' ! -name decode_maps.cpp | sort)
 mapfile -t model < <(find calib/model -name '*.cpp' ! -name mount_file.cpp ! -name json_seal.cpp | sort)
-sources=(tests/arm64/decode_bits.cpp "${model[@]}" protocol/base/{result,check,file}.cpp firmware/boot/bare/crc32.cpp "${decoder[@]}")
+sources=(tests/arm64/decode_bits.cpp "${model[@]}" protocol/base/{result,check,file,image_blocks}.cpp firmware/boot/bare/crc32.cpp "${decoder[@]}")
 flags=(-std=c++20 -O2 -DNDEBUG -ffp-contract=off -fno-fast-math -fno-math-errno -fno-trapping-math
   -DHWY_COMPILE_ONLY_STATIC -I. -isystem "$work_dir/include")
 export compiler work_dir
