@@ -9,8 +9,6 @@
 
 #include <hwy/highway.h>
 
-#include <array>
-
 #include "pipeline/decode/unwrap/order_messages.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -39,7 +37,9 @@ HWY_INLINE StateLanes least_of_lanes(StateLanes costs) {
 }
 
 struct States {
-  std::array<StateLanes, kParts> part;
+  StateLanes part[kParts];  ///< no std::array: its members are not compiled for this instruction set
+
+  HWY_INLINE States() {}
 
   /// of(p, ...): what becomes of part p of each.
   template <class Of, class... Others>
