@@ -31,12 +31,11 @@ VertexSums vertex_sums(const Mesh& mesh) {
   return out;
 }
 
-Mesh with_normals(Mesh mesh) {
-  const VertexSums sums = vertex_sums(mesh);
-  mesh.normals.clear();
+std::vector<Vec3f> unit_normals(const VertexSums& sums) {
+  std::vector<Vec3f> out;
   for (const Vec3d& n : sums.normals)
-    mesh.normals.push_back(n.norm() > 0 ? Vec3f(n.normalized().cast<float>()) : Vec3f::UnitZ());
-  return mesh;
+    out.push_back(n.norm() > 0 ? Vec3f(n.normalized().cast<float>()) : Vec3f::UnitZ());
+  return out;
 }
 
 std::vector<bool> border_vertices(const Mesh& mesh) {
@@ -53,8 +52,7 @@ std::vector<bool> border_vertices(const Mesh& mesh) {
 }
 
 /// The first vertex of every cell stands for all of the cell that look its way.
-std::vector<SurfaceElement> elements(const Mesh& mesh, double pitch_mm) {
-  const VertexSums sums = vertex_sums(mesh);
+std::vector<SurfaceElement> elements(const Mesh& mesh, const std::vector<double>& area_mm2, double pitch_mm) {
   std::unordered_map<std::uint64_t, std::size_t> cells;
   std::vector<SurfaceElement> out;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -71,19 +69,19 @@ std::vector<SurfaceElement> elements(const Mesh& mesh, double pitch_mm) {
       out.push_back({p, n, 0});
       at = cells.find(key);
     }
-    out[at->second].area_mm2 += sums.area_mm2[v];
+    out[at->second].area_mm2 += area_mm2[v];
   }
   return out;
 }
 
 }  // namespace
 
-PartSurface::PartSurface(Mesh mesh)
-    : mesh_(with_normals(std::move(mesh))),
-      tree_(mesh_),
-      on_border_(border_vertices(mesh_)),
-      fine_(elements(mesh_, kFinePitch_mm)),
-      coarse_(elements(mesh_, kCoarsePitch_mm)) {}
+PartSurface::PartSurface(Mesh mesh) : mesh_(std::move(mesh)), tree_(mesh_), on_border_(border_vertices(mesh_)) {
+  const VertexSums sums = vertex_sums(mesh_);
+  mesh_.normals = unit_normals(sums);
+  fine_ = elements(mesh_, sums.area_mm2, kFinePitch_mm);
+  coarse_ = elements(mesh_, sums.area_mm2, kCoarsePitch_mm);
+}
 
 std::optional<PartSurface::Hit> PartSurface::nearest(const Vec3d& p, double within_mm) const {
   const auto hit = tree_.nearest(p, within_mm);

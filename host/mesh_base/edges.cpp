@@ -1,25 +1,8 @@
 #include "host/mesh_base/edges.hpp"
 
-#include <numeric>
+#include "pipeline/types/disjoint_sets.hpp"
 
 namespace enamel::host {
-
-Groups::Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
-
-std::uint32_t Groups::root(std::uint32_t of) {
-  while (parent_[of] != of) {
-    parent_[of] = parent_[parent_[of]];
-    of = parent_[of];
-  }
-  return of;
-}
-
-void Groups::join(std::uint32_t a, std::uint32_t b) {
-  a = root(a);
-  b = root(b);
-  // The smaller number leads, so that the result does not depend on the order of joins.
-  if (a != b) parent_[a > b ? a : b] = a > b ? b : a;
-}
 
 std::unordered_map<std::uint64_t, std::uint32_t> directed_edges(std::span<const Triangle> triangles) {
   std::unordered_map<std::uint64_t, std::uint32_t> out;
@@ -50,7 +33,7 @@ std::uint32_t corner_at(const Triangle& face, std::uint32_t vertex) {
 }  // namespace
 
 Pieces pieces_of(std::span<const Triangle> triangles) {
-  Groups groups(triangles.size());
+  DisjointSets groups(triangles.size());
   each_shared_edge(triangles, [&](std::uint32_t f, std::uint32_t, std::uint32_t other) { groups.join(f, other); });
   Pieces out;
   out.of_face.resize(triangles.size());
@@ -62,7 +45,7 @@ Pieces pieces_of(std::span<const Triangle> triangles) {
 }
 
 std::vector<std::uint32_t> fans_of(std::span<const Triangle> triangles) {
-  Groups groups(3 * triangles.size());
+  DisjointSets groups(3 * triangles.size());
   each_shared_edge(triangles, [&](std::uint32_t f, std::uint32_t k, std::uint32_t other) {
     const Triangle &here = triangles[f], &there = triangles[other];
     for (const std::uint32_t corner : {k, (k + 1) % 3})

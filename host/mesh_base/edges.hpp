@@ -17,17 +17,6 @@ inline constexpr std::uint32_t kNoIndex = 0xFFFFFFFF;  ///< of no vertex, no fan
   return std::uint64_t{from} << 32U | to;
 }
 
-/// Sets that grow together (Galler & Fischer 1964).
-class Groups {
- public:
-  explicit Groups(std::size_t count);
-  [[nodiscard]] std::uint32_t root(std::uint32_t of);
-  void join(std::uint32_t a, std::uint32_t b);
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 /// Face of each directed edge; of several the first.
 [[nodiscard]] std::unordered_map<std::uint64_t, std::uint32_t> directed_edges(std::span<const Triangle> triangles);
 

@@ -43,9 +43,10 @@ Result<void> write_placed(const std::string& folder, const host::CaseParts& part
   drop_placed(folder);
   if (placed.T_frame_part.size() < 2) return {};
   for (const auto& [name, T] : placed.T_frame_part) {
+    if (name == host::kBite) continue;  // its frame, and no part to hand on
     Mesh mesh = parts.at(name)->surface.mesh();
     for (Vec3f& v : mesh.vertices) v = (T * v.cast<double>()).cast<float>();
-    if (name != host::kBite) ENAMEL_TRY(write_file(folder + "/" + name + ".stl", host::stl_bytes(mesh)));
+    ENAMEL_TRY(write_file(folder + "/" + name + ".stl", host::stl_bytes(mesh)));
   }
   const auto png = host::case_png(parts, placed);
   return write_file(folder + "/case.png", {reinterpret_cast<const char*>(png.data()), png.size()});

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "calib/model/mount.hpp"
 #include "calib/model/rig.hpp"
 #include "host/app/desktop/desktop_options.hpp"
 #include "host/app/input.hpp"
@@ -50,8 +49,7 @@ void add_recording(const fs::path& part, host::PartFacts& facts) {
   }
   facts.scanned_at = host::recorded_at((*stream)->info());
   facts.simulated = facts.simulated || host::says_simulated((*stream)->info());
-  const auto mount = calib::parse_mount(attached_text(**stream, kMountAttachment));
-  if (mount) facts.mount_serial = mount->serial;
+  if (const auto mount = mount_for({}, stream->get())) facts.mount_serial = mount->mount.serial;
   const auto rig = calib::parse_rig((*stream)->rig_text());
   if (rig && facts.rig_serial.empty()) facts.rig_serial = rig->serial;
 }

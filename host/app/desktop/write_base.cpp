@@ -19,8 +19,8 @@ std::optional<Vec3d> recorded_up(const std::string& run) {
   if (!std::filesystem::exists(path, ignored)) return std::nullopt;
   const auto stream = host::open_bursts(path);
   if (!stream) return std::nullopt;
-  const auto mount = calib::parse_mount(attached_text(**stream, kMountAttachment));
-  return mount ? std::optional(up_of(*mount)) : std::nullopt;
+  const auto mount = mount_for({}, stream->get());
+  return mount ? std::optional(up_of(mount->mount)) : std::nullopt;
 }
 
 Result<void> add_to_report(const std::string& path, const host::ClosedMesh& closed) {

@@ -21,37 +21,13 @@ Steps steps_of(int width) {
   return {-w - 1, -w, -w + 1, -1, 1, w - 1, w, w + 1};
 }
 
-/// layout: pixels of a row that are asked together: in most stretches none is torn.
-constexpr std::size_t kTornStretch = 32;
-
-bool has_torn(const ClosedRow& closed, std::size_t from, std::size_t count, float limit) {
-  const float* __restrict squares = closed.squares + from, * __restrict noise = closed.noise + from;
-  int torn = 0;
-  for (std::size_t k = 0; k < count; ++k) torn |= static_cast<int>(squares[k] > limit) & static_cast<int>(noise[k] > 0);
-  return torn != 0;
-}
-
-void leave_out(const ClosedRow& closed, std::size_t from, std::size_t count, float limit, PixelReject* reject) {
-  for (std::size_t u = from; u < from + count; ++u) {
-    if (!(closed.squares[u] > limit && closed.noise[u] > 0)) continue;
-    closed.noise[u] = 0;
-    reject[u] = PixelReject::kEdge;
-  }
-}
-
 /// To within half a turn.
 float wrapped(float rad) { return rad - kTwoPiF * std::floor(rad / kTwoPiF + 0.5F); }
 
 }  // namespace
 
-/// Of the pixel next to one that is asked.
-struct TornPixels::Beside {
-  float mean_dn, light_dn, slack_dn;  ///< A; A above black; twice its noise
-};
-
 struct TornPixels::Line {
-  float expected_rad, sigma_rad, modulation_dn;
-  Beside beside;
+  float expected_rad, sigma_rad, mean_dn, modulation_dn;
 };
 
 struct TornPixels::Surface {
@@ -73,19 +49,13 @@ struct TornPixels::Surface {
     return lines;
   }
 
-  /// Light and noise of the pixel `step` from `index`; lines of another light need not be drawn.
-  [[nodiscard]] Beside beside(std::size_t index, std::ptrdiff_t step) const {
-    const float mean = maps.mean_dn[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(index) + step)];
-    return {mean, mean - noise.black_dn, 2 * root(noise.variance(mean))};
-  }
-
-  /// Through that pixel and those behind it.
-  [[nodiscard]] Line behind(std::size_t index, std::ptrdiff_t step, const Beside& light) const {
+  /// Through the pixel `step` from `index` and those behind it.
+  [[nodiscard]] Line behind(std::size_t index, std::ptrdiff_t step) const {
     const auto at = [&](int k) { return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(index) + k * step); };
     const auto phi = [&](int k) { return maps.phase_rad[at(k)] + kTwoPiF * static_cast<float>(wraps[at(k)]); };
     const float near = phi(1), slope = 0.5F * (near - phi(kBehind));
     // 1.5 times the first less half of the third: 2.5 times the variance of one.
-    return {near + slope, maps.sigma_rad[at(1)] * root(2.5F), maps.modulation_dn[at(1)], light};
+    return {near + slope, maps.sigma_rad[at(1)] * root(2.5F), maps.mean_dn[at(1)], maps.modulation_dn[at(1)]};
   }
 };
 
@@ -106,20 +76,16 @@ void TornPixels::take_row(int v, std::size_t at, const PixelRow& row, const Clos
   for (; !spans_.empty() && spans_.front().row == v; spans_ = spans_.subspan(1))
     end = static_cast<std::size_t>(spans_.front().end);
   const float limit = config_.sigmas * config_.sigmas;
-  for (std::size_t u = begin; u < end; u += kTornStretch) {
-    const std::size_t count = std::min(kTornStretch, end - u);
-    if (has_torn(closed, u, count, limit)) leave_out(closed, u, count, limit, reject);
+  for (std::size_t u = begin; u < end; ++u) {
+    const bool torn = (closed.squares[u] > limit) & (closed.noise[u] > 0);
+    closed.noise[u] = select(torn, 0, closed.noise[u]);
+    reject[u] = torn ? PixelReject::kEdge : reject[u];
   }
   // A line of kBehind pixels has room in every direction.
   if (v < kBehind || v + kBehind >= height_ || width_ <= 2 * kBehind) return;
   const auto margin = static_cast<std::size_t>(kBehind), last = static_cast<std::size_t>(width_) - margin;
-  const PixelReject* const to = reject + std::min(end, last);
-  for (const PixelReject* r = reject + std::max(begin, margin); r < to; ++r) {
-    r = std::find(r, to, PixelReject::kEdge);
-    if (r == to) break;
-    const auto u = static_cast<std::size_t>(r - reject);
-    if (!was_saturated(at + u)) take(u, at + u, row);
-  }
+  for (std::size_t u = std::max(begin, margin); u < std::min(end, last); ++u)
+    if (reject[u] == PixelReject::kEdge && !was_saturated(at + u)) take(u, at + u, row);
 }
 
 bool TornPixels::was_saturated(std::size_t index) {
@@ -146,16 +112,17 @@ TornPixels::Way TornPixels::way_without(std::size_t missing, const Pixel& pixel,
 }
 
 /// Whether a way of this mean light could continue the line, before its equations are solved: most cannot.
-bool TornPixels::could_be(float mean, const Beside& beside) const {
-  return std::abs(mean - beside.light_dn) < 2 * config_.same_light * beside.light_dn + beside.slack_dn;
+bool TornPixels::could_be(float mean, const Line& line, const NoiseModel& noise) const {
+  const float beside = line.mean_dn - noise.black_dn;
+  return std::abs(mean - beside) < 2 * config_.same_light * beside + 2 * root(noise.variance(line.mean_dn));
 }
 
 /// By how many sigmas a way is off the line in phase; infinite where it does not continue it.
-float TornPixels::sigmas_off(const Way& way, float off_rad, const Line& line) const {
-  const float same = config_.same_light, slack = line.beside.slack_dn;  // noise of both
+float TornPixels::sigmas_off(const Way& way, float off_rad, const Line& line, const NoiseModel& noise) const {
+  const float same = config_.same_light, slack = 2 * root(noise.variance(line.mean_dn));  // noise of both
   const float own2 = way.sigma_rad * way.sigma_rad, mixed2 = config_.mixed_rad * config_.mixed_rad;
   const bool fits = own2 + mixed2 < max_sigma_rad_ * max_sigma_rad_ && std::abs(off_rad) < config_.most_turn_rad &&
-                    std::abs(way.mean_dn - line.beside.mean_dn) < same * line.beside.light_dn + slack &&
+                    std::abs(way.mean_dn - line.mean_dn) < same * (line.mean_dn - noise.black_dn) + slack &&
                     std::abs(way.modulation_dn - line.modulation_dn) < 1.5F * same * line.modulation_dn + slack;
   const float sigmas = std::abs(off_rad) / root(own2 + line.sigma_rad * line.sigma_rad);
   return fits && sigmas < config_.continues_sigmas ? sigmas : std::numeric_limits<float>::infinity();
@@ -169,7 +136,7 @@ std::optional<TornPixels::Found> TornPixels::find(Pixel& pixel, const Surface& s
   std::optional<Found> best;
   float least = std::numeric_limits<float>::infinity();
   const auto offer = [&](const Way& way, const Line& line) {
-    const float off = wrapped(way.phase_rad - line.expected_rad), sigmas = sigmas_off(way, off, line);
+    const float off = wrapped(way.phase_rad - line.expected_rad), sigmas = sigmas_off(way, off, line, noise);
     if (!(sigmas < least)) return;
     least = sigmas;
     best = Found{pixel.index, way, line.expected_rad + off};
@@ -178,16 +145,12 @@ std::optional<TornPixels::Found> TornPixels::find(Pixel& pixel, const Surface& s
   unsigned lines = surface.lines_to(pixel.index, steps) & ~pixel.asked;
   pixel.asked |= lines;
   for (; lines != 0; lines &= lines - 1) {
-    const std::ptrdiff_t step = steps[static_cast<std::size_t>(std::countr_zero(lines))];
-    const Beside beside = surface.beside(pixel.index, step);
-    const bool of_first = could_be(0.5F * (x[0] + x[2]), beside), of_last = could_be(0.5F * (x[1] + x[3]), beside);
-    if (!of_first && !of_last) continue;
-    const Line line = surface.behind(pixel.index, step, beside);
-    if (of_first) {
+    const Line line = surface.behind(pixel.index, steps[static_cast<std::size_t>(std::countr_zero(lines))]);
+    if (could_be(0.5F * (x[0] + x[2]), line, noise)) {
       if (!first) first = way_without(3, pixel, noise);
       offer(*first, line);
     }
-    if (!of_last) continue;
+    if (!could_be(0.5F * (x[1] + x[3]), line, noise)) continue;
     if (!(surface.signs.at(static_cast<int>(std::floor(line.expected_rad / kPiF))) > 0)) continue;
     if (!last) last = way_without(0, pixel, noise);
     if (std::abs(last->sine) > kClearOfFlip) offer(*last, line);

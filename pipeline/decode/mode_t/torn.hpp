@@ -76,14 +76,13 @@ class TornPixels {
     float absolute_rad;  ///< Phi
   };
   struct Surface;  ///< what holds so far
-  struct Beside;   ///< light of one of its pixels
   struct Line;     ///< of three of its pixels, on to the pixel asked
 
   [[nodiscard]] bool was_saturated(std::size_t index);
   void take(std::size_t u, std::size_t index, const PixelRow& row);
   [[nodiscard]] std::optional<Found> find(Pixel& pixel, const Surface& surface) const;
-  [[nodiscard]] bool could_be(float mean, const Beside& beside) const;
-  [[nodiscard]] float sigmas_off(const Way& way, float off_rad, const Line& line) const;
+  [[nodiscard]] bool could_be(float mean, const Line& line, const NoiseModel& noise) const;
+  [[nodiscard]] float sigmas_off(const Way& way, float off_rad, const Line& line, const NoiseModel& noise) const;
   void put(PhaseMaps& maps, Map<std::int16_t>& wraps);
   [[nodiscard]] static Way way_without(std::size_t missing, const Pixel& pixel, const NoiseModel& noise);
 

@@ -1,4 +1,4 @@
-// pass_gap of order_messages.hpp, for the instruction set of whoever calls. Private to pipeline/decode/unwrap.
+// What pass_gap of order_messages.hpp is, for the instruction set of whoever calls. Private to pipeline/decode/unwrap.
 #pragma once
 
 #include <algorithm>

@@ -2,7 +2,6 @@
 // vector width gives the same bits, and sixteen states fit one register.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -61,28 +60,24 @@ struct CostPair {
   return least_everywhere(CostPair(costs))[0];
 }
 
+// The messages one by one. Rows of segments are worked off with what these are made of, where they are compiled for the
+// processor's instruction set (order_states-inl.h, order_gap.hpp).
+
 /// Along a surface: own[k] + min(in[k] - min(in), jump). `out` may be `in`. in and own in [0, 200] nats.
-[[gnu::always_inline]] inline void pass_joined(const OrderCosts& in, const OrderCosts& own, Cost jump,
-                                               OrderCosts& out) noexcept {
-  const CostPair said(in);
-  CostPair sum(own);
-  const CostHalf low = least_everywhere(said), most = CostHalf{} + jump;
-  sum.low += lesser(said.low - low, most);
-  sum.high += lesser(said.high - low, most);
-  sum.store(out);
-}
+void pass_joined(const OrderCosts& in, const OrderCosts& own, Cost jump, OrderCosts& out);
 
 /// Across a gap: own[j] + min over i of in[i] - min(in) + gap(j - i). `out` may be `in`.
-void pass_gap(const OrderCosts& in, const OrderCosts& own, const GapCosts& gap, OrderCosts& out) noexcept;
+void pass_gap(const OrderCosts& in, const OrderCosts& own, const GapCosts& gap, OrderCosts& out);
 
 /// costs less their least.
-[[gnu::always_inline]] inline void level(const CostPair& costs, OrderCosts& out) noexcept {
-  const CostHalf low = least_everywhere(costs);
-  CostPair rest(costs);
-  rest.low -= low;
-  rest.high -= low;
-  rest.store(out);
-}
+void level(const CostPair& costs, OrderCosts& out);
+
+/// Running mean of `own`, whose least is 0, and of what came before less its least: own + memory (min(before, most) -
+/// own), to a step. memory in [0, 0.99]. own up to 200 nats, most up to 200.
+void blend(const OrderCosts& before, const OrderCosts& own, float memory, Cost most, OrderCosts& out);
+
+/// memory in 2^-15, as blended() takes it.
+[[nodiscard]] constexpr Cost to_share(float memory) noexcept { return static_cast<Cost>(memory * 32768); }
 
 [[nodiscard, gnu::always_inline]] inline CostPair mean_of(const OrderCosts& a, const OrderCosts& b) noexcept {
   CostPair mean(a);
@@ -113,20 +108,6 @@ inline constexpr Cost kImpossible = to_cost(kImpossibleNats);
   costs.high = high_states == best ? impossible : costs.high;
   const CostHalf second = least_everywhere(costs);
   return {best[0], first[0], static_cast<Cost>(second[0] - first[0])};
-}
-
-/// Running mean of `own`, whose least is 0, and of what came before less its least: own + memory (min(before, most) -
-/// own), to a step. memory in [0, 0.99]. own up to 200 nats, most up to 200.
-[[gnu::always_inline]] inline void blend(const OrderCosts& before, const OrderCosts& own, float memory, Cost most,
-                                         OrderCosts& out) noexcept {
-  const auto share = static_cast<std::int32_t>(memory * 32768);  // in 2^-15, the result rounded down
-  const Cost low = least(before);
-  OrderCosts sum;
-  for (std::size_t k = 0; k < kOrderStates; ++k) {
-    const Cost was = std::min(static_cast<Cost>(before.of[k] - low), most), is = own.of[k];
-    sum.of[k] = static_cast<Cost>(is + ((2 * (was - is) * share) >> 16));
-  }
-  out = sum;
 }
 
 }  // namespace enamel::pipeline

@@ -207,7 +207,7 @@ class Rows {
   OrderResult::Work& work_;
   StateLanes unseen_jump_ = hn::Set(StateTag(), to_cost(config_.unseen_jump_cost));
   StateLanes most_above_ = hn::Set(StateTag(), to_cost(4 * config_.unseen_jump_cost));
-  StateLanes share_ = hn::Set(StateTag(), static_cast<Cost>(config_.row_memory * 32768));  ///< in 2^-15
+  StateLanes share_ = hn::Set(StateTag(), to_share(config_.row_memory));
 };
 
 void label(const std::vector<Segment>& segments, std::int32_t components, const CodeEvidence& evidence,

@@ -1,5 +1,5 @@
-// Costs of a segment's sixteen states in registers; compiled once per instruction set. The same whole numbers as of
-// order_messages.hpp. Private to pipeline/decode/unwrap.
+// Costs of a segment's sixteen states in registers; compiled once per instruction set. What the messages of
+// order_messages.hpp are made of. Private to pipeline/decode/unwrap.
 #if defined(ENAMEL_ORDER_STATES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ENAMEL_ORDER_STATES_INL_H_
 #undef ENAMEL_ORDER_STATES_INL_H_
@@ -79,7 +79,7 @@ HWY_INLINE States mean_of_states(const States& a, const States& b) {
   return States::each([](auto x, auto y) HWY_ATTR { return hn::ShiftRight<1>(hn::Add(x, y)); }, a, b);
 }
 
-/// As blend; share: memory in 2^-15.
+/// As blend; share: to_share() of the memory.
 HWY_INLINE States blended(const States& before, const States& own, StateLanes share, StateLanes most) {
   const StateLanes low = before.least();
   return States::each(

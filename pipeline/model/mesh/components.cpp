@@ -1,33 +1,13 @@
 #include "pipeline/model/mesh/components.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "pipeline/types/disjoint_sets.hpp"
+
 namespace enamel::pipeline {
 namespace {
-
-// Disjoint sets with path halving; the smaller index is the root, so roots don't depend on the order of joins.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) {
-      parent_[i] = parent_[parent_[i]];
-      i = parent_[i];
-    }
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 void drop_unused_vertices(Mesh& mesh) {
   constexpr std::uint32_t kUnused = ~0U;
@@ -66,7 +46,7 @@ struct Piece {
   SeenSpan seen{~std::uint64_t{0}, 0};
 };
 
-std::vector<Piece> pieces_of(const Mesh& mesh, std::span<const SeenSpan> seen, Sets& sets) {
+std::vector<Piece> pieces_of(const Mesh& mesh, std::span<const SeenSpan> seen, DisjointSets& sets) {
   for (const auto& t : mesh.triangles) {
     sets.join(t[0], t[1]);
     sets.join(t[1], t[2]);
@@ -89,7 +69,7 @@ std::vector<Piece> pieces_of(const Mesh& mesh, std::span<const SeenSpan> seen, S
 }  // namespace
 
 ComponentStats remove_small_components(Mesh& mesh, const ComponentRules& rules, std::span<const SeenSpan> seen) {
-  Sets sets(mesh.vertices.size());
+  DisjointSets sets(mesh.vertices.size());
   const std::vector<Piece> pieces = pieces_of(mesh, seen, sets);
   std::uint32_t largest = 0;
   for (const Piece& piece : pieces) {
