@@ -49,6 +49,7 @@ struct BurstDecoder::Burst {
   PatternStrategy::Work& work;
   const StepHook& hook;
   DecodedBurst& out;
+  bool& has_surface;  ///< out.reject holds what became of each pixel on the surface
 };
 
 Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfig& config) {
@@ -82,12 +83,14 @@ void BurstDecoder::decode(const BurstView& view, DecodeWorkspace& workspace, Dec
   }
   resize_output(w, h, out);
   const bool fits = view.is_consistent() && view.width == w && view.height == h;
-  out.verdict = fits ? run({view, before, workspace.steps_, *workspace.work_, workspace.on_step, out})
+  bool has_surface = false;
+  out.verdict = fits ? run({view, before, workspace.steps_, *workspace.work_, workspace.on_step, out, has_surface})
                      : BurstVerdict::kFrameMismatch;
   if (out.accepted()) return;
   if (out.verdict != BurstVerdict::kNoCode || !strategy_->tells_unplaced()) out.relative.clear();
   if (!fits) show_nothing(out);
-  if (fits && out.verdict != BurstVerdict::kTooFewPoints) show_phase(workspace.steps_.phase, out);
+  const bool keeps_rejects = has_surface && out.verdict == BurstVerdict::kTooFewPoints;
+  if (fits && !keeps_rejects) show_phase(workspace.steps_.phase, out);
   withdraw_surface(out);
   count_rejects(out);
 }
@@ -192,6 +195,7 @@ BurstVerdict BurstDecoder::find_surface(const Burst& burst) const {
                     refined, out.sight, phase);
   take_phase(phase, diagnostics.ripple, out.relative);
   make_surface(refined, *rays_, diagnostics.ripple, config_.normals, burst.steps.scratch, out);
+  burst.has_surface = true;
   tell(burst.hook, "surface");
   count_rejects(out);
   if (out.patch.valid_px >= config_.light.min_points) return BurstVerdict::kAccepted;

@@ -172,6 +172,25 @@ TEST(BurstDecoder, reused_workspace_gives_the_bits_of_a_fresh_one) {
   EXPECT_EQ(reused.counts, fresh.counts);
 }
 
+TEST(BurstDecoder, too_few_points_show_nothing_of_the_burst_before) {
+  const auto before = test::render(small_rig(), test::flat(44), noisy());
+  const auto now = test::render(small_rig(), test::flat(48), noisy());
+  DecodeConfig config;
+  config.light.min_points = now.depth_mm.size() + 1;
+  const BurstDecoder demanding = BurstDecoder::make(small_rig(), config).value();
+  DecodeWorkspace workspace;
+  DecodedBurst reused;
+  small_decoder().decode(before.frames.view(), workspace, reused);
+  ASSERT_TRUE(reused.accepted());
+  demanding.decode(now.frames.view(), workspace, reused);
+  const DecodedBurst fresh = demanding.decode(now.frames.view());
+  ASSERT_EQ(fresh.verdict, BurstVerdict::kTooFewPoints);
+  EXPECT_EQ(enamel::crc32(std::as_bytes(reused.phase_rad.pixels())),
+            enamel::crc32(std::as_bytes(fresh.phase_rad.pixels())));
+  EXPECT_EQ(enamel::crc32(std::as_bytes(reused.reject.pixels())), enamel::crc32(std::as_bytes(fresh.reject.pixels())));
+  EXPECT_EQ(reused.counts, fresh.counts);
+}
+
 TEST(BurstDecoder, needs_a_depth_range_from_somewhere) {
   calib::Rig rig = test::cropped_rig(64, 32);
   rig.depth_range.reset();
