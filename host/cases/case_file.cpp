@@ -73,12 +73,13 @@ std::vector<std::string> serial_doubts(const std::vector<PartFacts>& parts) {
   return out;
 }
 
-std::string case_json(const std::vector<PartFacts>& parts, const PlacedCase* placed) {
+std::string case_json(const std::vector<PartFacts>& parts, const PlacedCase* placed,
+                      const std::vector<std::string>& warnings) {
   Json out{{"format", "enamel-case"}, {"version", 1}, {"units", "mm"}};
   out["simulated"] = std::ranges::any_of(parts, &PartFacts::simulated);
   out["parts"] = Json::array();
   for (const PartFacts& part : parts) out["parts"].push_back(facts_json(part));
-  out["warnings"] = serial_doubts(parts);
+  out["warnings"] = warnings;
   out["frame"] = placed != nullptr && placed->T_frame_part.size() > 1 ? Json(kBite) : Json(nullptr);
   out["placements"] = Json::array();
   if (placed == nullptr) return json_text(out, 1) + "\n";

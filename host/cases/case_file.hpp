@@ -24,7 +24,8 @@ struct PartFacts {
 /// One sentence for each serial that is not the same in all parts: sizes of another table or head are others.
 [[nodiscard]] std::vector<std::string> serial_doubts(const std::vector<PartFacts>& parts);
 
-/// `placed`: null where the parts have not been laid on each other since one was scanned.
-[[nodiscard]] std::string case_json(const std::vector<PartFacts>& parts, const PlacedCase* placed);
+/// `placed`: null where the parts have not been laid on each other since one was scanned. `warnings`: sentences.
+[[nodiscard]] std::string case_json(const std::vector<PartFacts>& parts, const PlacedCase* placed,
+                                    const std::vector<std::string>& warnings);
 
 }  // namespace enamel::host

@@ -47,11 +47,14 @@ TEST_F(DesktopCase, jaw_is_laid_on_the_bite_and_another_patients_is_not) {
   add_part("lower", host::scanned(lower_jaw(4, 0.3), from_above, 0.006, 1, T_lower));
   add_part("upper", host::scanned(lower_jaw(5, 0.3), from_above, 0.006, 2, T_lower));  // whoever's it is
   add_part("bite", host::scanned(lower_jaw(4, 0.27), host::from_the_cheek, 0.006, 3, T_bite));
+  add_part("die-99", lower_jaw(4, 0.6));  // there is no such tooth
   const test::Ran ran = desktop({"case", own_ / "case", "--json"});
   EXPECT_EQ(ran.code, 6) << ran.err;
   EXPECT_THAT(ran.err, HasSubstr("not placed: upper:"));
   const auto json = nlohmann::json::parse(read_file(own_ / "case/case.json").value_or("{}"));
   EXPECT_EQ(nlohmann::json::parse(ran.out), json);
+  ASSERT_EQ(json["warnings"].size(), 1U) << json["warnings"];
+  EXPECT_THAT(json["warnings"][0].get<std::string>(), HasSubstr("die-99: a part is"));
   EXPECT_FALSE(json.contains("T_bite_upper"));
   ASSERT_TRUE(json.contains("T_bite_lower")) << json.dump(1);
   Pose T = Pose::Identity();

@@ -25,6 +25,7 @@ struct PartScene {
 };
 constexpr PartScene kLower{"lower", "10", "34", "[-75,-57,-39,-21,-3]", "[-25,10]"};
 constexpr PartScene kUpper{"upper", "-34", "-10", "[-177,-159,-141,-123,-105]", "[-25,10]"};
+constexpr PartScene kDie{"die", "16", "28", "[-60,-48,-36]", "[-25,0,25]"};
 constexpr PartScene kBite{"bite", "10", "34", "[-30,-15,0,15,30]", "[-15,15]"};
 
 Pose pose_of(const Json& rows) {
@@ -38,8 +39,8 @@ Json json_in(const std::string& path) { return Json::parse(read_file(path).value
 
 class TwinCase : public testing::Test {
  protected:
-  /// Rendered, and laid as part of a case.
-  void scan(const PartScene& part, int seed, const std::string& into) const {
+  /// Rendered, and laid as part `name` of a case.
+  void scan(const PartScene& part, int seed, const std::string& into, const std::string& name = {}) const {
     const std::string taken = taken_of(part.name, seed);
     std::vector<std::string> render{program("enamel-twin"),
                                     "render",
@@ -56,7 +57,7 @@ class TwinCase : public testing::Test {
     const Ran rendered = run(render, std::chrono::seconds(200));
     ASSERT_EQ(rendered.code, 0) << rendered.err;
     const Ran laid = run({program("enamel"), "replay", taken, "--headless", "--mount", taken + "/truth/mount_true.json",
-                          "--out", own_ / into + "/" + part.name},
+                          "--out", own_ / into + "/" + (name.empty() ? part.name : name)},
                          std::chrono::seconds(200));
     ASSERT_EQ(laid.code, 0) << laid.err;
   }
@@ -76,16 +77,16 @@ class TwinCase : public testing::Test {
   TempFolder own_;
 };
 
-/// Of the placed STL's corners, which is in the bite's frame.
-double worst_mm(const std::string& stl, const Pose& T_bite_part, const Pose& T_true) {
+/// Of the placed STL's corners, which are in the bite's frame: how far the part lies from the truth on what it lies on.
+double worst_mm(const std::string& stl, const Pose& T_bite_onto, const Pose& T_onto_part, const Pose& T_true) {
   constexpr std::size_t kHeader = 84, kFacet = 50, kNormal = 12;
   const std::string bytes = read_file(stl).value_or("");
-  const Pose off = T_true * T_bite_part.inverse();
+  const Pose off = T_true * T_onto_part.inverse();
   double worst = 0;
   for (std::size_t at = kHeader; at + kFacet <= bytes.size(); at += kFacet) {
     Eigen::Vector3f corner;
     std::memcpy(corner.data(), bytes.data() + at + kNormal, sizeof corner);
-    const Eigen::Vector3d p = corner.cast<double>();
+    const Eigen::Vector3d p = T_bite_onto.inverse() * corner.cast<double>();
     worst = std::max(worst, (off * p - p).norm());
   }
   return worst;
@@ -93,15 +94,19 @@ double worst_mm(const std::string& stl, const Pose& T_bite_part, const Pose& T_t
 
 TEST_F(TwinCase, jaws_come_together_as_they_bit_and_another_patients_does_not) {
   for (const PartScene& part : {kLower, kUpper, kBite}) scan(part, 1, "case");
+  scan(kDie, 1, "case", "die-36");
   scan(kLower, 2, "mixed");
   ASSERT_FALSE(HasFatalFailure());
   const Json truth = json_in(taken_of("bite", 1) + "/truth/scene.json")["objects"][0], found = placed("case", 0);
-  ASSERT_EQ(found["placements"].size(), 2U) << found.dump(1);
+  ASSERT_EQ(found["placements"].size(), 3U) << found.dump(1);
   for (const Json& placement : found["placements"]) {
-    const std::string part = placement["part"], key = "T_bite_" + part;
+    const std::string part = placement["part"], onto = placement["onto"], key = "T_" + onto + "_" + part;
     ASSERT_TRUE(found.contains(key)) << placement;
-    const Pose T_true = T_scan_model("bite", 1) * pose_of(truth[key]) * T_scan_model(part, 1).inverse();
-    const double worst = worst_mm(own_ / "case/" + part + ".stl", pose_of(found[key]), T_true);
+    const bool on_bite = onto == "bite";
+    const Pose T_onto_model = on_bite ? T_scan_model("bite", 1) * pose_of(truth[key]) : T_scan_model(onto, 1);
+    const Pose T_true = T_onto_model * T_scan_model(on_bite ? part : "die", 1).inverse();
+    const Pose T_bite_onto = on_bite ? Pose::Identity() : pose_of(found["T_bite_" + onto]);
+    const double worst = worst_mm(own_ / "case/" + part + ".stl", T_bite_onto, pose_of(found[key]), T_true);
     EXPECT_GT(worst, 0) << part;
     EXPECT_LT(worst, kBite_mm) << part;
     EXPECT_LT(worst, 3e-3 * placement["far_sigma_um"].get<double>()) << placement;

@@ -80,9 +80,9 @@ Result<int> run_case(const CaseOptions& o) {
   ENAMEL_TRY_ASSIGN(const host::CaseParts parts, load_parts(o.folder, facts));
   const host::PlacedCase placed = host::place_case(parts, {});
   ENAMEL_TRY(write_placed(o.folder, parts, placed));
-  ENAMEL_TRY(write_case(o.folder, &placed));
+  ENAMEL_TRY_ASSIGN(const std::string text, write_case(o.folder, &placed));
   if (o.json) {
-    std::fputs(host::case_json(facts, &placed).c_str(), stdout);
+    std::fputs(text.c_str(), stdout);
   } else {
     for (const host::PlacedPart& part : placed.parts) std::fputs(line_of(part).c_str(), stdout);
   }

@@ -63,15 +63,32 @@ std::string part_of(const std::string& folder) {
   return numbered ? folder.substr(0, dot) : std::string();
 }
 
+std::vector<std::string> folders_in(const std::string& folder) {
+  std::error_code ec;
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder, ec))
+    if (entry.is_directory(ec)) names.push_back(entry.path().filename().string());
+  std::ranges::sort(names);
+  return names;
+}
+
+/// One sentence for each scan in the case whose folder has no part's name: it would be missed without a word.
+std::vector<std::string> unnamed_scans(const std::string& folder) {
+  std::vector<std::string> out;
+  for (const std::string& name : folders_in(folder)) {
+    const auto named = host::check_part(part_of(name).empty() ? name : part_of(name));
+    if (!named && was_scanned(fs::path(folder) / name))
+      out.push_back("a scan is left out for its folder's name: " + named.error().detail);
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<std::vector<host::PartFacts>> read_case(const std::string& folder) {
   std::error_code ec;
   if (!fs::is_directory(folder, ec)) return fail(ErrorCode::kFileNotFound, folder + ": no folder of a case");
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder, ec))
-    if (entry.is_directory(ec)) names.push_back(entry.path().filename().string());
-  std::ranges::sort(names);
+  const std::vector<std::string> names = folders_in(folder);
   std::vector<host::PartFacts> out;
   for (const std::string& name : names) {
     const fs::path part = fs::path(folder) / name;
@@ -88,10 +105,14 @@ Result<std::vector<host::PartFacts>> read_case(const std::string& folder) {
   return out;
 }
 
-Result<void> write_case(const std::string& folder, const host::PlacedCase* placed) {
+Result<std::string> write_case(const std::string& folder, const host::PlacedCase* placed) {
   ENAMEL_TRY_ASSIGN(const auto parts, read_case(folder));
-  for (const std::string& doubt : host::serial_doubts(parts)) log::warn("case", "{}", doubt);
-  return write_file(folder + "/case.json", host::case_json(parts, placed));
+  std::vector<std::string> warnings = host::serial_doubts(parts);
+  for (std::string& unnamed : unnamed_scans(folder)) warnings.push_back(std::move(unnamed));
+  for (const std::string& warning : warnings) log::warn("case", "{}", warning);
+  std::string text = host::case_json(parts, placed, warnings);
+  ENAMEL_TRY(write_file(folder + "/case.json", text));
+  return text;
 }
 
 void drop_placed(const std::string& folder) {

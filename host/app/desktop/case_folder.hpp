@@ -12,9 +12,9 @@ namespace enamel::app {
 /// What lies in the folder now, by names of parts. Errors: kFileNotFound where there is no such folder.
 [[nodiscard]] Result<std::vector<host::PartFacts>> read_case(const std::string& folder);
 
-/// Writes case.json anew from what lies in the folder; `placed` as host::case_json(). Warns of serials that differ.
-/// Errors: of read_case; kFileWrite.
-[[nodiscard]] Result<void> write_case(const std::string& folder, const host::PlacedCase* placed);
+/// Writes case.json anew from what lies in the folder, and gives its text; `placed` as host::case_json(). Warns of
+/// serials that differ and of scans whose folder has no part's name. Errors: of read_case; kFileWrite.
+[[nodiscard]] Result<std::string> write_case(const std::string& folder, const host::PlacedCase* placed);
 
 /// Takes away what `enamel desktop case` made of the parts: PART.stl and case.png.
 void drop_placed(const std::string& folder);

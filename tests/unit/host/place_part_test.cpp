@@ -138,7 +138,7 @@ TEST(PlacePart, case_is_laid_in_the_bites_frame_and_says_what_is_missing) {
   EXPECT_FALSE(placed.T_frame_part.contains("die-14"));  // its jaw, the upper, was not scanned
   const std::vector<PartFacts> facts{{.name = "lower", .scanned = true, .mount_serial = "M-1"},
                                      {.name = "bite", .scanned = true, .mount_serial = "M-2"}};
-  const auto json = nlohmann::json::parse(case_json(facts, &placed));
+  const auto json = nlohmann::json::parse(case_json(facts, &placed, serial_doubts(facts)));
   EXPECT_EQ(json["frame"], "bite");
   EXPECT_TRUE(json.contains("T_bite_lower"));
   EXPECT_TRUE(json.contains("T_lower_die-44"));
