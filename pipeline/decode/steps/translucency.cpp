@@ -76,58 +76,6 @@ double translucent_share(const PhaseMaps& maps, ContrastRows& contrast, RowMemor
   return measured == 0 ? 0 : static_cast<double>(translucent) / static_cast<double>(measured);
 }
 
-/// Where the surface lies about a pixel, by the pixels ahead of it along the baseline: those behind have been changed.
-class SlantAhead {
- public:
-  SlantAhead(const RayDepth& rays, const RefinedPhase& refined, const PhaseMaps& phase)
-      : rays_(rays), refined_(refined), phase_(phase) {
-    const bool across = std::abs(rays.projector_mm.x()) >= std::abs(rays.projector_mm.y());
-    stride_ = across ? 1 : static_cast<std::size_t>(rays.width);
-    towards_ = across ? &rays.rays.x : &rays.rays.y;
-    sign_ = (across ? rays.projector_mm.x() : rays.projector_mm.y()) < 0 ? -1.0F : 1.0F;
-  }
-
-  /// Tangent of the angle from the pixel's ray to the normal, positive where the light falls at more of a slant than
-  /// the view; 0 where the pixels ahead do not tell. `row_end`: the first pixel of the next row.
-  [[nodiscard]] float tangent(std::size_t i, std::size_t row_end) const {
-    const std::size_t last = i + (kAhead_px + 1) * stride_;
-    if (last >= (stride_ == 1 ? row_end : phase_.reject.size())) return 0;
-    const Place a = at(i), b = at(i + stride_), c = at(last - stride_), d = at(last);
-    if (!(a.q > 0 && b.q > 0 && c.q > 0 && d.q > 0)) return 0;
-    const float apart = (c.x + d.x) - (a.x + b.x), near = a.q + b.q;
-    return sign_ * (2 * ((c.q + d.q) - near) / (apart * near) - a.x);
-  }
-
- private:
-  /// chosen: 0.2 mm of the surface: noise of 30 um a pixel makes 0.15 of the tangent, 1 % of what is taken off.
-  static constexpr std::size_t kAhead_px = 6;
-  struct Place {
-    float q = 0, x = 0;  // inverse depth, 1 / mm, 0: unknown; the ray's tangent along the baseline
-  };
-  [[nodiscard]] Place at(std::size_t i) const {
-    if (phase_.reject[i] != PixelReject::kNone) return {};
-    return {rays_.inverse_depth(i, phase_.phase_rad[i] + kTwoPiF * static_cast<float>(refined_.wraps[i])),
-            (*towards_)[i]};
-  }
-
-  const RayDepth& rays_;
-  const RefinedPhase& refined_;
-  const PhaseMaps& phase_;
-  std::size_t stride_ = 1;
-  const StaggeredVector<float>* towards_ = nullptr;
-  float sign_ = 1;
-};
-
-/// k over that of a facing surface, by the tangent of SlantAhead.
-/// derived: photons shift the fringes by E (sines of light and of view along the surface), and E M/(1 - M) grows as the
-/// period on the surface to the power of 1.75, so that k goes as (sin l - sin v) cos(l)^-0.75; of light 12 degrees
-/// beside the view within 0.01 from -50 to 50 degrees.
-float apparent_depth_at_slant(float tangent) noexcept {
-  constexpr float kSteep = 1.2F;
-  const float t = std::clamp(tangent, -kSteep, kSteep);
-  return 1 + t * (0.052F - 0.07F * t);
-}
-
 struct RowSum {
   double depth_mm = 0;
   std::size_t count = 0;
@@ -138,7 +86,6 @@ struct RowSum {
 RowSum undo_row(const SeenPattern& seen, const RefinedPhase& refined, const RowMemory& ratio, std::size_t at,
                 bool correct, PhaseMaps& phase) {
   const RayDepth& rays = seen.rays;
-  const SlantAhead slant(rays, refined, phase);
   RowSum sum;
   for (std::size_t u = 0; u < ratio.size(); ++u) {
     const std::size_t i = at + u;
@@ -148,8 +95,7 @@ RowSum undo_row(const SeenPattern& seen, const RefinedPhase& refined, const RowM
     const float at_rad = placed ? absolute : rays.phase_mid_rad[i];
     const float q = rays.inverse_depth(i, at_rad), slope = rays.inverse_depth_slope(i, at_rad);
     if (!(q > 0)) continue;
-    const float facing_mm = apparent_depth_at_1mm(ratio[u]) * apparent_depth_growth(seen.optics.period_per_mm / q);
-    const float depth_mm = facing_mm * apparent_depth_at_slant(placed ? slant.tangent(i, at + ratio.size()) : 0);
+    const float depth_mm = apparent_depth_at_1mm(ratio[u]) * apparent_depth_growth(seen.optics.period_per_mm / q);
     const float shift_rad = depth_mm * q * q / slope, unsure_rad = static_cast<float>(kApparentDepthUnsure) * shift_rad;
     if (correct) phase.phase_rad[i] += shift_rad;
     if (correct) phase.sigma_rad[i] = std::sqrt(phase.sigma_rad[i] * phase.sigma_rad[i] + unsure_rad * unsure_rad);

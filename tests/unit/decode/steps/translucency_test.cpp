@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "pipeline/decode/phase/poly_trig.hpp"
 #include "tests/unit/decode/synthetic.hpp"
@@ -17,8 +16,7 @@ constexpr float kDepth_mm = 48, kBlack_dn = 4, kLight_dn = 60;
 /// A facing plane whose fringes have `ratio` of the projected contrast and whose phase is that of `depth_mm`.
 class Plane {
  public:
-  /// `tilt`: gain of depth over a mm towards the projector.
-  explicit Plane(float ratio, float depth_mm = kDepth_mm, float tilt = 0)
+  explicit Plane(float ratio, float depth_mm = kDepth_mm)
       : rig_(test::cropped_rig(kWidth, kHeight)), rays_(RayDepth::bake(rig_, *rig_.depth_range).value()) {
     optics_ = {static_cast<float>(rig_.patterns.amplitude / rig_.patterns.mean),
                static_cast<float>(rig_.patterns.period_px / rig_.projector.fx)};
@@ -26,8 +24,7 @@ class Plane {
     wraps_ = Map<std::int16_t>(kWidth, kHeight);
     for (std::size_t i = 0; i < phase_.phase_rad.size(); ++i) {
       float at = rays_.phase_mid_rad[i];
-      const float q = (1 - tilt * towards_projector(i)) / depth_mm;
-      for (int k = 0; k < 6; ++k) at += (q - rays_.inverse_depth(i, at)) / rays_.inverse_depth_slope(i, at);
+      for (int k = 0; k < 6; ++k) at += (1 / depth_mm - rays_.inverse_depth(i, at)) / rays_.inverse_depth_slope(i, at);
       wraps_[i] = static_cast<std::int16_t>(std::floor(at / kTwoPiF + 0.5F));
       phase_.phase_rad[i] = at - kTwoPiF * static_cast<float>(wraps_[i]);
       phase_.mean_dn[i] = kBlack_dn + kLight_dn;
@@ -45,22 +42,12 @@ class Plane {
     const float at = phase_.phase_rad[i] + kTwoPiF * static_cast<float>(wraps_[i]);
     return 1e3 * (1 / static_cast<double>(rays_.inverse_depth(i, at)) - static_cast<double>(kDepth_mm));
   }
-  /// What of the phase of the middle pixel has been taken off, in um of depth.
-  [[nodiscard]] double taken_um(const Map<float>& before) const {
-    const std::size_t i = phase_.phase_rad.index(kWidth / 2, kHeight / 2);
-    const float at = before[i] + kTwoPiF * static_cast<float>(wraps_[i]), q = rays_.inverse_depth(i, at);
-    return 1e3 * static_cast<double>((phase_.phase_rad[i] - before[i]) * rays_.inverse_depth_slope(i, at) / (q * q));
-  }
   [[nodiscard]] float period_mm() const { return optics_.period_per_mm * kDepth_mm; }
   [[nodiscard]] PhaseMaps& maps() { return phase_; }
 
   Sight sight;
 
  private:
-  [[nodiscard]] float towards_projector(std::size_t i) const {
-    return (rays_.projector_mm.x() < 0 ? -1.0F : 1.0F) * rays_.rays.x[i];
-  }
-
   calib::Rig rig_;
   RayDepth rays_;
   PatternOptics optics_;
@@ -88,30 +75,6 @@ TEST(Translucency, takes_off_what_enamel_adds_whatever_its_surface_returns) {
     EXPECT_FLOAT_EQ(plane.sight.translucent_share, 1);
     EXPECT_NEAR(1e3 * static_cast<double>(plane.sight.apparent_depth_mm), 1e3 * enamel.apparent_mm(), 6);
   }
-}
-
-TEST(Translucency, goes_by_the_slant_as_photons_do) {
-  // The law itself, by angles: light 12 degrees beside the view, fringes across.
-  const auto law = [](double slant) {
-    const double beside = 12 * std::numbers::pi / 180, lit = slant + beside;
-    const auto k = [](double l, double v) { return (std::sin(l) - std::sin(v)) * std::pow(std::cos(l), -0.75); };
-    return k(lit, slant) / k(beside, 0);
-  };
-  const auto taken_um = [](double slant) {
-    // Towards the projector the surface comes nearer where light falls at more of a slant.
-    Plane plane(0.25F, kDepth_mm, static_cast<float>(-std::tan(slant)));
-    const Map<float> before = plane.maps().phase_rad;
-    plane.undo();
-    return plane.taken_um(before);
-  };
-  const double facing = taken_um(0);
-  EXPECT_GT(facing, 20);
-  for (const int degrees : {-45, -30, -15, 15, 30, 45}) {
-    const double slant = degrees * std::numbers::pi / 180;
-    EXPECT_NEAR(taken_um(slant) / facing, law(slant), 0.025) << degrees;
-  }
-  EXPECT_GT(std::abs(law(std::numbers::pi / 4) - law(-std::numbers::pi / 4)), 0.1)
-      << "control: a turned sign would show";
 }
 
 TEST(Translucency, leaves_plaster_alone_to_the_bit) {
