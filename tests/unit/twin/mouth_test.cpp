@@ -100,7 +100,7 @@ TEST(Mouth, truth_names_materials_and_plaster_says_nothing) {
   ASSERT_TRUE(mouth && dry && plaster);
   const auto json = nlohmann::json::parse(mouth->description_json);
   EXPECT_EQ(json["materials"]["enamel"]["number"], 1);
-  EXPECT_EQ(json["materials"]["enamel"]["lobes"].size(), 3U);
+  EXPECT_EQ(json["materials"]["enamel"]["lobes"].size(), 4U);
   EXPECT_EQ(json["mouth"]["ceramic"][0], 4);
   const std::string ply = write_ply(mouth->surroundings.mesh, {});
   EXPECT_NE(ply.find("property uchar material\nproperty float film_mm\n"), std::string::npos);

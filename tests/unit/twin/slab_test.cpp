@@ -1,6 +1,6 @@
 // Light inside teeth: the twin's lobes against photon Monte Carlo and against the table of the design (algorithms §11).
 #include "tests/unit/twin/slab_photons.hpp"
-#include "tests/unit/twin/twin_fixture.hpp"
+#include "tests/unit/twin/slab_scene.hpp"
 
 namespace enamel::twin {
 namespace {
@@ -37,47 +37,6 @@ TEST(SlabPhotons, of_dentine_agree_with_the_table) {
   EXPECT_NEAR(dentine.mtf[2], 0.16, 0.05);
 }
 
-/// The small probe with fringes of `period_mm` on the plane before it.
-calib::Rig rig_with_period(double period_mm) {
-  calib::Rig rig = small_rig();
-  rig.patterns.mode = calib::PatternMode::kPlain4;
-  const Pose pose = source_of(plane_scene(), rig)->poses(0).mid;
-  const double u = rig.camera.cx, v = rig.camera.cy;
-  const double px = plane_u(rig, pose, u + 1, v) - plane_u(rig, pose, u - 1, v);
-  const double mm = (plane_point(rig, pose, u + 1, v) - plane_point(rig, pose, u - 1, v)).norm();
-  rig.patterns.period_px = period_mm * std::abs(px) / mm;
-  return rig;
-}
-
-/// Modulation over mean, and phase, in the middle of the picture.
-struct Fringe {
-  double modulation = 0;
-  std::vector<double> phase;
-};
-
-Fringe fringe_of(const SceneConfig& scene, const calib::Rig& rig) {
-  const auto I = source_of(scene, rig)->mean_light(0);
-  Fringe out;
-  int n = 0;
-  for (int y = 50; y < 70; ++y) {
-    for (int x = 60; x < 100; ++x, ++n) {
-      const auto i = static_cast<std::size_t>(y * rig.camera.width + x);
-      double mean = 0;
-      for (const auto& frame : I) mean += 0.25 * static_cast<double>(frame[i]);
-      out.modulation += 0.5 * static_cast<double>(std::hypot(I[3][i] - I[1][i], I[0][i] - I[2][i])) / mean;
-      out.phase.push_back(phase4(I, i));
-    }
-  }
-  out.modulation /= n;
-  return out;
-}
-
-double mean_shift(const Fringe& a, const Fringe& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.phase.size(); ++i) sum += wrap(a.phase[i] - b.phase[i]);
-  return sum / static_cast<double>(a.phase.size());
-}
-
 /// Modulation relative to plaster and depth below it, through the renderer.
 std::pair<double, double> rendered(SceneConfig scene, double period_mm) {
   const calib::Rig rig = rig_with_period(period_mm);
@@ -89,15 +48,6 @@ std::pair<double, double> rendered(SceneConfig scene, double period_mm) {
   deeper.views[0].distance_mm += kDeeperMm;
   const double per_mm = mean_shift(fringe_of(deeper, rig), plaster) / kDeeperMm;
   return {seen.modulation / plaster.modulation, mean_shift(seen, plaster) / per_mm};
-}
-
-SceneConfig slab_of(MaterialId id, double surface_share) {
-  SceneConfig scene = plane_scene();
-  scene.effects = ideal();
-  scene.effects.gloss = false;
-  scene.look.material = static_cast<int>(id);
-  scene.look.materials[index_of(id)].surface_share = surface_share;
-  return scene;
 }
 
 TEST(TwinTranslucency, slab_of_enamel_renders_as_the_table_says) {

@@ -77,12 +77,12 @@ void pass_film(const Ruler& ruler, const Struck& struck, const Look& look, Ways&
   ways.index = kWater;
 }
 
-/// Shift along the surface from where light enters to below where it is seen: depth * (tan_c + tan_l), both refracted.
-Vec3d entry_shift(const Ways& ways, const Vec3d& normal, double index, double depth) {
-  const auto seen = refract(ways.to_camera, normal, ways.index / index);
-  const auto lit = refract(ways.to_light, normal, ways.index / index);
-  if (!seen || !lit) return Vec3d::Zero();
-  return depth * (*lit / lit->dot(normal) - *seen / seen->dot(normal));
+/// Shift along the surface from where light enters to below where it is seen, for a reach of 1 mm. Light keeps its
+/// direction for a way, not for a depth: what comes in or leaves at a slant is displaced by the reach times the sine
+/// inside, which Snell makes the part along the surface over the index. Photons: tests/unit/twin/slant_photons.hpp.
+Vec3d entry_shift(const Ways& ways, const Vec3d& normal, double index) {
+  const Vec3d apart = ways.to_light - ways.to_camera;
+  return ways.index / index * (apart - apart.dot(normal) * normal);
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ void split_light(const Instrument& instrument, const View& view, const Struck& s
   for (const Lobe& lobe : m.lobes) sum += lobe.weight;
   if (sum <= 0) return;
   const double along2 = ruler.along2(s.normal);
-  const Vec3d shift = entry_shift(ways, s.normal, m.index, 1.0);
+  const Vec3d shift = entry_shift(ways, s.normal, m.index);
   for (const Lobe& lobe : m.lobes) {
     add(lane, ruler.at(ways.entry + lobe.depth_mm * shift), ways.pass * (1.0 - surface) * diffuse * lobe.weight / sum,
         lane.sigma2 + lobe.sigma_mm * lobe.sigma_mm * along2);

@@ -26,7 +26,7 @@ void bind_lobes(ConfigReader& r, Material& m) {
   double sigma_scale = 1, depth_scale = 1;
   r.bind("lobe_weights", weights, {0, 1000}, "shares of the light inside, relative to each other");
   r.bind("lobe_sigmas_mm", sigmas, {0, 5}, "spread of each along the surface");
-  r.bind("lobe_depths_mm", depths, {0, 5}, "depth below the surface that each comes from");
+  r.bind("lobe_depths_mm", depths, {0, 5}, "depth below the surface that each comes from, seen from straight above");
   r.bind("sigma_scale", sigma_scale, {0, 4}, "times all spreads");
   r.bind("depth_scale", depth_scale, {0, 4}, "times all depths");
   if (weights.size() != sigmas.size() || weights.size() != depths.size() || weights.size() > kMaxLobes) {

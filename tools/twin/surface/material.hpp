@@ -25,8 +25,9 @@ enum class MaterialId : std::uint8_t {
 inline constexpr std::size_t kMaterials = 11;
 [[nodiscard]] constexpr std::size_t index_of(MaterialId id) { return static_cast<std::size_t>(id); }
 
-/// A share of the light that goes inside: it comes back from `depth_mm` below the surface, the pattern blurred by a
-/// Gaussian of `sigma_mm` along the surface.
+/// A share of the light that goes inside: seen from straight above it comes back from `depth_mm` below the surface, the
+/// pattern blurred by a Gaussian of `sigma_mm` along the surface. At a slant it comes from less deep: what enters and
+/// what leaves keep their direction inside for a way of that length, not down to that depth.
 struct Lobe {
   double weight = 0;    ///< relative to the other lobes
   double sigma_mm = 0;  ///< standard deviation along one axis
