@@ -52,7 +52,9 @@ class SampleRule {
         reach_(config.edge_px),
         jump_(static_cast<float>(config.edge_pitches * reach_ * mean_pitch_mm(patch.points))),
         min_cos_(static_cast<float>(std::cos(config.max_incidence_deg * std::numbers::pi / 180))),
-        floor2_(static_cast<float>(config.sigma_floor_mm * config.sigma_floor_mm)) {}
+        floor2_(static_cast<float>(config.sigma_floor_mm * config.sigma_floor_mm)),
+        soft_weight_(static_cast<float>(config.soft_weight)),
+        soft_below_(config.soft_below) {}
 
   [[nodiscard]] bool take(int u, int v, Sample& out) const {
     if (!far_from_edges(patch_.depth_mm, u, v, reach_, jump_)) return false;
@@ -61,13 +63,15 @@ class SampleRule {
     out.sigma = patch_.sigma_mm(u, v);
     const float cosine = -out.n.dot(out.p) / out.p.norm();
     out.weight = cosine / (out.sigma * out.sigma + floor2_);
+    if (is_soft(shade_at(patch_.shade, u, v), soft_below_)) out.weight *= soft_weight_;
     return cosine > min_cos_ && std::isfinite(out.weight) && out.sigma >= 0;
   }
 
  private:
   const SurfacePatch& patch_;
   int reach_;
-  float jump_, min_cos_, floor2_;
+  float jump_, min_cos_, floor2_, soft_weight_;
+  std::uint8_t soft_below_;
 };
 
 /// Fills one set from the rows of a patch. The set's memory is used again.
