@@ -145,7 +145,7 @@ void ModelPass::draw_listed(const std::vector<IndexTriangle>& triangles, const D
   glUseProgram(program_.id());
   set_uniform(program_, "view", view_matrix(view.camera));
   set_uniform(program_, "projection", projection_matrix(view.camera, view.aspect));
-  set_uniform(program_, "soft_tone", linear(toggles.mono ? kMonoGrey : kSoftTissue));
+  set_uniform(program_, "soft_tone", linear(toggles.mono ? kMonoGrey : kSoftTone));
   set_uniform(program_, "hide_soft", toggles.soft_tissue ? 0.0F : 1.0F);
   set_uniform(program_, "albedo", linear(toggles.mono && tone_ == kTooth ? kMonoGrey : tone_));
   set_uniform(program_, "ramp_low", linear(kQualityRamp[0]));

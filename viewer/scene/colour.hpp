@@ -17,7 +17,7 @@ inline constexpr Colour kMonoGrey{0.72F, 0.73F, 0.75F};
 inline constexpr Colour kApartTooth{0.60F, 0.76F, 0.93F};
 
 /// Gum, tongue and cheek; always striped, too.
-inline constexpr Colour kSoftTissue{0.84F, 0.52F, 0.50F};
+inline constexpr Colour kSoftTone{0.84F, 0.52F, 0.50F};
 
 /// State colours; each is always shown together with words.
 inline constexpr Colour kGood{0.22F, 0.80F, 0.47F};

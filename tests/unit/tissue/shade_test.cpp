@@ -29,7 +29,7 @@ Scan scan(const Paint& left, const Paint& right, std::uint64_t seed) {
   lamp.noise = 0.01 + 0.04 * random.uniform();
   const double radius = 6 + 10 * random.uniform();
   std::vector<std::pair<ShadeMap, std::vector<int>>> seen;
-  for (std::uint64_t n = 0; n < 6; ++n) {
+  for (std::uint64_t n = 0; n < 3; ++n) {
     const Pose pose = synthetic::looking_at(2 * random.vector(), Vec3d(0, 0, 1) + 0.6 * random.vector(),
                                             42 + 12 * random.uniform(), 6 * random.uniform());
     SurfacePatch patch = render(rig, synthetic::sphere({0, 0, radius}, radius), pose);
@@ -64,7 +64,7 @@ Scan scan(const Paint& left, const Paint& right, std::uint64_t seed) {
 }
 
 TEST(Shade, parts_teeth_from_gum_whatever_light_distance_and_slope) {
-  for (std::uint64_t seed = 5; seed < 15; ++seed) {
+  for (std::uint64_t seed = 5; seed < 10; ++seed) {
     const Scan s = scan(kEnamelPaint, kGumPaint, seed);
     ASSERT_NE(s.heaps.soft_below, kNothingSoft) << seed;
     ASSERT_GT(s.cells[0], 500U);
@@ -76,7 +76,7 @@ TEST(Shade, parts_teeth_from_gum_whatever_light_distance_and_slope) {
 }
 
 TEST(Shade, one_heap_has_no_limit) {
-  for (std::uint64_t seed = 5; seed < 11; ++seed) {
+  for (std::uint64_t seed = 5; seed < 8; ++seed) {
     EXPECT_EQ(scan(kEnamelPaint, kEnamelPaint, seed).heaps.soft_below, kNothingSoft) << "teeth alone, seed " << seed;
     EXPECT_EQ(scan(kGumPaint, kGumPaint, seed).heaps.soft_below, kNothingSoft) << "gum alone, seed " << seed;
     EXPECT_EQ(scan(kEnamelPaint, kDentinePaint, seed).heaps.soft_below, kNothingSoft) << "dentine, seed " << seed;
@@ -84,7 +84,7 @@ TEST(Shade, one_heap_has_no_limit) {
 }
 
 TEST(Shade, plaster_and_metal_have_none) {
-  for (std::uint64_t seed = 5; seed < 9; ++seed) {
+  for (std::uint64_t seed = 5; seed < 7; ++seed) {
     const Scan plaster = scan(kPlaster, {0.25, 1.0}, seed);  // painted as dark as gum
     EXPECT_EQ(plaster.limit.cells(), 0U) << seed;
     EXPECT_EQ(plaster.heaps.soft_below, kNothingSoft) << seed;

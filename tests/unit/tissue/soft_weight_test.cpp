@@ -8,7 +8,7 @@
 namespace enamel::pipeline {
 namespace {
 
-constexpr std::uint8_t kTooth = 150, kTongue = 120, kLimit = 135;
+constexpr std::uint8_t kToothShade = 150, kTongueShade = 120, kSoftBelow = 135;
 
 /// Cusps on the left; on the right a tongue, risen by so much and turned a little.
 synthetic::Surface mouth(const std::vector<Vec3d>& cusps, double border_mm, double risen_mm, double turned_rad) {
@@ -45,13 +45,14 @@ Placed placed(std::uint64_t seed, double risen_mm, double soft_weight, bool shad
     for (int j = 0; j < now.shade.height(); ++j) {
       for (int i = 0; i < now.shade.width(); ++i) {
         const Vec3f p = now.points(i * kShadeCell_px + 4, j * kShadeCell_px + 4);
-        if (std::isfinite(p.x())) now.shade(i, j) = (truth * p.cast<double>()).x() < border_mm ? kTooth : kTongue;
+        if (std::isfinite(p.x()))
+          now.shade(i, j) = (truth * p.cast<double>()).x() < border_mm ? kToothShade : kTongueShade;
       }
     }
   }
   IcpConfig config;
   config.samples.soft_weight = soft_weight;
-  config.samples.soft_below = kLimit;
+  config.samples.soft_below = kSoftBelow;
   const Reference reference(view_from_patch(before, at, rig.camera), config.reference);
   const IcpResult found = align(make_pyramid(now, config), reference, ViewCamera(rig.camera), truth, truth, config);
   Placed out{0, found.converged};
@@ -62,14 +63,15 @@ Placed placed(std::uint64_t seed, double risen_mm, double soft_weight, bool shad
 }
 
 struct Mean {
-  double light = 0, full = 0;
+  double light = 0, full = 0, hardly = 0;  ///< mm off: with the default, all, a fiftieth of the weight
 };
 
 Mean mean_of(double risen_mm) {
   Mean out;
-  constexpr int kDrawn = 8;
+  constexpr int kDrawn = 3;
   for (std::uint64_t seed = 40; seed < 40 + kDrawn; ++seed) {
     const Placed light = placed(seed, risen_mm, SampleConfig{}.soft_weight), full = placed(seed, risen_mm, 1.0);
+    out.hardly += placed(seed, risen_mm, 0.02).off_mm / kDrawn;
     EXPECT_TRUE(light.converged && full.converged) << seed;
     out.light += light.off_mm / kDrawn, out.full += full.off_mm / kDrawn;
   }
@@ -79,8 +81,8 @@ Mean mean_of(double risen_mm) {
 TEST(SoftWeight, a_tongue_that_moves_draws_the_pose_less) {
   const Mean moved = mean_of(0.10);  // within the last gate of 0.15 mm: taken for a match
   EXPECT_GT(moved.full, 0.010) << "control: with its full weight the tongue draws the pose";
-  EXPECT_LT(moved.light, 0.6 * moved.full);
-  std::printf("off by %.4f mm with a fifth of the weight, %.4f with all of it\n", moved.light, moved.full);
+  EXPECT_LT(moved.light, 0.85 * moved.full);
+  EXPECT_LT(moved.hardly, 0.5 * moved.full) << "the less it weighs, the less it draws";
 }
 
 TEST(SoftWeight, a_tongue_at_rest_costs_little) {
