@@ -117,11 +117,29 @@ std::string map_json(const host::ScanResult& scan) {
   return json_text(out);
 }
 
-/// What moved by itself and was left out of the final model.
-std::string tissue_json(const host::MapFacts& facts) {
+/// Of the mesh's area: triangles most of whose corners are soft tissue's.
+double soft_share(const Mesh& mesh) {
+  if (mesh.soft.empty()) return 0;
+  double soft = 0, all = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3f a = mesh.vertices[t[1]] - mesh.vertices[t[0]], b = mesh.vertices[t[2]] - mesh.vertices[t[0]];
+    const auto area = static_cast<double>(a.cross(b).norm());
+    all += area;
+    soft += mesh.soft[t[0]] + mesh.soft[t[1]] + mesh.soft[t[2]] >= 2 ? area : 0;
+  }
+  return all > 0 ? soft / all : 0;
+}
+
+/// What moved by itself and was left out of the final model, and what of the model is soft.
+std::string tissue_json(const host::MapFacts& facts, const host::ScanResult& scan) {
   const auto measured = static_cast<double>(std::max<std::uint64_t>(facts.measured_px, 1));
   const nlohmann::json out{{"foreign_removed_px", facts.seen_through_px},
-                           {"foreign_share", static_cast<double>(facts.seen_through_px) / measured}};
+                           {"foreign_share", static_cast<double>(facts.seen_through_px) / measured},
+                           {"soft_share", soft_share(scan.mesh)},
+                           {"shades",
+                            {{"told_apart", scan.shades.soft_below != kNothingSoft},
+                             {"octaves_between", (scan.shades.hard_middle - scan.shades.soft_middle) / kShadeSteps},
+                             {"parted", scan.shades.parted}}}};
   return json_text(out);
 }
 
@@ -148,7 +166,7 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   if (!scan.repeated.empty()) report.notes["repeated"] = repeated_note(scan.repeated);
   if (!scan.clock_went_back.empty()) report.notes["clock"] = clock_note(scan.clock_went_back);
   if (scan.map) report.map_json = map_json(scan);
-  if (scan.map) report.tissue_json = tissue_json(*scan.map);
+  if (scan.map) report.tissue_json = tissue_json(*scan.map, scan);
   report.desktop_json = scan.desktop_json;
   report.known_line = known_line(scan);
   report.stage_ms = scan.stage_ms;

@@ -18,6 +18,7 @@ std::shared_ptr<const ModelSnapshot> snapshot_of(const Mesh& mesh) {
   block->quality = mesh.quality;
   if (block->quality.size() != mesh.vertices.size()) block->quality.assign(mesh.vertices.size(), 1.0F);
   block->triangles = mesh.triangles;
+  block->soft = mesh.soft;
   auto snapshot = std::make_shared<ModelSnapshot>();
   snapshot->blocks.push_back(std::move(block));
   return snapshot;

@@ -88,6 +88,8 @@ std::string ply_bytes(const Mesh& mesh, const VertexColours& colours, const Vec3
                               : "\nproperty float x\nproperty float y\nproperty float z\n");
   header += normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "";
   header += quality ? "property float quality\n" : "";
+  const bool soft = mesh.soft.size() == mesh.vertices.size() && !mesh.soft.empty();
+  header += soft ? "property uchar soft_tissue\n" : "";
   header += coloured ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
   header += "element face " + std::to_string(mesh.triangles.size()) +
             "\nproperty list uchar int vertex_indices\nend_header\n";
@@ -105,6 +107,9 @@ std::string ply_bytes(const Mesh& mesh, const VertexColours& colours, const Vec3
     }
     if (quality) {
       writer.put(mesh.quality[i]);
+    }
+    if (soft) {
+      writer.put(mesh.soft[i]);
     }
     for (const std::uint8_t c : coloured ? colours[i] : std::array<std::uint8_t, 3>{}) {
       if (coloured) {

@@ -64,12 +64,14 @@ enum class MeshFormat { kPly, kStl, kObj };
 
 using VertexColours = std::vector<std::array<std::uint8_t, 3>>;
 
-/// Binary little endian: vertex x y z, nx ny nz and quality where the mesh has them, red green blue where given.
+/// Binary little endian: vertex x y z, nx ny nz, quality and soft_tissue (1: gum, tongue, cheek) where the mesh has
+/// them, red green blue where given.
 /// colours: empty or one a vertex. With an origin the positions are vertices + origin_mm, as double.
 [[nodiscard]] std::string ply_bytes(const Mesh& mesh, const VertexColours& colours = {},
                                     const Vec3d& origin_mm = Vec3d::Zero());
 /// Binary STL; facet normals from the corners.
 [[nodiscard]] std::string stl_bytes(const Mesh& mesh);
+/// Groups `hard` and `soft_tissue` where the mesh tells them apart.
 [[nodiscard]] std::string obj_text(const Mesh& mesh);
 
 /// Format by extension; the file appears whole or not at all. Errors: kMeshInvalid (extension), kFileWrite.

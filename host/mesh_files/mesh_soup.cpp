@@ -111,9 +111,17 @@ void leave_out_vertices(MeshFile& file) {
   keep_only(mesh.vertices, kept);
   keep_only(mesh.normals, kept);
   keep_only(mesh.quality, kept);
+  keep_only(mesh.soft, kept);
   for (auto& [name, values] : file.vertex_values) {
     keep_only(values, kept);
   }
+}
+
+/// What ply_bytes() wrote becomes part of the mesh again.
+void take_soft(MeshFile& file) {
+  const auto told = file.vertex_values.extract("soft_tissue");
+  if (told.empty() || told.mapped().size() != file.mesh.vertices.size()) return;
+  for (const float value : told.mapped()) file.mesh.soft.push_back(value > 0.5F ? 1 : 0);
 }
 
 }  // namespace
@@ -188,6 +196,7 @@ Result<MeshFile> finish_mesh(MeshSoup soup, const std::string& format) {
     const std::string what = left_out_text(file.left_out);
     return fail(ErrorCode::kMeshInvalid, format + ": empty: no triangle" + (what.empty() ? "" : " but " + what));
   }
+  take_soft(file);
   if (!std::ranges::all_of(file.mesh.normals, [](const Vec3f& n) { return n.allFinite(); })) {
     file.mesh.normals.clear();
     file.left_out.normals = true;

@@ -149,6 +149,19 @@ Result<MeshFile> parse_obj(std::string_view bytes) {
   return finish_mesh(std::move(soup), "OBJ");
 }
 
+namespace {
+
+constexpr const char* kHardGroup = "g hard\n";
+constexpr const char* kSoftGroup = "g soft_tissue\n";
+
+/// Most of the corners decide. No groups where nothing is soft.
+const char* group_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& t) {
+  if (mesh.soft.empty()) return "";
+  return mesh.soft[t[0]] + mesh.soft[t[1]] + mesh.soft[t[2]] >= 2 ? kSoftGroup : kHardGroup;
+}
+
+}  // namespace
+
 std::string obj_text(const Mesh& mesh) {
   std::string text = "# enamel, mm\n";
   auto to = std::back_inserter(text);
@@ -158,7 +171,11 @@ std::string obj_text(const Mesh& mesh) {
   for (const Vec3f& n : mesh.normals) {
     fmt::format_to(to, "vn {} {} {}\n", n.x(), n.y(), n.z());
   }
+  const char* group = "";
   for (const auto& t : mesh.triangles) {
+    const char* own = group_of(mesh, t);
+    if (own != group) text += own;
+    group = own;
     if (mesh.normals.empty()) {
       fmt::format_to(to, "f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
     } else {

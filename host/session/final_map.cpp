@@ -73,7 +73,9 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
   };
   map.progress = [&](double share) { input.progress(kPosesShare * share); };
   log::info("map", "refining the poses of {} bursts", history.size());
-  const auto refined = pipeline::refine_map(map, input.rig, input.config.track.icp, input.config.map);
+  pipeline::IcpConfig icp = input.config.track.icp;
+  icp.samples.soft_below = fuse.segments().soft_below();
+  const auto refined = pipeline::refine_map(map, input.rig, icp, input.config.map);
   if (fuse.segments().stored().lost > 0) {
     log::error("map", "bursts are missing; the model stays as it was scanned");
     return facts;

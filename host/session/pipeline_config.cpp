@@ -27,6 +27,8 @@ void bind_track(ConfigReader r, pipeline::TrackerConfig& c) {
   r.bind("min_overlap", c.accept.min_overlap, {0.0, 1.0}, "share of the patch that must meet the model");
   r.bind("min_consistency", c.accept.min_consistency, {0.0, 1.0}, "of what meets the model, the share that must agree");
   r.bind("max_rms_mm", c.accept.max_rms_mm, {0.001, 1.0}, "largest residual beyond the patch's own noise");
+  r.bind("soft_weight", c.icp.samples.soft_weight, {0.01, 1.0},
+         "of soft tissue against teeth: so many of its samples count; 1: all");
   r.bind("keyframe_spacing_mm", c.keyframes.spacing_mm, {0.1, 50.0},
          "a keyframe where every other is farther than this");
   r.bind("keyframe_spacing_deg", c.keyframes.spacing_deg, {0.1, 90.0}, "or turned by more than this");

@@ -240,6 +240,7 @@ ScanResult ScanPipeline::take_result() {
   result.poses = at_mid_burst(impl_->placed);
   for (const auto& [id, bursts] : impl_->fuse->segments().kept())
     result.apart.push_back({id, at_mid_burst(bursts_in(id, sink)), impl_->fuse->extract_apart(id)});
+  result.shades = impl_->track->shades();
   result.undetermined = std::move(sink.undetermined);
   result.repeated = std::move(impl_->source->repeated);
   result.clock_went_back = std::move(sink.clock_went_back);

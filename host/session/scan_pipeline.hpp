@@ -22,6 +22,7 @@
 #include "host/session/segment_ledger.hpp"
 #include "pipeline/flow/step_observer.hpp"
 #include "pipeline/register/map/refine_map.hpp"
+#include "pipeline/tissue/shade_limit.hpp"
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/mesh.hpp"
 #include "pipeline/types/preview.hpp"
@@ -69,6 +70,7 @@ struct ScanResult {
   std::vector<ApartSegment> apart;       ///< ascending id
   std::vector<SegmentRow> segments;      ///< as they were scanned, ascending id
   std::optional<MapFacts> map;           ///< where the poses were refined
+  pipeline::ShadeHeaps shades;           ///< teeth and soft tissue by their brightness
   std::vector<BurstId> undetermined;     ///< fused, but where they lie neither shape nor texture told
   std::vector<BurstId> repeated;         ///< byte for byte a burst a moment before
   std::vector<BurstId> clock_went_back;  ///< no younger than the burst before, by the probe's clock

@@ -67,6 +67,10 @@ class BurstDecoder {
   [[nodiscard]] const RayDepth& rays() const noexcept { return *rays_; }
   [[nodiscard]] std::shared_ptr<const RayDepth> shared_rays() const noexcept { return rays_; }
   [[nodiscard]] const DecodeConfig& config() const noexcept { return config_; }
+  /// Modulation over mean light that this burst's fringes have on plaster.
+  [[nodiscard]] float opaque_contrast(const DecodeDiagnostics& diagnostics) const noexcept {
+    return plaster_contrast(seen_through(diagnostics.wave, optics_));
+  }
 
  private:
   struct Burst;

@@ -1,10 +1,12 @@
 #include "pipeline/stages/decode_burst.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "pipeline/stages/burst_view.hpp"
 #include "pipeline/stages/digest.hpp"
+#include "pipeline/tissue/shade_of.hpp"
 
 namespace enamel::stage {
 namespace {
@@ -33,6 +35,18 @@ const char* reason_of(const pipeline::DecodedBurst& decoded) {
   return decoded.sight.trouble == SightTrouble::kLamp ? "other_light" : pipeline::name_of(decoded.verdict).data();
 }
 
+/// Plaster, by the rule by which light from inside is told, has none.
+ShadeMap shade_of_burst(const pipeline::BurstDecoder& decoder, const proto::Burst& burst,
+                        const pipeline::DecodedBurst& decoded) {
+  const double least = decoder.config().translucency.least_share;
+  if (burst.meta.empty() || static_cast<double>(decoded.sight.translucent_share) < least) return {};
+  const proto::FrameMeta& frame = burst.meta.front();
+  const float gain = static_cast<float>(frame.analogue_gain_q8) / 256.0F;
+  return pipeline::shade_of(
+      decoded.patch, {decoder.rays().projector_mm, decoder.opaque_contrast(decoded.diagnostics), decoded.sight.veil_dn,
+                      static_cast<float>(frame.exposure_us) * 1e-3F * gain});
+}
+
 }  // namespace
 
 DecodedOrNot decode_burst(const pipeline::BurstDecoder& decoder, const proto::Burst& burst, std::uint32_t calib_crc32,
@@ -42,6 +56,7 @@ DecodedOrNot decode_burst(const pipeline::BurstDecoder& decoder, const proto::Bu
   pipeline::DecodedBurst decoded;
   decoder.decode(view_of(burst), workspace, decoded, {{}, wave});
   if (!decoded.accepted()) return {std::nullopt, reason_of(decoded)};
+  decoded.patch.shade = shade_of_burst(decoder, burst, decoded);
   Decoded out{std::move(decoded.patch),
               std::move(decoded.relative),
               motion_of(burst, decoded.diagnostics.rigid),
@@ -50,7 +65,10 @@ DecodedOrNot decode_burst(const pipeline::BurstDecoder& decoder, const proto::Bu
               decoded.sight};
   out.digests.input = Digest().add(std::span<const std::uint8_t>(burst.payload)).value();
   // Normals follow from depth; registration, which uses them, is digested next.
-  out.digests.decode = Digest().add(out.patch.depth_mm).add(out.patch.sigma_mm).add(out.patch.texture_dn).value();
+  Digest digest;
+  digest.add(out.patch.depth_mm).add(out.patch.sigma_mm).add(out.patch.texture_dn);
+  if (!out.patch.shade.empty()) digest.add(std::span<const std::uint8_t>(out.patch.shade.pixels()));
+  out.digests.decode = digest.value();
   return {std::move(out), nullptr};
 }
 

@@ -53,6 +53,7 @@ Result<void> FuseStage::step() {
   }
   const SurfacePatch& patch = *item->patch;
   const Pose& T_model_cam = item->result.T_model_cam;
+  model_.set_soft_below(item->soft_below);
   const pipeline::FuseStats stats = model_.integrate(item.id, patch, item->result);
   model_.catch_up(kCatchUp);
   renew_view(T_model_cam, patch);

@@ -37,6 +37,7 @@ struct Tracked {
   OrderCheck orders;
   Digests digests;
   Sight sight;
+  std::uint8_t soft_below = kNothingSoft;  ///< shades below it are soft tissue's, by all bursts so far
 };
 
 struct Fused {

@@ -19,6 +19,9 @@ Result<void> TrackStage::step() {
   const auto decoded = patch.take();
   const auto view = model.take();
   std::shared_ptr<const SurfacePatch> completed{decoded.value, &decoded->patch};
+  shades_.add(decoded->patch.shade);
+  const std::uint8_t soft_below = shades_.heaps().soft_below;
+  tracker_.set_soft_below(soft_below);
   const TrackResult result = tracker_.track(decoded.id, decoded.captured, completed, *view, decoded->motion.twist);
   if (result.state == TrackState::kLost) {
     tracked.emit(flow::make_rejected<Tracked>(decoded, "too_little_surface"));
@@ -26,7 +29,7 @@ Result<void> TrackStage::step() {
   }
   OrderCheck orders;
   if (view->segment == result.segment) completed = complete(decoded.value, *view, result.T_model_cam, orders);
-  Tracked out{std::move(completed), decoded->motion, result, orders, decoded->digests, decoded->sight};
+  Tracked out{std::move(completed), decoded->motion, result, orders, decoded->digests, decoded->sight, soft_below};
   out.digests.track = Digest()
                           .add(result.T_model_cam)
                           .add(result.rms_mm)

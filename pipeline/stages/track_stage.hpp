@@ -9,6 +9,7 @@
 #include "pipeline/model/guide/model_guide.hpp"
 #include "pipeline/register/track/tracker.hpp"
 #include "pipeline/stages/items.hpp"
+#include "pipeline/tissue/shade_limit.hpp"
 #include "pipeline/types/model_view.hpp"
 
 namespace enamel::stage {
@@ -28,6 +29,8 @@ class TrackStage final : public flow::Stage {
   [[nodiscard]] std::optional<SegmentJoin> seek(const pipeline::PlacedBurst& burst, const SurfacePatch& patch_of) {
     return tracker_.seek(burst, patch_of);
   }
+  /// After the run: what parts teeth from soft tissue, by all its bursts.
+  [[nodiscard]] pipeline::ShadeHeaps shades() const noexcept { return shades_.heaps(); }
   /// After that: frees what registration remembers of the scan.
   void forget() { tracker_.forget(); }
 
@@ -38,6 +41,7 @@ class TrackStage final : public flow::Stage {
                                                              OrderCheck& orders);
 
   pipeline::Tracker tracker_;
+  pipeline::ShadeLimit shades_;
   pipeline::ModelGuide guide_;
   pipeline::GuideVotes votes_;
   pipeline::NormalConfig normals_;

@@ -19,6 +19,7 @@ struct BlockMesh {
   std::vector<Vec3f> normals;  ///< one a vertex, unit, outwards
   std::vector<float> quality;  ///< one a vertex, 0 (seen once, steep) … 1 (seen often, facing)
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint8_t> soft = {};  ///< empty (nothing is) or one a vertex: 1 on soft tissue
 };
 
 struct ModelSnapshot {

@@ -8,6 +8,7 @@
 
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/map.hpp"
+#include "pipeline/types/shade.hpp"
 
 namespace enamel {
 
@@ -22,6 +23,7 @@ struct SurfacePatch {
   Map<float> texture_dn;  ///< fringe-free grey image A (DN above black), valid everywhere
   Map<float> modulation_dn;
   std::size_t valid_px = 0;
+  ShadeMap shade = {};  ///< empty where the burst shows nothing translucent: plaster
 };
 
 }  // namespace enamel

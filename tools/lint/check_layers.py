@@ -17,7 +17,7 @@ DECODE = ["pipeline/decode/" + room for room in ("phase", "unwrap", "triangulate
 REGISTER = ["pipeline/register/" + room for room in ("icp", "feature", "track", "map", "stops")]
 MODEL = ["pipeline/model/" + room for room in ("fuse", "mesh", "guide", "segments")]
 SHARED = BASE + ["calib/model", "pipeline/types"]
-ALGORITHMS = ["pipeline/types", "pipeline/decode"] + DECODE + REGISTER + MODEL
+ALGORITHMS = ["pipeline/types", "pipeline/tissue", "pipeline/decode"] + DECODE + REGISTER + MODEL
 
 # module: (layer, what it may include besides itself; None = everything on its layer and below)
 MODULES: dict[str, tuple[int, list[str] | None]] = {
@@ -40,6 +40,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "pipeline/decode/mode_t": (2, SHARED + DECODE[:5]),
     "pipeline/decode/mode_m": (2, SHARED + DECODE[:5]),
     "pipeline/decode": (2, SHARED + DECODE),
+    "pipeline/tissue": (2, SHARED),
     "pipeline/register/icp": (2, SHARED),
     "pipeline/register/feature": (2, SHARED),
     "pipeline/register/track": (2, SHARED + REGISTER[:2]),

@@ -62,7 +62,7 @@ struct TwinSource::Impl {
         sensor(effective_sensor(c, *rig.noise)),
         tremor(effective_tremor(c), c.seed),
         path(make_path(c, body.arch)),
-        movers(c.effects.movers ? c.movers : std::vector<MoverConfig>{}, c.seed, scene, *path, scan_s()),
+        movers(effective_movers(c), c.seed, scene, *path, scan_s()),
         scene_json(std::move(body.description_json)),
         certificate_json(std::move(body.certificate_json)) {
     total = bursts();

@@ -5,17 +5,19 @@ namespace enamel::view::glsl {
 
 const std::string_view kModelVertex = R"(
 layout(location = 0) in vec3 position;
-layout(location = 1) in vec4 normal_quality;  // snorm16: unit normal, quality
+layout(location = 1) in vec4 normal_quality;  // snorm16: unit normal, quality; below 0: soft tissue's
 uniform mat4 view;
 uniform mat4 projection;
 out vec3 position_view;
 out vec3 normal_view;
 out float quality;
+out float soft;
 void main() {
   vec4 p = view * vec4(position, 1.0);
   position_view = p.xyz;
   normal_view = mat3(view) * normal_quality.xyz;
-  quality = normal_quality.w;
+  quality = abs(normal_quality.w);
+  soft = normal_quality.w < 0.0 ? 1.0 : 0.0;
   gl_Position = projection * p;
 }
 )";
@@ -24,6 +26,9 @@ const std::string_view kModelFragment = R"(
 in vec3 position_view;
 in vec3 normal_view;
 in float quality;
+in float soft;
+uniform float hide_soft;   // 1: soft tissue is left out
+uniform vec3 soft_tone;
 uniform vec3 albedo;       // linear, as the ramp is
 uniform vec3 ramp_low;     // quality 0, 0.5, 1
 uniform vec3 ramp_mid;
@@ -41,6 +46,7 @@ vec3 display(vec3 c) {
 }
 
 void main() {
+  if (soft * hide_soft > 0.5) discard;
   vec3 v = normalize(-position_view);
   vec3 n = normalize(normal_view);
   if (!gl_FrontFacing) {
@@ -52,7 +58,10 @@ void main() {
   }
   vec3 ramp = quality < 0.5 ? mix(ramp_low, ramp_mid, clamp(2.0 * quality, 0.0, 1.0))
                             : mix(ramp_mid, ramp_high, clamp(2.0 * quality - 1.0, 0.0, 1.0));
-  vec3 base = mix(albedo, ramp, ramp_share);
+  bool is_soft = soft > 0.5;
+  vec3 base = mix(is_soft ? soft_tone : albedo, ramp, ramp_share);
+  // Stripes on the screen, 1.2 mm apart: told without colour, and under the quality map.
+  if (is_soft && fract((gl_FragCoord.x + gl_FragCoord.y) * mm_per_px / 1.2) < 0.4) base *= 0.72;
 
   // Concave places (fissures, gaps between teeth) gather less light: curvature from the normal's change over a pixel.
   vec3 dx = dFdx(n);

@@ -18,6 +18,8 @@ std::int16_t snorm16(float v) {
   return static_cast<std::int16_t>(std::lround(clamped * 32767.0F));
 }
 
+constexpr float kLeastSoft = -1.0F / 32767.0F;  // of a quality of 0: the largest number below 0 that the GPU is told
+
 struct GpuVertex {
   std::array<float, 3> position;
   std::array<std::int16_t, 4> normal_quality;
@@ -104,7 +106,9 @@ void ModelPass::write_vertices(const BlockMesh& block, const Slot& slot) {
     const Vec3f& p = block.vertices[i];
     const Vec3f n = block.normals.empty() ? Vec3f(0, 0, -1) : block.normals[i];
     const float q = block.quality.empty() ? 0.0F : block.quality[i];
-    const GpuVertex vertex{{p.x(), p.y(), p.z()}, {snorm16(n.x()), snorm16(n.y()), snorm16(n.z()), snorm16(q)}};
+    const bool soft = !block.soft.empty() && block.soft[i] != 0;
+    const float told = soft ? std::min(-q, kLeastSoft) : q;
+    const GpuVertex vertex{{p.x(), p.y(), p.z()}, {snorm16(n.x()), snorm16(n.y()), snorm16(n.z()), snorm16(told)}};
     std::memcpy(bytes_.data() + i * kGpuVertexBytes, &vertex, kGpuVertexBytes);
   }
   glBindBuffer(GL_ARRAY_BUFFER, vertices_.id());
@@ -141,6 +145,8 @@ void ModelPass::draw_listed(const std::vector<IndexTriangle>& triangles, const D
   glUseProgram(program_.id());
   set_uniform(program_, "view", view_matrix(view.camera));
   set_uniform(program_, "projection", projection_matrix(view.camera, view.aspect));
+  set_uniform(program_, "soft_tone", linear(toggles.mono ? kMonoGrey : kSoftTone));
+  set_uniform(program_, "hide_soft", toggles.soft_tissue ? 0.0F : 1.0F);
   set_uniform(program_, "albedo", linear(toggles.mono && tone_ == kTooth ? kMonoGrey : tone_));
   set_uniform(program_, "ramp_low", linear(kQualityRamp[0]));
   set_uniform(program_, "ramp_mid", linear(kQualityRamp[1]));

@@ -159,6 +159,7 @@ bool draw_overlay(const OverlayInput& input, const Fonts& fonts) {
   if (input.toggles.quality_map) {
     draw_legend(input, pen, ImVec2(input.width_px - pen.px(kMargin), button_top));
   }
+  draw_soft_legend(input, pen, ImVec2(input.width_px - pen.px(kMargin), button_top));
   if (input.toggles.help) {
     draw_help(input, pen);
   } else if (input.interactive) {

@@ -40,6 +40,8 @@ void draw_return_corner(const OverlayInput& input, const Pen& pen);
 /// Needs frame->pipeline.
 void draw_stages(const OverlayInput& input, const Pen& pen, ImVec2 top_right);
 void draw_legend(const OverlayInput& input, const Pen& pen, ImVec2 bottom_right);
+/// Says that stripes are soft tissue, or that it is hidden; nothing where the model has none.
+void draw_soft_legend(const OverlayInput& input, const Pen& pen, ImVec2 bottom_right);
 void draw_help(const OverlayInput& input, const Pen& pen);
 
 }  // namespace enamel::view

@@ -142,6 +142,18 @@ void draw_legend(const OverlayInput& in, const Pen& pen, ImVec2 bottom_right) {
   pen.text_right(ImVec2(right, bottom + pen.px(5)), pen.fonts->small, kTextDim, "well covered");
 }
 
+void draw_soft_legend(const OverlayInput& in, const Pen& pen, ImVec2 bottom_right) {
+  const auto& model = in.frame->model;
+  if (!model || std::ranges::none_of(model->blocks, [](const auto& b) { return b && !b->soft.empty(); })) return;
+  if (in.toggles.quality_map) bottom_right.y -= pen.px(72 + 8);
+  const ImVec2 from(bottom_right.x - pen.px(214), bottom_right.y - pen.px(58));
+  pen.panel(from, bottom_right);
+  const float left = from.x + pen.px(16);
+  pen.text(ImVec2(left, from.y + pen.px(8)), pen.fonts->small, kText, "Soft tissue");
+  const std::string_view words = in.toggles.soft_tissue ? "striped; T hides it" : "hidden; T shows it";
+  pen.text(ImVec2(left, from.y + pen.px(31)), pen.fonts->small, kTextDim, words);
+}
+
 void draw_help(const OverlayInput& in, const Pen& pen) {
   const auto keys = key_bindings();
   const auto mouse = mouse_help();

@@ -37,7 +37,7 @@ bool same_probe(const SceneView& a, const SceneView& b) {
 bool same_view(const SceneView& a, const SceneView& b) {
   const auto shown = [](const SceneView& v) {
     const DisplayToggles& t = v.toggles;
-    return std::tuple(t.quality_map, t.mono, t.frustum, t.trail, v.line_scale, v.trail.size());
+    return std::tuple(t.quality_map, t.mono, t.soft_tissue, t.frustum, t.trail, v.line_scale, v.trail.size());
   };
   return same_camera(a.camera, b.camera) && same_probe(a, b) && shown(a) == shown(b);
 }

@@ -16,6 +16,9 @@ inline constexpr Colour kMonoGrey{0.72F, 0.73F, 0.75F};
 /// Surface whose place in the model nobody knows yet: cold, so that it is never taken for the model.
 inline constexpr Colour kApartTooth{0.60F, 0.76F, 0.93F};
 
+/// Gum, tongue and cheek; always striped, too.
+inline constexpr Colour kSoftTone{0.84F, 0.52F, 0.50F};
+
 /// State colours; each is always shown together with words.
 inline constexpr Colour kGood{0.22F, 0.80F, 0.47F};
 inline constexpr Colour kWeak{0.98F, 0.70F, 0.16F};

@@ -11,6 +11,7 @@ constexpr std::array kBindings{
     KeyBinding{letter('R'), false, Action::kRecentre, "R", "Show the whole model"},
     KeyBinding{letter('Q'), false, Action::kQualityMap, "Q", "Quality map: where to scan again"},
     KeyBinding{letter('M'), false, Action::kMono, "M", "Plain grey: shows steps and holes"},
+    KeyBinding{letter('T'), false, Action::kSoftTissue, "T", "Soft tissue: striped, or hidden"},
     KeyBinding{letter('V'), false, Action::kFrustum, "V", "Probe's field of view"},
     KeyBinding{letter('G'), false, Action::kTrail, "G", "Path of the probe"},
     KeyBinding{letter('I'), false, Action::kLiveImage, "I", "Live image and distance"},
@@ -56,6 +57,8 @@ bool apply_toggle(Action action, DisplayToggles& toggles) noexcept {
       return flip(toggles.quality_map);
     case Action::kMono:
       return flip(toggles.mono);
+    case Action::kSoftTissue:
+      return flip(toggles.soft_tissue);
     case Action::kFrustum:
       return flip(toggles.frustum);
     case Action::kTrail:

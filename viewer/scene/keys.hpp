@@ -19,6 +19,7 @@ enum class Action {
   kRecentre,
   kQualityMap,
   kMono,
+  kSoftTissue,
   kFrustum,
   kTrail,
   kLiveImage,

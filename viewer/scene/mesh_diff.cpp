@@ -13,7 +13,7 @@ bool well_formed(const BlockMesh& block) noexcept {
   const std::size_t n = block.vertices.size();
   const bool sizes = (block.normals.empty() || block.normals.size() == n) &&
                      (block.quality.empty() || block.quality.size() == n) &&
-                     n < std::numeric_limits<std::uint32_t>::max();
+                     (block.soft.empty() || block.soft.size() == n) && n < std::numeric_limits<std::uint32_t>::max();
   return sizes && std::all_of(block.triangles.begin(), block.triangles.end(),
                               [n](const auto& t) { return t[0] < n && t[1] < n && t[2] < n; });
 }

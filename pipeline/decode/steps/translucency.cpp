@@ -111,6 +111,8 @@ float apparent_depth_at_1mm(float ratio) noexcept {
   return sure * kEnamel_mm * (kPlasterContrast / std::max(ratio, kLeastContrast) - 1);
 }
 
+float plaster_contrast(const PatternOptics& optics) noexcept { return kPlasterContrast * optics.contrast; }
+
 /// derived: k by Monte Carlo is 6.2, 19.4, 67 um at 0.5, 1, 2 mm: p^1.72 within 5 %; here p^1.75, by roots.
 float apparent_depth_growth(float period_mm) noexcept {
   return period_mm * period_mm / std::sqrt(std::sqrt(period_mm));

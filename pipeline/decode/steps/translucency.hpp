@@ -48,6 +48,9 @@ void undo_translucency(const SeenPattern& seen, const TranslucencyConfig& config
 /// nearly dark, so that the mean light follows from the wave. `optics` of a linear one.
 [[nodiscard]] PatternOptics seen_through(const Waveform& wave, PatternOptics optics) noexcept;
 
+/// What blur leaves of it on an opaque surface.
+[[nodiscard]] float plaster_contrast(const PatternOptics& optics) noexcept;
+
 /// Apparent depth, mm, of a surface whose contrast is `ratio` of what was projected, at a period of 1 mm; it grows with
 /// apparent_depth_growth(period). 0 for what is as opaque as plaster.
 [[nodiscard]] float apparent_depth_at_1mm(float ratio) noexcept;

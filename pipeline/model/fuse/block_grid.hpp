@@ -31,6 +31,13 @@ inline constexpr std::int32_t kBlockRange = 1 << 20;
   return static_cast<std::size_t>(i);
 }
 
+/// tissue_votes.hpp: all 0 while nothing but plaster was seen.
+struct BlockTissue {
+  std::uint32_t shade_sum = 0;         ///< of so many bursts that saw its middle: …
+  std::uint16_t shaded = 0;            ///< … saturating
+  std::uint16_t asked = 0, moved = 0;  ///< bursts that met its surface, and that did not find it in its place
+};
+
 struct Block {
   BlockIndex index{};
   std::array<std::int32_t, 27> neighbour{};  ///< ids by neighbour_index; itself in the middle
@@ -40,8 +47,9 @@ struct Block {
   std::array<std::uint8_t, kBlockVoxels> observations{};          ///< pixel measurements, saturating
   std::array<std::uint8_t, kBlockVoxels> bursts{};                ///< bursts, saturating
   std::uint64_t first_burst = ~std::uint64_t{0}, last_burst = 0;  ///< of those that measured it; first > last: none did
-  std::uint8_t moments = 0;      ///< apart in time, in which it was measured; saturating
-  std::uint8_t against = 0;      ///< bursts that looked through it since it was last measured; saturating
+  std::uint8_t moments = 0;  ///< apart in time, in which it was measured; saturating
+  std::uint8_t against = 0;  ///< bursts that looked through it since it was last measured; saturating
+  BlockTissue tissue = {};
   std::uint64_t touched_by = 0;  ///< serial number of the last integration that visited it
   float moved_mm = 0;            ///< how far its surface may have moved since it was last taken for meshing
   bool grown = false;            ///< voxels became surface (or ceased to be) since it was last taken

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "pipeline/types/shade.hpp"
+
 namespace enamel::pipeline {
 
 struct FuseConfig {
@@ -24,6 +26,7 @@ struct FuseConfig {
   double view_kept_deg = 3.0;       ///< … or turned by this, …
   int view_kept_bursts = 3;         ///< … and after so many bursts
   double view_search_mm = 1.2;      ///< how far around a guessed depth a view pixel without own measurement is searched
+  std::uint8_t soft_below = kNothingSoft;  ///< shades below it are soft tissue's
 };
 
 /// What one burst did to the model.

@@ -6,6 +6,7 @@
 #include "pipeline/model/fuse/integrate_block.hpp"
 #include "pipeline/model/fuse/projection.hpp"
 #include "pipeline/model/fuse/see_through.hpp"
+#include "pipeline/model/fuse/tissue_votes.hpp"
 #include "pipeline/types/pixel_step.hpp"
 
 namespace enamel::pipeline {
@@ -42,6 +43,7 @@ void clear(Block& block) {
   block.first_burst = ~std::uint64_t{0};
   block.last_burst = 0;
   block.moments = block.against = 0;
+  block.tissue = {};
 }
 
 }  // namespace
@@ -119,6 +121,7 @@ FuseStats TsdfModel::integrate(BurstId burst, const SurfacePatch& patch, const P
   for (const std::int32_t id : touched_) {
     Block& block = grid_.block(id);
     const BlockInCamera at = place(block, config_.voxel_mm, T_cam_model, camera_, surfels_.stride());
+    note_tissue(surfels_, patch, at, config_.voxel_mm, block);
     const std::uint64_t updated = integrate_block(surfels_, at, config_, block);
     stats.voxels_updated += updated;
     if (updated > 0) {
@@ -207,6 +210,7 @@ void TsdfModel::carve_confirmed(const SurfacePatch& patch, const Pose& T_cam_mod
     if (!looks_through(surfels_, patch, at, config_.carve_confirmed_mm, block)) {
       continue;
     }
+    note_looked_through(block);
     block.against = static_cast<std::uint8_t>(std::min(255, block.against + 1));
     if (block.against < config_.carve_bursts * block.moments) {
       continue;

@@ -43,6 +43,9 @@ class TsdfModel {
     return block.observations[voxel] >= config_.min_observations && block.bursts[voxel] >= config_.min_bursts;
   }
 
+  /// Shades below it are soft tissue's: what is meshed from now on is told so. kNothingSoft: nothing is.
+  void set_soft_below(std::uint8_t soft_below) noexcept { config_.soft_below = soft_below; }
+
   [[nodiscard]] const BlockGrid& grid() const noexcept { return grid_; }
   [[nodiscard]] const FuseConfig& config() const noexcept { return config_; }
   [[nodiscard]] bool empty() const noexcept { return integrations_ == 0; }

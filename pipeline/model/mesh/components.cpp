@@ -30,11 +30,15 @@ void drop_unused_vertices(Mesh& mesh) {
     if (!mesh.quality.empty()) {
       mesh.quality[next] = mesh.quality[v];
     }
+    if (!mesh.soft.empty()) {
+      mesh.soft[next] = mesh.soft[v];
+    }
     ++next;
   }
   mesh.vertices.resize(next);
   mesh.normals.resize(mesh.normals.empty() ? 0 : next);
   mesh.quality.resize(mesh.quality.empty() ? 0 : next);
+  mesh.soft.resize(mesh.soft.empty() ? 0 : next);
   for (auto& t : mesh.triangles) {
     t = {to[t[0]], to[t[1]], to[t[2]]};
   }

@@ -29,6 +29,10 @@ UpdateStats IncrementalMesher::update(const TsdfModel& model, std::span<const Bl
       enqueue(near);
     }
   }
+  if (model.config().soft_below != soft_below_) {
+    soft_below_ = model.config().soft_below;
+    for (const auto& [index, entry] : blocks_) enqueue(model.grid().find(index));
+  }
   for (; !queue_.empty() && stats.blocks_meshed < max_blocks; queue_.pop_front()) {
     const std::int32_t id = queue_.front();
     queued_[static_cast<std::size_t>(id)] = false;
@@ -64,6 +68,7 @@ Mesh IncrementalMesher::extract(ExtractStats* stats) const {
   std::unordered_map<std::uint64_t, std::uint32_t> welded;  // looked up only, never iterated
   std::vector<std::uint32_t> to;
   std::vector<SeenSpan> seen;  // of the block that a vertex is in first: pieces are many blocks large
+  std::vector<std::uint8_t> soft;
   for (const auto& [index, entry] : blocks_) {
     const BlockMesh& block = *entry.mesh;
     to.clear();
@@ -75,6 +80,7 @@ Mesh IncrementalMesher::extract(ExtractStats* stats) const {
         mesh.normals.push_back(block.normals[i]);
         mesh.quality.push_back(block.quality[i]);
         seen.push_back(entry.seen);
+        soft.push_back(block.soft.empty() ? 0 : block.soft[i]);
       }
       to.push_back(at->second);
     }
@@ -82,6 +88,7 @@ Mesh IncrementalMesher::extract(ExtractStats* stats) const {
       mesh.triangles.push_back({to[t[0]], to[t[1]], to[t[2]]});
     }
   }
+  if (std::ranges::count(soft, 1) > 0) mesh.soft = std::move(soft);
   const ComponentStats removed = remove_small_components(
       mesh, {config_.min_component_triangles, config_.passing_triangles, config_.passing_bursts}, seen);
   if (stats != nullptr) {

@@ -38,7 +38,7 @@ class IncrementalMesher {
 
   /// Queues the changed blocks (TsdfModel::take_changed) and their neighbours (cells and normals reach across) and
   /// meshes the first max_blocks of the queue anew: a bounded time a burst, a preview a few bursts behind. kAll empties
-  /// the queue.
+  /// the queue. Where another shade than before parts soft tissue, all blocks are queued.
   UpdateStats update(const TsdfModel& model, std::span<const BlockIndex> changed, std::size_t max_blocks = kAll);
 
   /// What the viewer takes; blocks that did not change are shared with earlier snapshots.
@@ -63,6 +63,7 @@ class IncrementalMesher {
   std::vector<bool> queued_;            ///< by id
   MeshedBlock scratch_;
   std::uint64_t after_burst_ = 0;
+  std::uint8_t soft_below_ = kNothingSoft;  ///< that the blocks were meshed with, but those in the queue
 };
 
 }  // namespace enamel::pipeline

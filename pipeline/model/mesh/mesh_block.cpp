@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/model/fuse/tissue_votes.hpp"
 #include "pipeline/model/mesh/cell_table.hpp"
 
 namespace enamel::pipeline {
@@ -18,6 +19,16 @@ constexpr float kEndMargin = 1e-3F;
 // Block that holds voxel (x, y, z), each -8 … 15, counted from `block`'s first.
 std::int32_t owner(const Block& block, int x, int y, int z) noexcept {
   return block.neighbour[neighbour_index(x >> 3, y >> 3, z >> 3)];
+}
+
+/// The same for all blocks that share the edge: it is asked of the block that holds its lower end.
+bool is_soft_on_edge(const TsdfModel& model, const Block& block, const std::array<int, 3>& lower, int axis, float t) {
+  const std::uint8_t soft_below = model.config().soft_below;
+  if (soft_below == kNothingSoft) return false;
+  const std::int32_t id = owner(block, lower[0], lower[1], lower[2]);
+  Vec3f voxel(static_cast<float>(lower[0] & 7), static_cast<float>(lower[1] & 7), static_cast<float>(lower[2] & 7));
+  voxel[axis] += t;
+  return is_soft_at(model.grid(), model.grid().block(id), voxel, soft_below);
 }
 
 }  // namespace
@@ -136,6 +147,7 @@ std::uint32_t BlockMesher::vertex(const TsdfModel& model, std::int32_t block_id,
   out.mesh.vertices.emplace_back((at * model.config().voxel_mm).cast<float>());
   out.mesh.normals.emplace_back(g / length);
   out.mesh.quality.push_back(weight / (weight + static_cast<float>(config_.half_quality_weight)));
+  out.mesh.soft.push_back(is_soft_on_edge(model, block, lower, axis, t) ? 1 : 0);
   out.edge_keys.push_back(edge_key(owner(block, lower[0], lower[1], lower[2]),
                                    voxel_index(lower[0] & 7, lower[1] & 7, lower[2] & 7),
                                    static_cast<std::size_t>(axis)));
@@ -174,6 +186,7 @@ void BlockMesher::run(const TsdfModel& model, std::int32_t block_id, MeshedBlock
   out.mesh.normals.clear();
   out.mesh.quality.clear();
   out.mesh.triangles.clear();
+  out.mesh.soft.clear();
   out.edge_keys.clear();
   out.mesh.block = block.index;
   out.mesh.epoch = model.after_burst() + 1;
@@ -193,6 +206,7 @@ void BlockMesher::run(const TsdfModel& model, std::int32_t block_id, MeshedBlock
       }
     }
   }
+  if (std::ranges::count(out.mesh.soft, 0) == std::ssize(out.mesh.soft)) out.mesh.soft.clear();
 }
 
 }  // namespace enamel::pipeline

@@ -131,6 +131,7 @@ PackedPatch pack(const SurfacePatch& patch, Texture texture) {
   out.nearest_mm = range.nearest;
   out.step_mm = std::max(range.farthest - range.nearest, 1e-3F) / 65535.0F;
   out.runs = runs_of(depth);
+  out.shade = patch.shade;
   out.depth.resize(range.known);
   out.sigma.resize(range.known);
   std::uint16_t* steps = out.depth.data();
@@ -159,6 +160,7 @@ SurfacePatch Unpacker::operator()(const PackedPatch& packed) const {
   out.points = Map<Vec3f>(packed.width, packed.height, Vec3f::Constant(kNan));
   out.normals = out.points;
   out.valid_px = packed.depth.size();
+  out.shade = packed.shade;
   Map<float> inverse_depth = out.depth_mm;
   std::size_t n = 0;
   for (const PackedPatch::Run& run : packed.runs) {

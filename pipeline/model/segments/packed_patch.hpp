@@ -25,9 +25,10 @@ struct PackedPatch {
   std::vector<std::uint16_t> depth;    ///< steps beyond the nearest
   std::vector<std::uint8_t> sigma;     ///< sixteenths of an octave above 0.1 um
   std::vector<std::uint16_t> texture;  ///< of all pixels, or empty
+  ShadeMap shade = {};
 
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return sizeof(*this) + runs.size() * sizeof(Run) + sigma.size() +
+    return sizeof(*this) + runs.size() * sizeof(Run) + sigma.size() + shade.size() +
            (depth.size() + texture.size()) * sizeof(std::uint16_t);
   }
 };

@@ -128,6 +128,7 @@ bool PatchStore::to_file(const PackedPatch& patch, StoredPatch& stored) {
   stored.frame_.height = patch.height;
   stored.frame_.nearest_mm = patch.nearest_mm;
   stored.frame_.step_mm = patch.step_mm;
+  stored.frame_.shade = patch.shade;
   stored.runs_ = patch.runs.size();
   stored.pixels_ = patch.depth.size();
   stored.texture_ = patch.texture.size();

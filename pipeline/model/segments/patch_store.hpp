@@ -27,7 +27,7 @@ class StoredPatch {
  private:
   friend class PatchStore;
   std::shared_ptr<const PackedPatch> patch_;
-  PackedPatch frame_;  ///< size and steps; its arrays are in the file, in their order …
+  PackedPatch frame_;  ///< size, steps, shade; its other arrays are in the file, in their order …
   std::size_t runs_ = 0, pixels_ = 0, texture_ = 0;
   std::uint64_t offset_ = 0;  ///< … from here on
 };

@@ -36,6 +36,12 @@ ModelView SegmentedModel::view(const Pose& T_segment_cam, const SurfacePatch& hi
   return out;
 }
 
+void SegmentedModel::set_soft_below(std::uint8_t soft_below) {
+  config_.soft_below = soft_below;
+  model_.set_soft_below(soft_below);
+  if (apart_) apart_->model.set_soft_below(soft_below);
+}
+
 void SegmentedModel::join(const SegmentJoin& join) {
   auto moved = kept_.extract(join.segment);
   if (apart_ && (apart_->id == join.segment || apart_->id == join.into)) apart_.reset();

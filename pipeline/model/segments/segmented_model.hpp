@@ -38,6 +38,10 @@ class SegmentedModel {
   /// shows what it has.
   [[nodiscard]] ModelView view(const Pose& T_segment_cam, const SurfacePatch& hint);
 
+  /// As TsdfModel's, of the model and all that is apart.
+  void set_soft_below(std::uint8_t soft_below);
+  [[nodiscard]] std::uint8_t soft_below() const noexcept { return config_.soft_below; }
+
   void join(const SegmentJoin& join);
   /// Fuses at most so many bursts of joined segments into the model.
   void catch_up(std::size_t bursts);

@@ -40,9 +40,12 @@ class SigmaHistogram {
   std::size_t count_ = 0;
 };
 
+constexpr double kLeastSoftWeight = 0.01;  // layout: a hundredth of them
+
 struct Sample {
   Vec3f p = Vec3f::Zero(), n = Vec3f::Zero();
   float sigma = 0, weight = 0;
+  bool soft = false;
 };
 
 class SampleRule {
@@ -52,7 +55,8 @@ class SampleRule {
         reach_(config.edge_px),
         jump_(static_cast<float>(config.edge_pitches * reach_ * mean_pitch_mm(patch.points))),
         min_cos_(static_cast<float>(std::cos(config.max_incidence_deg * std::numbers::pi / 180))),
-        floor2_(static_cast<float>(config.sigma_floor_mm * config.sigma_floor_mm)) {}
+        floor2_(static_cast<float>(config.sigma_floor_mm * config.sigma_floor_mm)),
+        soft_below_(config.soft_below) {}
 
   [[nodiscard]] bool take(int u, int v, Sample& out) const {
     if (!far_from_edges(patch_.depth_mm, u, v, reach_, jump_)) return false;
@@ -61,6 +65,7 @@ class SampleRule {
     out.sigma = patch_.sigma_mm(u, v);
     const float cosine = -out.n.dot(out.p) / out.p.norm();
     out.weight = cosine / (out.sigma * out.sigma + floor2_);
+    out.soft = is_soft(shade_at(patch_.shade, u, v), soft_below_);
     return cosine > min_cos_ && std::isfinite(out.weight) && out.sigma >= 0;
   }
 
@@ -68,13 +73,18 @@ class SampleRule {
   const SurfacePatch& patch_;
   int reach_;
   float jump_, min_cos_, floor2_;
+  std::uint8_t soft_below_;
 };
 
 /// Fills one set from the rows of a patch. The set's memory is used again.
 class SetWriter {
  public:
-  SetWriter(SampleSet& out, const SurfacePatch& patch, int stride, int reach)
-      : out_(&out), stride_(stride), offset_(std::max(stride / 2, reach)) {
+  SetWriter(SampleSet& out, const SurfacePatch& patch, int stride, const SampleConfig& config)
+      : out_(&out),
+        stride_(stride),
+        offset_(std::max(stride / 2, config.edge_px)),
+        soft_step_(static_cast<std::size_t>(std::lround(1 / std::clamp(config.soft_weight, kLeastSoftWeight, 1.0)))) {
+    out.offered = 0;
     const auto across = static_cast<std::size_t>(patch.depth_mm.width() / stride + 1);
     const auto down = static_cast<std::size_t>(patch.depth_mm.height() / stride + 1);
     for (auto* field : fields()) field->resize(across * down);
@@ -96,6 +106,8 @@ class SetWriter {
     return true;
   }
   void add(const Sample& s) {
+    ++out_->offered;
+    if (s.soft && soft_seen_++ % soft_step_ != 0) return;
     out_->x[n_] = s.p.x(), out_->y[n_] = s.p.y(), out_->z[n_] = s.p.z();
     out_->nx[n_] = s.n.x(), out_->ny[n_] = s.n.y(), out_->nz[n_] = s.n.z();
     out_->weights[n_++] = s.weight;
@@ -115,7 +127,7 @@ class SetWriter {
 
   SampleSet* out_;
   int stride_, offset_, next_u_ = 0;
-  std::size_t n_ = 0;
+  std::size_t n_ = 0, soft_step_, soft_seen_ = 0;
   SigmaHistogram sigmas_;
   Vec3d sum_ = Vec3d::Zero();
 };
@@ -141,7 +153,7 @@ void walk(const SurfacePatch& patch, const SampleRule& rule, int reach, std::spa
 void sample_levels(const SurfacePatch& patch, const std::array<int, 3>& strides, const SampleConfig& config,
                    std::array<SampleSet, 3>& out) {
   const SampleRule rule(patch, config);
-  const auto writer = [&](std::size_t l) { return SetWriter(out[l], patch, strides[l], config.edge_px); };
+  const auto writer = [&](std::size_t l) { return SetWriter(out[l], patch, strides[l], config); };
   std::array writers{writer(2), writer(1), writer(0)};  // finest first
   if (writers[1].within(writers[0]) && writers[2].within(writers[0])) {
     walk(patch, rule, config.edge_px, writers);
@@ -152,7 +164,7 @@ void sample_levels(const SurfacePatch& patch, const std::array<int, 3>& strides,
 
 SampleSet sample_patch(const SurfacePatch& patch, int stride, const SampleConfig& config) {
   SampleSet out;
-  SetWriter writer(out, patch, stride, config.edge_px);
+  SetWriter writer(out, patch, stride, config);
   walk(patch, SampleRule(patch, config), config.edge_px, {&writer, 1});
   return out;
 }

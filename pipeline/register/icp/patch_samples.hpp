@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "pipeline/types/geometry.hpp"
@@ -13,6 +14,10 @@ struct SampleConfig {
   int edge_px = 2;            ///< a sample needs valid neighbours at this distance on all four sides …
   double edge_pitches = 4.5;  ///< … whose depth differs by less than this many times their distance: no silhouettes
   double max_incidence_deg = 70;  ///< steeper surface is dropped: its triangulation and its weight are both poor
+  /// Of soft tissue, which yields and moves, against teeth: so many of its samples are taken, by rows. Left out rather
+  /// than weighed: what contradicts the model shall not count for a burst's consistency either. 1: all of them.
+  double soft_weight = 0.2;
+  std::uint8_t soft_below = kNothingSoft;  ///< shades below it are soft tissue's
   double sigma_floor_mm = 0.005;  ///< what calibration and motion leave on every point, added to sigma in squares
 };
 
@@ -23,6 +28,7 @@ struct SampleSet {
   std::vector<float> weights;
   Vec3d centroid = Vec3d::Zero();  ///< unweighted mean of the points
   double median_sigma_mm = 0;      ///< of sigma_z, by histogram (1 µm bins up to 0.25 mm)
+  std::size_t offered = 0;         ///< with the samples on soft tissue that were left out
   [[nodiscard]] std::size_t size() const noexcept { return weights.size(); }
 };
 

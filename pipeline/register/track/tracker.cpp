@@ -60,7 +60,7 @@ TrackResult Tracker::track(BurstId id, DeviceTime t_mid, const std::shared_ptr<c
   make_pyramid(*patch, config_.icp, pyramid_);
   BurstTexture texture(*patch, texture_);
   const Burst burst{id, t_mid, in_sequence, patch, pyramid_, texture, view, twist};
-  if (static_cast<double>(pyramid_.levels.back().size()) < config_.start_coverage * static_cast<double>(grid_size_)) {
+  if (static_cast<double>(pyramid_.levels.back().offered) < config_.start_coverage * static_cast<double>(grid_size_)) {
     TrackResult lost;
     if (!segments_.empty()) lost.T_model_cam = find(active_).motion.last_pose();
     lost.segment = active_;

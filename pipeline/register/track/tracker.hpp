@@ -48,6 +48,9 @@ class Tracker {
     return track(burst, t_mid, std::make_shared<const SurfacePatch>(std::move(patch)), view, twist);
   }
 
+  /// Shades below it are soft tissue's and weigh little, in the bursts to come.
+  void set_soft_below(std::uint8_t soft_below) noexcept { config_.icp.samples.soft_below = soft_below; }
+
   /// Looks for the place of a burst, whose segment is still apart, in the older segments that are remembered. After the
   /// scan, when these have all their keyframes; `burst` as track() placed it, after the joins since.
   [[nodiscard]] std::optional<SegmentJoin> seek(const PlacedBurst& burst, const SurfacePatch& patch);

@@ -51,6 +51,22 @@ TEST(MeshFile, colours_are_kept_under_their_names) {
   EXPECT_EQ(back->vertex_values.at("blue"), std::vector<float>(4, 255.0F));
 }
 
+TEST(MeshFile, soft_tissue_is_told_by_a_property_or_a_group) {
+  Mesh mesh = tetrahedron();
+  EXPECT_EQ(ply_bytes(mesh).find("soft_tissue"), std::string::npos) << "control";
+  EXPECT_EQ(obj_text(mesh).find("\ng "), std::string::npos) << "control";
+  mesh.soft = {1, 1, 0, 1};
+  const auto back = parse_mesh(ply_bytes(mesh), MeshFormat::kPly);
+  ASSERT_TRUE(back.has_value()) << back.error().detail;
+  EXPECT_EQ(back->mesh.soft, mesh.soft);
+  EXPECT_TRUE(back->vertex_values.empty());
+  const std::string text = obj_text(mesh);
+  EXPECT_NE(text.find("\ng soft_tissue\n"), std::string::npos);
+  const auto again = parse_mesh(text, MeshFormat::kObj);
+  ASSERT_TRUE(again.has_value()) << again.error().detail;
+  EXPECT_EQ(again->mesh.triangles, mesh.triangles) << "all faces are kept, in their order";
+}
+
 TEST(MeshFile, ascii_ply_with_foreign_properties_and_quads_is_read) {
   const std::string text =
       "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty double y\nproperty double "

@@ -132,6 +132,36 @@ TEST(TwinMovers, it_moves_within_a_burst_before_a_probe_at_rest) {
   EXPECT_EQ(rest.light, middle_burst(scene).light);
 }
 
+/// Modulation over mean light of the four frames, mean over the body's pixels.
+double contrast_of_body(const Burst& burst) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < burst.maps.mover.size(); ++i) {
+    if (burst.maps.mover[i] == 0) continue;
+    double least = burst.light[0][i], most = least, mean = 0;
+    for (const std::vector<float>& frame : burst.light) {
+      const auto light = static_cast<double>(frame[i]);
+      least = std::min(least, light), most = std::max(most, light), mean += 0.25 * light;
+    }
+    if (mean <= 0) continue;
+    sum += (most - least) / mean, count += 1;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+TEST(TwinMovers, a_tongue_beside_teeth_lets_light_in_and_a_glove_does_not) {
+  SceneConfig scene = finger_scene();
+  scene.effects.translucency = true;
+  const double glove_before_plaster = contrast_of_body(middle_burst(scene));
+  scene.look.material = static_cast<int>(MaterialId::kEnamel);
+  EXPECT_NEAR(contrast_of_body(middle_burst(scene)), glove_before_plaster, 0.02);
+  scene.movers[0].kind = MoverKind::kTongue;
+  const double tongue = contrast_of_body(middle_burst(scene));
+  scene.look.material = LookConfig::kPlaster;
+  const double plaster_tongue = contrast_of_body(middle_burst(scene));  // control
+  EXPECT_GT(plaster_tongue, 0.5);
+  EXPECT_LT(tongue, 0.6 * plaster_tongue);
+}
+
 TEST(TwinMovers, it_is_there_for_the_share_asked_for) {
   constexpr double kScanS = 60, kStepS = 0.01, kRampS = 0.6;
   LookedAt looked_at{[](double) { return Pose::Identity(); }, [](double) { return Vec3d::Zero(); }};

@@ -7,6 +7,7 @@
 
 #include "tests/unit/viewer/picture_probe.hpp"
 #include "tests/unit/viewer/tooth_scene.hpp"
+#include "viewer/scene/keys.hpp"
 
 namespace enamel::view::test {
 namespace {
@@ -71,6 +72,32 @@ TEST_F(OffscreenTest, quality_map_colours_the_model_other_than_teeth) {
   const Picture mapped = draw(*frame);
   EXPECT_LT(share_of(mapped, kMiddle, is_tooth), 0.8 * plain);
   EXPECT_GT(share_of(mapped, kMiddle, is_blue), 0.01);
+}
+
+TEST_F(OffscreenTest, soft_tissue_is_striped_in_its_own_shade_and_hidden_by_its_key) {
+  auto frame = scene_.frame(12, 20);
+  const Picture teeth = draw(*frame);
+  EXPECT_LT(share_of(teeth, kMiddle, is_gum), 0.002) << "control";
+  frame->model = half_soft(*frame->model);
+  const Picture shown = draw(*frame);
+  const double soft = share_of(shown, kMiddle, is_gum);
+  EXPECT_GT(soft, 0.03);
+  ASSERT_TRUE(apply_toggle(Action::kSoftTissue, options_.toggles));
+  const Picture hidden = draw(*frame);
+  EXPECT_LT(share_of(hidden, kMiddle, is_gum), 0.1 * soft);
+  EXPECT_GT(share_of(hidden, kMiddle, is_tooth), 0.03) << "teeth stay";
+  // Words, not colour alone: the panel is there with the class only, and says something else when it is hidden.
+  const Region words{0.82, 0.86, 0.985, 0.985};
+  const auto differ = [&](const Picture& a, const Picture& b) {
+    std::size_t at = 0, count = 0;
+    share_of(a, words, [&](const Rgb&) { return ++at, false; });
+    for (int y = static_cast<int>(words.y0 * a.height); y < static_cast<int>(words.y1 * a.height); ++y)
+      for (int x = static_cast<int>(words.x0 * a.width); x < static_cast<int>(words.x1 * a.width); ++x)
+        count += pixel(a, x, y) != pixel(b, x, y) ? 1U : 0U;
+    return static_cast<double>(count) / static_cast<double>(at);
+  };
+  EXPECT_GT(differ(teeth, shown), 0.02);
+  EXPECT_GT(differ(shown, hidden), 0.001);
 }
 
 TEST_F(OffscreenTest, finished_scan_shows_the_whole_model) {

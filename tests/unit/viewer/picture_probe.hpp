@@ -25,6 +25,9 @@ inline bool is_tooth(const Rgb& c) {
 }
 inline bool is_green(const Rgb& c) { return c[1] > c[0] + 30 && c[1] > c[2] + 20; }
 
+/// Soft tissue's red; teeth are warmer than they are red.
+inline bool is_gum(const Rgb& c) { return c[0] > c[1] + 35 && c[0] > c[2] + 30 && c[0] < 235; }
+
 struct Region {
   double x0, y0, x1, y1;  ///< shares of the picture
 };

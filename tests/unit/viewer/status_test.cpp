@@ -174,6 +174,9 @@ TEST(Keys, toggles_flip_and_others_are_left_to_the_owner) {
   EXPECT_TRUE(apply_toggle(Action::kStages, toggles));
   EXPECT_TRUE(toggles.stages);
   EXPECT_TRUE(toggles.panels) << "the figures stay";
+  EXPECT_EQ(action_for(letter('T'), false), Action::kSoftTissue);
+  EXPECT_TRUE(apply_toggle(Action::kSoftTissue, toggles));
+  EXPECT_FALSE(toggles.soft_tissue);
   toggles.help = true;
   EXPECT_TRUE(apply_toggle(Action::kCloseHelp, toggles));
   EXPECT_FALSE(toggles.help);

@@ -283,4 +283,15 @@ std::shared_ptr<PreviewFrame> ToothScene::frame(int i, int n, const PreviewFrame
   return out;
 }
 
+std::shared_ptr<const ModelSnapshot> half_soft(const ModelSnapshot& model) {
+  auto out = std::make_shared<ModelSnapshot>(model);
+  for (std::size_t k = 0; k < out->blocks.size(); k += 2) {
+    auto block = std::make_shared<BlockMesh>(*out->blocks[k]);
+    block->soft.assign(block->vertices.size(), 1);
+    ++block->epoch;
+    out->blocks[k] = std::move(block);
+  }
+  return out;
+}
+
 }  // namespace enamel::view::test

@@ -25,4 +25,7 @@ struct ToothScene {
   [[nodiscard]] std::shared_ptr<const Map<std::uint8_t>> live_image(const Pose& T_model_cam) const;
 };
 
+/// The same model with every second block soft tissue.
+[[nodiscard]] std::shared_ptr<const ModelSnapshot> half_soft(const ModelSnapshot& model);
+
 }  // namespace enamel::view::test

@@ -100,6 +100,16 @@ TEST_F(WindowTest, probe_field_is_drawn_and_can_be_switched_off) {
   EXPECT_LT(without, 0.0005);
 }
 
+TEST_F(WindowTest, soft_tissue_is_drawn_and_can_be_hidden) {
+  auto frame = std::make_shared<PreviewFrame>(*scene_.frame(12, 20));
+  frame->model = half_soft(*frame->model);
+  const double with = share_of(shown(frame), kMiddle, is_gum);
+  window_->toggles().soft_tissue = false;
+  const double without = share_of(shown(std::make_shared<PreviewFrame>(*frame)), kMiddle, is_gum);
+  EXPECT_GT(with, 0.03);
+  EXPECT_LT(without, 0.1 * with);
+}
+
 TEST_F(WindowTest, live_image_is_the_one_of_the_frame) {
   auto frame = scene_.frame(3, 20);
   frame->live = std::make_shared<Map<std::uint8_t>>(320, 240, std::uint8_t{200});

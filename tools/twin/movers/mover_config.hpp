@@ -29,6 +29,7 @@ struct MoverConfig {
   double follow = 0.3;     ///< part of the probe's way that it goes along with
   double albedo = 0;       ///< 0: its kind's own
   std::uint64_t seed = 0;  ///< added to the scene's
+  bool mucosa = false;     ///< tongue and cheek return light as gum does; not a key: where teeth are not plaster
 };
 
 }  // namespace enamel::twin

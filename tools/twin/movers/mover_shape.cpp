@@ -16,6 +16,8 @@ struct Grain {
   }
 };
 
+constexpr double kMucosaAlbedo = 0.22;  // as the gum's of default_materials()
+
 struct Look {
   MoverForm form;
   double power = 2;    ///< of the superellipse along x: 2 an ellipsoid, large: a cylinder
@@ -59,7 +61,9 @@ MoverForm mover_form(MoverKind kind) { return look_of(kind).form; }
 
 TriSurface mover_mesh(const MoverConfig& config, const Bend& bend, std::uint64_t seed) {
   const Look look = look_of(config.kind);
-  const double albedo = config.albedo > 0 ? config.albedo : look.albedo;
+  const bool mucosa = config.mucosa && look.form.soft;
+  const double own = mucosa ? kMucosaAlbedo : look.albedo;
+  const double albedo = config.albedo > 0 ? config.albedo : own;
   constexpr double kEdge = 0.0125;  // of the unit sphere's mesh: 0.2 mm on a body of 15 mm
   TriSurface out = tessellate(Ball{}, kEdge);
   for (std::size_t i = 0; i < out.vertices.size(); ++i) {
@@ -70,6 +74,7 @@ TriSurface mover_mesh(const MoverConfig& config, const Bend& bend, std::uint64_t
     out.vertices[i] = bent(p + relief * outwards, look.form, bend).cast<float>();
     out.albedo[i] = static_cast<float>(albedo * (1 + look.mottle.at(p, seed ^ 2U)));
   }
+  if (mucosa) out.material.assign(out.vertices.size(), static_cast<std::uint8_t>(MaterialId::kGum));
   compute_normals(out);
   return out;
 }

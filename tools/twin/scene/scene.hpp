@@ -114,6 +114,8 @@ void bind_scene(ConfigReader& reader, SceneConfig& config);
 /// What the effects leave of projector, light and sensor.
 [[nodiscard]] ProjectorConfig effective_projector(const SceneConfig& config);
 [[nodiscard]] RenderConfig effective_render(const SceneConfig& config);
+/// None where they are switched off; of mucosa where the mouth is not plaster.
+[[nodiscard]] std::vector<MoverConfig> effective_movers(const SceneConfig& config);
 [[nodiscard]] SensorConfig effective_sensor(const SceneConfig& config, const calib::NoiseValues& noise);
 
 /// Body in model coordinates, texture applied. Errors of mesh files.

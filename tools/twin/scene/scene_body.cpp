@@ -88,6 +88,13 @@ ProjectorConfig effective_projector(const SceneConfig& c) {
   return p;
 }
 
+std::vector<MoverConfig> effective_movers(const SceneConfig& c) {
+  if (!c.effects.movers) return {};
+  std::vector<MoverConfig> out = c.movers;
+  for (MoverConfig& m : out) m.mucosa = c.look.material != LookConfig::kPlaster;
+  return out;
+}
+
 RenderConfig effective_render(const SceneConfig& c) {
   RenderConfig r = c.render;
   r.light.falloff = c.effects.falloff;
