@@ -1,6 +1,7 @@
 // The detectors. Private to host/defects.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,12 @@ void find_holes(const Surface& surface, const InspectConfig& config, std::vector
 void find_bridges(const Surface& surface, const InspectConfig& config, std::vector<Defect>& out);
 void find_noise(const Surface& surface, const InspectConfig& config, std::vector<Defect>& out);
 
+/// The way that the surface about a place faces, walls beside it left out.
+struct Facing {
+  Vec3d axis = Vec3d::UnitZ(), middle = Vec3d::Zero();
+};
+[[nodiscard]] std::optional<Facing> facing_about(const Surface& surface, const Vec3d& about, double reach_mm);
+
 struct Seen {
   const Surface& surface;
   const SurveyResult& survey;
@@ -43,6 +50,9 @@ void check_finish_line(const Surface& surface, const PreparationMark& mark, cons
 
 /// Rms of the vertices about the quadric that fits them best, by cell, um; negative where too few are around.
 [[nodiscard]] std::vector<double> roughness_um(const Surface& surface);
+/// By cell: what a quarter of the cells about it do not exceed. Folds and edges are rough in places, noise is
+/// everywhere.
+[[nodiscard]] std::vector<double> smoothest_quarter(const Surface& surface, const std::vector<double>& rough);
 /// Distance to the other side of the sheet, by cell, mm; infinite where none is near.
 [[nodiscard]] std::vector<double> thickness_mm(const Surface& surface, double within_mm);
 

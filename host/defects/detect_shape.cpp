@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "host/defects/detect.hpp"
@@ -77,6 +78,33 @@ std::vector<double> roughness_um(const Surface& s) {
   return out;
 }
 
+std::vector<double> smoothest_quarter(const Surface& s, const std::vector<double>& rough) {
+  constexpr std::size_t kPlaceCells = 100;  // chosen: 6 mm2
+  std::vector<double> out(s.cells.size(), -1);
+  std::vector<std::uint32_t> reached(s.cells.size(), 0);
+  std::vector<std::uint32_t> place;
+  std::vector<double> values;
+  for (std::uint32_t c = 0; c < s.cells.size(); ++c) {
+    place.assign(1, c);
+    reached[c] = c + 1;
+    for (std::size_t i = 0; i < place.size() && place.size() < kPlaceCells; ++i) {
+      for (const std::uint32_t n : s.cells.touching(place[i])) {
+        if (reached[n] == c + 1) continue;
+        reached[n] = c + 1;
+        place.push_back(n);
+      }
+    }
+    values.clear();
+    for (const std::uint32_t n : place)
+      if (rough[n] >= 0) values.push_back(rough[n]);
+    if (values.size() < kPlaceCells / 2) continue;
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 4);
+    std::ranges::nth_element(values, at);
+    out[c] = *at;
+  }
+  return out;
+}
+
 std::vector<double> thickness_mm(const Surface& s, double within_mm) {
   constexpr double kOpposed = -0.8;  // cosine between the normals of two sides of a sheet
   constexpr double kAsideMm = 0.3;   // a cell is represented by one vertex: the other side's lies aside by as much
@@ -99,8 +127,10 @@ std::vector<double> thickness_mm(const Surface& s, double within_mm) {
 void find_holes(const Surface& s, const InspectConfig& config, std::vector<Defect>& out) {
   std::vector<Defect> found;
   for (const BorderLoop& loop : s.loops) {
-    const double width_mm = 2 * loop.area_mm2 / std::max(loop.length_mm, 1e-6);
-    if (loop.is_outer || loop.area_mm2 < config.hole_mm2 || 2 * width_mm < config.hole_width_mm) continue;
+    if (loop.is_outer || loop.area_mm2 < config.hole_mm2) continue;
+    const double roundness = 4 * std::numbers::pi * loop.area_mm2 / (loop.length_mm * loop.length_mm);
+    const double width_mm = 4 * loop.area_mm2 / loop.length_mm;
+    if (roundness < config.hole_roundness && width_mm < config.hole_width_mm) continue;
     found.push_back({DefectClass::kHole, loop.middle, loop.area_mm2, loop.area_mm2, config.hole_mm2,
                      confidence_of(loop.area_mm2 / config.hole_mm2),
                      "no burst measured it: dry it, powder what is black or mirrors, and scan here from another side"});
@@ -126,11 +156,8 @@ void find_bridges(const Surface& s, const InspectConfig& config, std::vector<Def
 }
 
 void find_noise(const Surface& s, const InspectConfig& config, std::vector<Defect>& out) {
-  const std::vector<double> rough = roughness_um(s);
-  std::vector<bool> over(s.cells.size());
-  for (std::uint32_t c = 0; c < s.cells.size(); ++c) over[c] = rough[c] > config.rough_um;
-  over = majority(s.cells, majority(s.cells, over));
-  for (const Region& r : regions(s.mesh, s.cells, [&](std::uint32_t c) { return over[c]; })) {
+  const std::vector<double> rough = smoothest_quarter(s, roughness_um(s));
+  for (const Region& r : regions(s.mesh, s.cells, [&](std::uint32_t c) { return rough[c] > config.rough_um; })) {
     if (r.area_mm2 < config.rough_mm2) break;
     double sum = 0;
     for (const std::uint32_t c : r.cells) sum += std::max(rough[c], 0.0);

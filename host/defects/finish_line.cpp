@@ -30,16 +30,10 @@ struct Frame {
 
 /// Axis: mean normal of the stump's top. None where nothing faces one way about the mark.
 bool stand_on(const Surface& s, const Vec3d& top, Frame& out) {
-  Vec3d sum = Vec3d::Zero();
-  double area = 0;
-  for (std::uint32_t c = 0; c < s.cells.size(); ++c) {
-    if ((place_of(s, c) - top).norm() > kTopMm) continue;
-    sum += s.cells.area_mm2[c] * s.mesh.normals[s.cells.vertex[c]].cast<double>();
-    area += s.cells.area_mm2[c];
-  }
-  if (!(area > 0) || sum.norm() < 0.8 * area) return false;
-  const Vec3d axis = sum.normalized();
-  out = {top, axis, axis.unitOrthogonal(), axis.cross(axis.unitOrthogonal())};
+  const auto facing = facing_about(s, top, kTopMm);
+  if (!facing) return false;
+  const Vec3d across = facing->axis.unitOrthogonal();
+  out = {top, facing->axis, across, facing->axis.cross(across)};
   return true;
 }
 

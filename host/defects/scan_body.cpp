@@ -15,6 +15,7 @@ namespace {
 constexpr double kBelowTopMm = 0.4;  // chosen: by judgement, the top's edge is rounded in a scan
 constexpr double kSeenPart = 0.6;    // chosen: by judgement, of its height: gum may cover the rest
 constexpr double kGateMm = 0.3;      // chosen: by judgement, farther from the cylinder it is the flat, or not it
+constexpr double kGateSigmas = 4, kLeastGateMm = 0.06;  // chosen: by judgement, of what the fit leaves
 constexpr int kSectors = 24, kRings = 6;
 
 struct Cylinder {
@@ -28,7 +29,7 @@ struct SidePoint {
 
 /// Vertices about the mark whose normal points away from the axis.
 std::vector<SidePoint> side_of(const Surface& s, const Cylinder& c, const ScanBodyForm& form, double gate_mm) {
-  constexpr double kAcross = 0.35, kOutwards = 0.8;
+  constexpr double kAcross = 0.3, kOutwards = 0.95;
   std::vector<SidePoint> out;
   for (std::size_t v = 0; v < s.mesh.vertices.size(); ++v) {
     const Vec3d p = s.mesh.vertices[v].cast<double>(), n = s.mesh.normals[v].cast<double>();
@@ -40,6 +41,21 @@ std::vector<SidePoint> side_of(const Surface& s, const Cylinder& c, const ScanBo
     out.push_back({p, n});
   }
   return out;
+}
+
+double off_mm(const SidePoint& at, const Cylinder& c) {
+  const Vec3d d = at.p - c.p;
+  return (d - c.axis * c.axis.dot(d)).norm() - c.radius;
+}
+
+/// Robust standard deviation of the radial deviations.
+double spread_mm(const std::vector<SidePoint>& side, const Cylinder& c) {
+  constexpr double kMadToSigma = 1.4826;
+  std::vector<double> off;
+  for (const SidePoint& at : side) off.push_back(std::abs(off_mm(at, c)));
+  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+  std::ranges::nth_element(off, middle);
+  return kMadToSigma * *middle;
 }
 
 /// One Gauss-Newton step over place (across the axis), direction and radius.
@@ -65,17 +81,11 @@ void refine(const std::vector<SidePoint>& side, Cylinder& c) {
 
 /// From the mark: axis by the normals about it.
 bool begin_at(const Surface& s, const ScanBodyMark& mark, Cylinder& out) {
-  Vec3d normal = Vec3d::Zero(), middle = Vec3d::Zero();
-  double area = 0;
-  for (std::uint32_t c = 0; c < s.cells.size(); ++c) {
-    if ((place_of(s, c) - mark.p_top_mm).norm() > 0.8 * mark.form.radius_mm) continue;
-    normal += s.cells.area_mm2[c] * s.mesh.normals[s.cells.vertex[c]].cast<double>();
-    middle += s.cells.area_mm2[c] * place_of(s, c);
-    area += s.cells.area_mm2[c];
-  }
-  if (!(area > 0) || normal.norm() < 0.8 * area) return false;
-  out.axis = normal.normalized();
-  out.p = mark.p_top_mm + out.axis * out.axis.dot(middle / area - mark.p_top_mm);
+  constexpr double kTopShare = 0.8;  // of the radius: the top's edge stays out of it
+  const auto top = facing_about(s, mark.p_top_mm, kTopShare * mark.form.radius_mm);
+  if (!top) return false;
+  out.axis = top->axis;
+  out.p = mark.p_top_mm + out.axis * out.axis.dot(top->middle - mark.p_top_mm);
   out.radius = mark.form.radius_mm;
   return true;
 }
@@ -101,7 +111,7 @@ double missing_share(const std::vector<SidePoint>& side, const Cylinder& c, cons
 
 void check_scan_body(const Surface& s, const ScanBodyMark& mark, const InspectConfig& config,
                      std::vector<Defect>& out) {
-  constexpr int kRounds = 12;
+  constexpr int kRounds = 14, kWideRounds = 4;
   constexpr std::size_t kFewest = 200;
   Defect d;
   d.kind = DefectClass::kScanBody;
@@ -110,10 +120,13 @@ void check_scan_body(const Surface& s, const ScanBodyMark& mark, const InspectCo
   Cylinder c;
   std::vector<SidePoint> side;
   bool found = begin_at(s, mark, c);
+  double gate_mm = 2 * kGateMm;
   for (int i = 0; i < kRounds && found; ++i) {
-    side = side_of(s, c, mark.form, i < kRounds / 2 ? 2 * kGateMm : kGateMm);
+    side = side_of(s, c, mark.form, gate_mm);
     found = side.size() >= kFewest;
-    if (found) refine(side, c);
+    if (!found) continue;
+    refine(side, c);
+    if (i >= kWideRounds) gate_mm = std::clamp(kGateSigmas * spread_mm(side, c), kLeastGateMm, kGateMm);
   }
   if (!found) {
     d.confidence = confidence_of(1);
@@ -122,10 +135,7 @@ void check_scan_body(const Surface& s, const ScanBodyMark& mark, const InspectCo
     return;
   }
   double squares = 0;
-  for (const SidePoint& at : side) {
-    const Vec3d r = (at.p - c.p) - c.axis * c.axis.dot(at.p - c.p);
-    squares += (r.norm() - c.radius) * (r.norm() - c.radius);
-  }
+  for (const SidePoint& at : side) squares += off_mm(at, c) * off_mm(at, c);
   const double form_um = kDefectUmPerMm * std::sqrt(squares / static_cast<double>(side.size()));
   const double error_um = kDefectUmPerMm * std::abs(c.radius - mark.form.radius_mm);
   const double missing = missing_share(side, c, mark.form);

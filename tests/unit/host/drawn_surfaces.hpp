@@ -110,7 +110,7 @@ inline void add_wall(Draw& draw, Mesh& mesh, double thickness_mm) {
 inline Mesh turned(Draw& draw, const std::vector<Vec2f>& profile, double noise_mm,
                    const std::function<double(double, double, double)>& radius_at) {
   Mesh mesh;
-  constexpr int kAround = 200;
+  constexpr int kAround = 140;
   append(mesh, {kAround, static_cast<int>(profile.size()), true, [&](int u, int v) {
                   const double a = -2 * std::numbers::pi * u / kAround;
                   const Vec2f& p = profile[static_cast<std::size_t>(v)];
