@@ -17,6 +17,7 @@ constexpr int kProfiles = 48;                    // chosen: one every 7.5 degree
 constexpr double kTopMm = 1.2;                   // chosen: by judgement, surface so near to the mark is the stump's top
 constexpr double kFlatDeg = 25, kSteepDeg = 65;  // chosen: the edge turns through these; a shoulder slopes less
 constexpr double kNearEdgeMm = 1.2;              // chosen: by judgement, wider is no edge
+constexpr double kStripMm = 0.7;                 // chosen: by judgement, gum begins farther off
 constexpr double kLeastShoulderMm = 0.3;
 
 /// Piece of a profile: facet cut by the half-plane.
@@ -72,31 +73,36 @@ std::vector<std::vector<Cut>> profiles(const Surface& s, const Frame& f, double 
   return out;
 }
 
-/// Radius of the edge in which a profile's outermost shoulder ends, mm; negative where none is seen.
-double edge_radius_mm(const std::vector<Cut>& cuts) {
-  constexpr double kBelowTopMm = 1.0;
-  const auto is_shoulder = [&](const Cut& c) { return std::abs(c.tilt_deg) < kFlatDeg && c.z < -kBelowTopMm; };
-  double rho = 0, z = 0;
-  for (const Cut& end : cuts) {
-    if (!is_shoulder(end) || end.rho <= rho) continue;
-    double shoulder = 0, wall = 0;
-    for (const Cut& c : cuts) {
-      if (is_shoulder(c) && c.rho > end.rho - 1 && c.rho <= end.rho && std::abs(c.z - end.z) < 0.5)
-        shoulder += c.length;
-      const bool beyond = c.rho > end.rho - 0.1 && c.rho < end.rho + kNearEdgeMm && c.z < end.z + 0.05;
-      if (beyond && c.z > end.z - kNearEdgeMm && c.tilt_deg > kSteepDeg) wall += c.length;
-    }
-    if (shoulder < kLeastShoulderMm || wall < 0.1) continue;
-    rho = end.rho;
-    z = end.z;
+/// Where the profile's shoulder ends, outside: the first run of level pieces below the stump's top that is long enough.
+const Cut* end_of_shoulder(const std::vector<Cut>& by_rho) {
+  constexpr double kBelowTopMm = 1.0, kJumpMm = 0.2;
+  const Cut* last = nullptr;
+  double length = 0;
+  for (const Cut& c : by_rho) {
+    if (std::abs(c.tilt_deg) >= kFlatDeg || c.z > -kBelowTopMm) continue;
+    const bool goes_on = last != nullptr && c.rho - last->rho < kJumpMm && std::abs(c.z - last->z) < kJumpMm;
+    if (!goes_on && length >= kLeastShoulderMm) return last;
+    length = goes_on ? length + c.length : c.length;
+    last = &c;
   }
-  if (!(rho > 0)) return -1;
+  return length >= kLeastShoulderMm ? last : nullptr;
+}
+
+/// Radius of the edge in which a profile's shoulder ends, mm; negative where it or what lies beyond is not seen.
+double edge_radius_mm(std::vector<Cut> cuts) {
+  constexpr double kInsideMm = 0.15, kBeyondMm = 0.3, kAboveMm = 0.1;
+  std::ranges::stable_sort(cuts, {}, &Cut::rho);
+  const Cut* end = end_of_shoulder(cuts);
+  if (end == nullptr) return -1;
   double strip = 0;
+  bool sees_beyond = false;
   for (const Cut& c : cuts) {
-    if (c.tilt_deg < kFlatDeg || c.tilt_deg > kSteepDeg) continue;
-    if (c.rho > rho - 0.15 && c.z < z + 0.1 && std::hypot(c.rho - rho, c.z - z) < kNearEdgeMm) strip += c.length;
+    const double off = std::hypot(c.rho - end->rho, c.z - end->z);
+    sees_beyond = sees_beyond || (c.rho > end->rho - kInsideMm && c.z < end->z - kBeyondMm && off < kNearEdgeMm);
+    const bool is_edge = c.tilt_deg >= kFlatDeg && c.tilt_deg <= kSteepDeg && off < kStripMm;
+    if (is_edge && c.rho > end->rho - kInsideMm && c.z < end->z + kAboveMm) strip += c.length;
   }
-  return strip / ((kSteepDeg - kFlatDeg) * std::numbers::pi / 180);
+  return sees_beyond ? strip / ((kSteepDeg - kFlatDeg) * std::numbers::pi / 180) : -1;
 }
 
 }  // namespace
