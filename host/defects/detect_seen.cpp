@@ -103,11 +103,15 @@ void find_stitching(const Seen& seen, const InspectConfig& config, std::vector<D
 
 void find_unreliable(const Seen& seen, const InspectConfig& config, std::vector<Defect>& out) {
   const SurfaceCells& cells = seen.surface.cells;
+  const auto is_few = [&](std::uint32_t c) {
+    return seen.survey.facts[c].views <= static_cast<std::uint32_t>(config.few_views);
+  };
+  std::size_t all_few = 0;
+  for (std::uint32_t c = 0; c < cells.size(); ++c) all_few += is_few(c) ? 1U : 0U;
+  const bool most = static_cast<double>(all_few) > config.few_views_share * static_cast<double>(cells.size());
   std::vector<bool> few(cells.size());
-  for (std::uint32_t c = 0; c < cells.size(); ++c) {
-    few[c] = seen.surface.from_rim_mm[c] >= config.from_rim_mm &&
-             seen.survey.facts[c].views <= static_cast<std::uint32_t>(config.few_views);
-  }
+  for (std::uint32_t c = 0; c < cells.size(); ++c)
+    few[c] = is_few(c) && (most || seen.surface.from_rim_mm[c] >= config.from_rim_mm);
   few = majority(cells, few);
   for (const Region& r : regions(seen.surface.mesh, cells, [&](std::uint32_t c) { return few[c]; })) {
     if (r.area_mm2 < config.few_views_mm2) break;

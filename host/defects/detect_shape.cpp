@@ -157,13 +157,16 @@ void find_bridges(const Surface& s, const InspectConfig& config, std::vector<Def
 
 void find_noise(const Surface& s, const InspectConfig& config, std::vector<Defect>& out) {
   const std::vector<double> rough = smoothest_quarter(s, roughness_um(s));
-  for (const Region& r : regions(s.mesh, s.cells, [&](std::uint32_t c) { return rough[c] > config.rough_um; })) {
+  const auto half =
+      static_cast<std::size_t>(std::ranges::count_if(rough, [&](double each) { return each > config.rough_half_um; }));
+  const double limit_um = 2 * half > rough.size() ? config.rough_half_um : config.rough_um;
+  for (const Region& r : regions(s.mesh, s.cells, [&](std::uint32_t c) { return rough[c] > limit_um; })) {
     if (r.area_mm2 < config.rough_mm2) break;
     double sum = 0;
     for (const std::uint32_t c : r.cells) sum += std::max(rough[c], 0.0);
     const double mean = sum / static_cast<double>(r.cells.size());
-    out.push_back({DefectClass::kNoise, place_of(s, r.middle), r.area_mm2, mean, config.rough_um,
-                   confidence_of(mean / config.rough_um),
+    out.push_back({DefectClass::kNoise, place_of(s, r.middle), r.area_mm2, mean, limit_um,
+                   confidence_of(mean / limit_um),
                    "the surface is rough with noise: clean and warm the window, go nearer, and scan here again"});
   }
 }

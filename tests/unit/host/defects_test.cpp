@@ -87,7 +87,7 @@ TEST(Defects, a_web_is_told_and_a_tooths_edge_is_not) {
 TEST(Defects, noise_is_told_and_form_is_not) {
   expect_told_apart(DefectClass::kNoise, [](Draw& draw, bool faulty) {
     drawn::Ground g;
-    g.noise_mm = faulty ? draw.uniform(0.018, 0.05) : draw.uniform(0.001, 0.006);
+    g.noise_mm = faulty ? draw.uniform(0.018, 0.05) : draw.uniform(0.0005, 0.0035);
     return on_ground(draw, g);
   });
 }
