@@ -1,6 +1,8 @@
 // Surfaces drawn by a seed for the detectors of host/defects: sound ones, and the same with one thing wrong.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
