@@ -22,6 +22,7 @@ Run add_demo(CLI::App& app);
 Run add_desktop(CLI::App& app);
 Run add_doctor(CLI::App& app);
 Run add_export(CLI::App& app);
+Run add_inspect(CLI::App& app);
 Run add_patterns(CLI::App& app);
 Run add_replay(CLI::App& app);
 Run add_scan(CLI::App& app);

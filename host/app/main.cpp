@@ -14,7 +14,7 @@
 
 namespace {
 
-constexpr std::array<enamel::Subcommand<enamel::app::Run>, 12> kCommands{{
+constexpr std::array<enamel::Subcommand<enamel::app::Run>, 13> kCommands{{
     {"demo", "the whole system on this machine: twin, probe, DDS, live preview, mesh, accuracy", enamel::app::add_demo},
     {"scan", "live scan of a probe on the network", enamel::app::add_scan},
     {"replay", "reprocess a recording or exchange folder: same capture, same bits", enamel::app::add_replay},
@@ -25,6 +25,8 @@ constexpr std::array<enamel::Subcommand<enamel::app::Run>, 12> kCommands{{
     {"patterns", "a rig's four fringe pictures, to load into its projector", enamel::app::add_patterns},
     {"desktop", "the scanner that stands above a table with two axes: axes", enamel::app::add_desktop},
     {"compare", "deviation of a mesh from a reference", enamel::app::add_compare},
+    {"inspect", "what is wrong with a finished scan: nine classes of defects, where, and what to do",
+     enamel::app::add_inspect},
     {"export", "mesh of a session as STL, PLY or OBJ", enamel::app::add_export},
     {"config", "the resolved configuration with every key explained", enamel::app::add_config},
     {"doctor", "what is wrong with this machine and how to mend it", enamel::app::add_doctor},

@@ -13,6 +13,7 @@
 #include "host/app/run_options.hpp"
 #include "host/compare/compare.hpp"
 #include "host/compare/deviation_picture.hpp"
+#include "host/defects/inspect.hpp"
 #include "host/mesh_files/mesh_file.hpp"
 #include "host/mesh_files/poses_csv.hpp"
 #include "protocol/base/file.hpp"
@@ -167,6 +168,9 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   if (!scan.clock_went_back.empty()) report.notes["clock"] = clock_note(scan.clock_went_back);
   if (scan.map) report.map_json = map_json(scan);
   if (scan.map) report.tissue_json = tissue_json(*scan.map, scan);
+  const auto defects = host::inspect({scan.mesh, scan.survey ? &*scan.survey : nullptr});
+  report.defects_json = host::defects_json(defects);
+  report.defects_line = host::defects_summary(defects);
   report.desktop_json = scan.desktop_json;
   report.known_line = known_line(scan);
   report.stage_ms = scan.stage_ms;

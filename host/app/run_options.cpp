@@ -121,6 +121,7 @@ void print_summary(const host::Report& report, bool json) {
   if (!report.segments.empty()) row("segments", host::segments_line(report.segments));
   if (const std::string line = host::sight_line(report.sight); !line.empty()) row("sight", line);
   if (const std::string line = host::translucency_line(report.sight); !line.empty()) row("translucency", line);
+  if (!report.defects_line.empty()) row("look again at", report.defects_line + ": enamel inspect FOLDER");
   const host::OrderTotals& o = report.orders;
   row("fringe orders", std::to_string(o.guided_px) + " px by the model, " + std::to_string(o.withdrawn_px) +
                            " px withdrawn, " + std::to_string(o.suspect_bursts) + " bursts in doubt");

@@ -147,6 +147,9 @@ std::string to_json(const Report& r) {
   if (!r.desktop_json.empty()) {
     out["desktop"] = nlohmann::json::parse(r.desktop_json, nullptr, /*allow_exceptions=*/false);
   }
+  if (!r.defects_json.empty()) {
+    out["defects"] = nlohmann::json::parse(r.defects_json, nullptr, /*allow_exceptions=*/false);
+  }
   if (!r.tissue_json.empty()) {
     out["tissue"] = nlohmann::json::parse(r.tissue_json, nullptr, /*allow_exceptions=*/false);
   }

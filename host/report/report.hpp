@@ -57,6 +57,8 @@ struct Report {
   std::string accuracy_json;     ///< object with the keys of `enamel compare --json`, empty when the truth is not known
   std::string map_json;          ///< object: what the refinement after the scan did, empty when there was none
   std::string tissue_json;       ///< object: what was taken for passing bodies; empty without refinement
+  std::string defects_json;      ///< list: what is wrong with the finished surface; empty: not inspected
+  std::string defects_line;      ///< for people: how many of which class, or empty
   std::string desktop_json;      ///< object: how the stops of a desktop scan were laid; empty of any other
   std::string calibration_json;  ///< object: which calibration measured, by its sha256, and what is expected of it
   std::map<std::string, std::string> notes;  ///< facts for people: what drew the picture, which pace, seed

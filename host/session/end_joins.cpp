@@ -45,7 +45,7 @@ std::vector<MeasuredBurst> bursts_in(SegmentId root, const SinkStage& sink) {
   for (std::size_t i = 0; i < sink.placed.size(); ++i) {
     const SegmentLedger::Root at = sink.segments.root_of(sink.placed[i].segment);
     if (at.id != root) continue;
-    out.push_back({sink.placed[i].id, sink.poses[i]});
+    out.push_back({sink.placed[i].id, sink.poses[i], sink.placed[i].sight});
     out.back().pose.T_model_cam = at.T_root_segment * out.back().pose.T_model_cam;
   }
   return out;

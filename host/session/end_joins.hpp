@@ -19,6 +19,7 @@ void join_at_end(stage::TrackStage& track, stage::FuseStage& fuse, SegmentLedger
 struct MeasuredBurst {
   BurstId id;
   pipeline::MeasuredPose pose;
+  Sight sight;
 };
 /// All bursts that ended up in a segment, in its frame and in order of burst.
 [[nodiscard]] std::vector<MeasuredBurst> bursts_in(SegmentId root, const SinkStage& sink);

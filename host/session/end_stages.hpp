@@ -106,7 +106,7 @@ class SinkStage final : public flow::Stage {
       row.digest = {d.input, d.decode, d.track, d.fuse};
       segments.placed(item.id, item->track);
       if (item->track.undetermined > 0) undetermined.push_back(item.id);
-      placed.push_back({item.id, item->track.segment});
+      placed.push_back({item.id, item->track.segment, item->sight});
       poses.push_back({item.captured, item->track.T_model_cam, item->motion});
       add(item->orders);
       add(item->sight);
@@ -123,6 +123,7 @@ class SinkStage final : public flow::Stage {
   struct Placed {
     BurstId id;
     SegmentId segment;
+    Sight sight;
   };
   std::vector<Placed> placed;                 ///< the fused bursts, in order …
   std::vector<pipeline::MeasuredPose> poses;  ///< … and where they were in the frames of their segments

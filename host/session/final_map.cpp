@@ -1,6 +1,7 @@
 #include "host/session/final_map.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <future>
 #include <utility>
@@ -12,6 +13,13 @@ namespace enamel::host {
 namespace {
 
 constexpr double kPosesShare = 0.6;  // of the time that it takes; the rest fuses
+
+std::vector<Vec3f> one_a_square(const SurfacePatch& patch) {
+  std::vector<Vec3f> out;
+  for (int v = kPassedStepPx / 2; v < patch.points.height(); v += kPassedStepPx)
+    for (int u = kPassedStepPx / 2; u < patch.points.width(); u += kPassedStepPx) out.push_back(patch.points(u, v));
+  return out;
+}
 
 /// Unpacks the next patch, and takes out of it what other bursts looked through, on another thread while this one is
 /// fused.
@@ -26,22 +34,34 @@ class ReadAhead {
     Cleaned cleaned = next_.get();
     withdrawn_px_ += cleaned.withdrawn_px;
     measured_px_ += cleaned.patch.valid_px + cleaned.withdrawn_px;
+    for (const Vec3f& p : cleaned.withdrawn) {
+      const Vec3d p_model = bursts_[n].T_model_cam * p.cast<double>();
+      passed_.push_back({static_cast<std::uint32_t>(n), p_model.cast<float>()});
+    }
     ask(n + 1);
     return std::move(cleaned.patch);
   }
   [[nodiscard]] std::uint64_t withdrawn_px() const noexcept { return withdrawn_px_; }
   [[nodiscard]] std::uint64_t measured_px() const noexcept { return measured_px_; }
+  [[nodiscard]] std::vector<PassedPoint> take_passed() { return std::move(passed_); }
 
  private:
   struct Cleaned {
     SurfacePatch patch;
     std::size_t withdrawn_px;
+    std::vector<Vec3f> withdrawn;  ///< camera frame, one a square
   };
   void ask(std::size_t n) {
     if (n >= bursts_.size()) return;
     next_ = std::async(std::launch::async, [this, n] {
-      Cleaned out{load_(n), 0};
-      if (free_space_) out.withdrawn_px = free_space_->withdraw(bursts_[n], out.patch);
+      Cleaned out{load_(n), 0, {}};
+      if (!free_space_) return out;
+      const std::vector<Vec3f> before = one_a_square(out.patch);
+      out.withdrawn_px = free_space_->withdraw(bursts_[n], out.patch);
+      if (out.withdrawn_px == 0) return out;
+      const std::vector<Vec3f> after = one_a_square(out.patch);
+      for (std::size_t i = 0; i < before.size(); ++i)
+        if (std::isfinite(before[i].z()) && !std::isfinite(after[i].z())) out.withdrawn.push_back(before[i]);
       return out;
     });
   }
@@ -49,6 +69,7 @@ class ReadAhead {
   const std::function<SurfacePatch(std::size_t)>& load_;
   std::shared_ptr<const pipeline::FreeSpace> free_space_;
   std::uint64_t withdrawn_px_ = 0, measured_px_ = 0;
+  std::vector<PassedPoint> passed_;
   std::future<Cleaned> next_;
 };
 
@@ -58,12 +79,13 @@ double seconds_since(HostTime start, const Clock& clock) {
 
 }  // namespace
 
-MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& placed, stage::FuseStage& fuse,
-                      const Clock& clock) {
+Refined refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& placed, stage::FuseStage& fuse,
+                     const Clock& clock) {
   const HostTime start = clock.now();
   std::vector<pipeline::KeptBurst> history = fuse.segments().take_history();
-  MapFacts facts;
-  if (history.size() != placed.size() || history.empty()) return facts;
+  Refined out;
+  MapFacts& facts = out.facts;
+  if (history.size() != placed.size() || history.empty()) return out;
   pipeline::MapInput map;
   for (const MeasuredBurst& burst : placed) map.bursts.push_back({burst.pose.t_mid, burst.pose.T_model_cam});
   map.load = [&](std::size_t n) { return fuse.segments().patch_of(history[n], pipeline::Texture::kDropped); };
@@ -78,7 +100,7 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
   const auto refined = pipeline::refine_map(map, input.rig, icp, input.config.map);
   if (fuse.segments().stored().lost > 0) {
     log::error("map", "bursts are missing; the model stays as it was scanned");
-    return facts;
+    return out;
   }
   facts.refine_s = seconds_since(start, clock);
   facts.map = refined;
@@ -101,7 +123,9 @@ MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pl
   facts.seen_through_px = ahead.withdrawn_px();
   facts.measured_px = ahead.measured_px();
   facts.seconds = seconds_since(start, clock);
-  return facts;
+  out.passed = ahead.take_passed();
+  out.history = std::move(history);
+  return out;
 }
 
 }  // namespace enamel::host

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "calib/model/rig.hpp"
+#include "host/defects/survey.hpp"
 #include "host/session/end_joins.hpp"
 #include "host/session/pipeline_config.hpp"
 #include "host/session/scan_pipeline.hpp"
@@ -17,8 +18,16 @@ struct FinalMapInput {
   std::function<void(double)> progress = [](double) {};  ///< share done, from the calling thread
 };
 
+struct Refined {
+  MapFacts facts;
+  std::vector<pipeline::KeptBurst>
+      history;                      ///< the model's bursts with their refined poses; empty where it stayed as it was
+  std::vector<PassedPoint> passed;  ///< of the points left out, one a square of kPassedStepPx
+};
+inline constexpr int kPassedStepPx = 8;  ///< chosen: 0.3 to 0.5 mm on the object
+
 /// Refines `placed`, the model's bursts in order, and rebuilds the model in `fuse` from them.
-[[nodiscard]] MapFacts refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& placed,
-                                    stage::FuseStage& fuse, const Clock& clock);
+[[nodiscard]] Refined refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& placed,
+                                   stage::FuseStage& fuse, const Clock& clock);
 
 }  // namespace enamel::host

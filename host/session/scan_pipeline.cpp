@@ -10,6 +10,7 @@
 
 #include "host/session/end_joins.hpp"
 #include "host/session/end_stages.hpp"
+#include "host/session/end_survey.hpp"
 #include "host/session/final_map.hpp"
 #include "host/session/pipeline_figures.hpp"
 #include "host/session/temp_range.hpp"
@@ -63,6 +64,7 @@ struct ScanPipeline::Impl {
   HostTime drained_at{};
   std::vector<MeasuredBurst> placed;  ///< the model's bursts, once concluded …
   std::optional<MapFacts> map;        ///< … and refined
+  Refined kept;                       ///< what the survey of the finished surface takes
   std::atomic<double> refined{-1};    ///< share done; negative: not begun
   Result<void> ran;
   std::atomic<bool> drained{false};
@@ -159,7 +161,8 @@ void ScanPipeline::Impl::conclude() {
   if (config.map.refine) {
     const auto threads = static_cast<std::size_t>(std::max(options.workers, 1));
     const auto progress = [this](double share) { refined.store(share); };
-    map = refine_model({optics, config, threads, progress}, placed, *fuse, clock);
+    kept = refine_model({optics, config, threads, progress}, placed, *fuse, clock);
+    map = std::move(kept.facts);
     hand_back_free_pages();
   }
   if (options.preview_model) preview.put(fuse->final_preview());
@@ -250,6 +253,7 @@ ScanResult ScanPipeline::take_result() {
   result.accepted = impl_->pushed.load();
   result.fused = sink.fused_count.value();
   result.mesh = impl_->fuse->extract_mesh();
+  result.survey = survey_model({impl_->optics, result.mesh, impl_->placed}, std::move(impl_->kept), *impl_->fuse);
   const auto ms = [](const LogHistogram::Summary& s) {
     return Percentiles{static_cast<double>(s.p50) * 1e-6, static_cast<double>(s.p95) * 1e-6,
                        static_cast<double>(s.p99) * 1e-6};

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "calib/model/rig.hpp"
+#include "host/defects/survey.hpp"
 #include "host/ingest/ingress_gate.hpp"
 #include "host/report/report.hpp"
 #include "host/report/stage_trace.hpp"
@@ -71,6 +72,7 @@ struct ScanResult {
   std::vector<SegmentRow> segments;      ///< as they were scanned, ascending id
   std::optional<MapFacts> map;           ///< where the poses were refined
   pipeline::ShadeHeaps shades;           ///< teeth and soft tissue by their brightness
+  std::optional<SurveyResult> survey;    ///< of the mesh by its bursts; where these were kept
   std::vector<BurstId> undetermined;     ///< fused, but where they lie neither shape nor texture told
   std::vector<BurstId> repeated;         ///< byte for byte a burst a moment before
   std::vector<BurstId> clock_went_back;  ///< no younger than the burst before, by the probe's clock

@@ -41,8 +41,10 @@ struct TwinSource::Impl {
   SceneConfig config;
   Instrument instrument;
   RayScene scene;
+  std::unique_ptr<RayScene> scene_later;  ///< from a fault's time on; null without one
   TriSurface truth_surface;
   BurstRenderer renderer;
+  std::unique_ptr<BurstRenderer> renderer_later;
   SeenCounter seen;
   SensorConfig sensor;
   Tremor tremor;
@@ -56,8 +58,11 @@ struct TwinSource::Impl {
       : config(c),
         instrument(rig, effective_projector(c)),
         scene(std::move(body.surroundings)),
+        scene_later(body.later ? std::make_unique<RayScene>(std::move(*body.later)) : nullptr),
         truth_surface(truth_mesh(scene.surroundings(), kTruthBallEdgeMm)),
         renderer(instrument, scene, effective_render(c)),
+        renderer_later(scene_later ? std::make_unique<BurstRenderer>(instrument, *scene_later, effective_render(c))
+                                   : nullptr),
         seen(instrument, truth_surface),
         sensor(effective_sensor(c, *rig.noise)),
         tremor(effective_tremor(c), c.seed),
@@ -112,9 +117,10 @@ struct TwinSource::Impl {
 
   [[nodiscard]] std::array<std::vector<float>, 4> light(const BurstPoses& poses, std::uint64_t n,
                                                         const Passing& passing) const {
-    auto out = renderer.render(poses, passing);
-    const auto& camera = instrument.rig.camera;
     const double t_s = 1e-9 * static_cast<double>(t_mid_ns(n)) - config.timing.start_s;
+    const bool later = renderer_later && t_s >= config.jaw.fault.move_at_s;
+    auto out = (later ? *renderer_later : renderer).render(poses, passing);
+    const auto& camera = instrument.rig.camera;
     const double fog = config.effects.fog ? fog_at(config.fog, t_s, config.seed) : 0.0;
     apply_fog(config.fog, fog, camera.width, camera.height, out);
     for (auto& image : out) apply_psf(image, camera.width, camera.height, sensor.psf_sigma_px);

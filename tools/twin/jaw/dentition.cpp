@@ -161,7 +161,7 @@ ToothForm nominal_form(JawSide side, int number) {
   return f;
 }
 
-Dentition make_dentition(JawSide side, int last, bool both_sides, std::uint64_t seed) {
+Dentition make_dentition(JawSide side, int last, bool both_sides, std::uint64_t seed, OpenGap open) {
   Dentition out;
   Variation whole(seed, 1000);
   const double common = whole.scale(0.04);
@@ -179,7 +179,7 @@ Dentition make_dentition(JawSide side, int last, bool both_sides, std::uint64_t 
       vary(form, v, common);
       const double gap = 0.06 + 0.1 * std::abs(v.signed_unit());
       const double s = edge + 0.5 * form.mesiodistal;
-      edge = s + 0.5 * form.mesiodistal + gap;
+      edge = s + 0.5 * form.mesiodistal + gap + (hand > 0 && number == open.behind ? open.mm : 0.0);
       out.teeth.push_back(place(std::move(form), hand * s, arch, v));
     }
   }

@@ -21,6 +21,10 @@ struct Dentition {
 
 /// Teeth 1…`last` of the right quadrant, and of the left when both_sides. The seed varies arch, sizes, cusps, rotations
 /// and gaps.
-[[nodiscard]] Dentition make_dentition(JawSide side, int last, bool both_sides, std::uint64_t seed);
+struct OpenGap {
+  int behind = 0;  ///< tooth of the right quadrant
+  double mm = 0;   ///< wider than drawn by so much
+};
+[[nodiscard]] Dentition make_dentition(JawSide side, int last, bool both_sides, std::uint64_t seed, OpenGap open = {});
 
 }  // namespace enamel::twin

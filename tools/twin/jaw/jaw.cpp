@@ -27,18 +27,24 @@ Strip strip_of(const JawConfig& config, const Dentition& d, const Arch& arch) {
 
 }  // namespace
 
-Jaw make_jaw(const JawConfig& config, std::uint64_t seed) {
+Jaw make_jaw(const JawConfig& config, std::uint64_t seed, bool moved) {
   Jaw jaw;
-  jaw.dentition = make_dentition(config.side, config.last_tooth, config.both_sides, seed);
-  const JawField field(jaw.dentition, config.side, seed,
+  jaw.dentition = make_dentition(config.side, config.last_tooth, config.both_sides, seed,
+                                 {config.fault.tooth, config.fault.gap_mm});
+  apply_fault(config.fault, jaw.dentition);
+  if (moved) move_tooth(config.fault, jaw.dentition);
+  const JawField solid(jaw.dentition, config.side, seed,
                        config.palate ? JawField::Inside::kVault : JawField::Inside::kRim);
+  const Web web(config.fault, jaw.dentition);
   const Arch arch(jaw.dentition.shape);
-  jaw.mesh =
-      mesh_strip(strip_of(config, jaw.dentition, arch), arch, field.coordinates(),
-                 {config.max_edge_mm, JawField::kLipschitz}, [&](const Eigen::Vector3d& p) { return field.value(p); });
+  jaw.mesh = mesh_strip(strip_of(config, jaw.dentition, arch), arch, solid.coordinates(),
+                        {config.max_edge_mm, JawField::kLipschitz}, [&](const Eigen::Vector3d& p) {
+                          const ArchCoordinates::At a = solid.coordinates().at(p.x(), p.y());
+                          return std::min(solid.value(p), web.value(a.s, a.n, p.z()));
+                        });
   jaw.mesh.material.resize(jaw.mesh.vertices.size());
   tbb::parallel_for(std::size_t{0}, jaw.mesh.vertices.size(), [&](std::size_t i) {
-    const auto sample = field.sample(jaw.mesh.vertices[i].cast<double>());
+    const auto sample = solid.sample(jaw.mesh.vertices[i].cast<double>());
     constexpr double kStain = 0.22;
     const double tooth = config.enamel_albedo * (1.0 - kStain * sample.groove);
     jaw.mesh.albedo[i] = static_cast<float>(sample.enamel * tooth + (1.0 - sample.enamel) * config.gum_albedo);
@@ -46,6 +52,7 @@ Jaw make_jaw(const JawConfig& config, std::uint64_t seed) {
     const MaterialId id = sample.enamel >= kMostlyTooth ? MaterialId::kEnamel : MaterialId::kGum;
     jaw.mesh.material[i] = static_cast<std::uint8_t>(id);
   });
+  blacken_spot(config.fault, jaw.dentition, seed, jaw.mesh);
   refine_edges(jaw.mesh, config.max_edge_mm);
   return jaw;
 }

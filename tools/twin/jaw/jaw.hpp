@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "tools/twin/jaw/fault.hpp"
 #include "tools/twin/jaw/jaw_field.hpp"
 #include "tools/twin/surface/tri_surface.hpp"
 
@@ -18,6 +19,7 @@ struct JawConfig {
   /// Part of the arch that is meshed, arc length; the surface is open at both ends. Equal values: all teeth.
   double from_mm = 0, to_mm = 0;
   double enamel_albedo = 0.8, gum_albedo = 0.6;
+  FaultConfig fault;
 };
 
 struct Jaw {
@@ -25,6 +27,7 @@ struct Jaw {
   TriSurface mesh;  ///< jaw coordinates (path/arch.hpp); material: enamel and gum
 };
 
-[[nodiscard]] Jaw make_jaw(const JawConfig& config, std::uint64_t seed);
+/// moved: as it is after FaultConfig::move_at_s.
+[[nodiscard]] Jaw make_jaw(const JawConfig& config, std::uint64_t seed, bool moved = false);
 
 }  // namespace enamel::twin

@@ -112,9 +112,36 @@ Top front_top(const ToothForm& f, const Eigen::Vector3d& p) {
   return {f.height - 0.25 * u * u - 0.45 * smooth_step(u, 0.45, 1.1) + mamelons, 0, 0};
 }
 
+/// Ground for a crown: a tapered stump on a shoulder. The shoulder lies above the gum and rises with it between teeth.
+ToothField prepared(const ToothForm& f, const Eigen::Vector3d& p) {
+  constexpr double kShoulderMm = 1.1, kTaper = 0.1, kAboveGumMm = 1.3, kGroundOffMm = 1.4, kStumpRoundMm = 0.5;
+  constexpr double kInnerRoundMm = 0.3;
+  const double between = smooth_step(std::abs(p.x()) / (0.5 * f.mesiodistal), 0.45, 1.15);
+  const double line = kAboveGumMm + std::min(3.2, 0.40 * f.height) * between;
+  ToothField out;
+  out.side = side_distance(f, p);
+  const double over = p.z() - line;
+  const double foot = smooth_max(out.side, 0.8 * over, std::max(f.finish_edge_mm, 1e-3));
+  const double wall = out.side + kShoulderMm + kTaper * std::max(over, 0.0);
+  const double stump = smooth_max(wall, p.z() - (f.height - kGroundOffMm), kStumpRoundMm);
+  out.crown = smooth_min(foot, stump, kInnerRoundMm);
+  return out;
+}
+
+ToothField scan_body(const ToothForm& f, const Eigen::Vector3d& p) {
+  ToothField out;
+  out.side = std::hypot(p.x(), p.y()) - 0.5 * f.mesiodistal;
+  constexpr double kFlatFromMm = 3;  // the flat is on the upper part
+  const double cut = std::min(p.y() - f.flat_mm, p.z() - kFlatFromMm);
+  out.crown = std::max({out.side, p.z() - f.height, cut});
+  return out;
+}
+
 }  // namespace
 
 ToothField evaluate_tooth(const ToothForm& form, const Eigen::Vector3d& p) {
+  if (form.work == ToothWork::kPrepared) return prepared(form, p);
+  if (form.work == ToothWork::kScanBody) return scan_body(form, p);
   ToothField out;
   out.side = side_distance(form, p);
   const bool front = form.kind == ToothKind::kIncisor || form.kind == ToothKind::kCanine;

@@ -11,6 +11,9 @@ namespace enamel::twin {
 
 enum class ToothKind : std::uint8_t { kIncisor, kCanine, kPremolar, kMolar };
 
+/// What a dentist made of it.
+enum class ToothWork : std::uint8_t { kNatural, kPrepared, kScanBody };
+
 /// Values at heights 0, 1/4, 1/2, 3/4, 1 of the crown, relative to half the tooth's width or thickness.
 using Profile = std::array<double, 5>;
 
@@ -34,6 +37,9 @@ struct ToothForm {
   std::vector<Cusp> cusps;
   std::vector<SideGroove> side_grooves;
   double rounding = 0.8;  ///< mm, between side and top
+  ToothWork work = ToothWork::kNatural;
+  double finish_edge_mm = 0;  ///< prepared: strip over which the shoulder's outer edge is rounded
+  double flat_mm = 0;         ///< scan body: of its flat from the axis, towards the cheek
 };
 
 /// Where a tooth stands: p_tooth = R^T (p - origin).

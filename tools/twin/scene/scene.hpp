@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -121,8 +122,9 @@ void bind_scene(ConfigReader& reader, SceneConfig& config);
 /// Body in model coordinates, texture applied. Errors of mesh files.
 struct Body {
   Surroundings surroundings;
-  ArchShape arch;       ///< of a jaw or ridge
-  Dentition dentition;  ///< of a jaw
+  std::optional<Surroundings> later{};  ///< from FaultConfig::move_at_s on
+  ArchShape arch;                       ///< of a jaw or ridge
+  Dentition dentition;                  ///< of a jaw
   std::string description_json;
   std::string certificate_json;  ///< of the known artefact; empty without one
 };

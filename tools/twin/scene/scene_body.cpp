@@ -67,6 +67,37 @@ Body make_ridge_body(const SceneConfig& config, SortedJson& objects) {
   return body;
 }
 
+void finish_surface(const SceneConfig& config, Body& body) {
+  apply_look(config, body);
+  if (config.effects.texture && config.object != ObjectKind::kBoard) {
+    apply_texture(body.surroundings.mesh, config.texture, config.seed);
+  }
+}
+
+/// The same jaw after a tooth of it has moved.
+void add_later(const SceneConfig& config, Body& body) {
+  if (config.object != ObjectKind::kJaw || !(config.jaw.fault.move_um > 0)) return;
+  Jaw jaw = make_jaw(jaw_of_look(config), config.seed, /*moved=*/true);
+  Body moved;
+  moved.arch = body.arch;
+  moved.surroundings.mesh = std::move(jaw.mesh);
+  moved.dentition = std::move(jaw.dentition);
+  finish_surface(config, moved);
+  body.later = std::move(moved.surroundings);
+}
+
+/// The tooth that something is wrong with: its frame in the model.
+void describe_fault(const SceneConfig& config, const Body& body, SortedJson& objects) {
+  int number = 0;
+  for (const PlacedTooth& t : body.dentition.teeth) {
+    if (t.s <= 0 || ++number != config.jaw.fault.tooth) continue;
+    Eigen::Isometry3d T_model_tooth = Eigen::Isometry3d::Identity();
+    T_model_tooth.linear() = t.R;
+    T_model_tooth.translation() = t.origin;
+    objects.front()["fault_tooth"] = {{"number", number}, {"T_model_tooth", rows_of(T_model_tooth)}};
+  }
+}
+
 /// The known artefact beside teeth or ridge.
 void add_bar(const SceneConfig& config, Body& body, SortedJson& objects) {
   if (config.bar.arc_mm.empty()) return;
@@ -162,11 +193,10 @@ Result<Body> make_body(const SceneConfig& config) {
       break;
     }
   }
-  apply_look(config, body);
-  if (config.effects.texture && config.object != ObjectKind::kBoard) {
-    apply_texture(body.surroundings.mesh, config.texture, config.seed);
-  }
+  finish_surface(config, body);
+  add_later(config, body);
   add_bar(config, body, objects);
+  describe_fault(config, body, objects);
   SortedJson scene{{"frame", "model"}, {"units", "mm"}, {"seed", config.seed}, {"objects", objects}};
   describe_look(config, body, scene);
   body.description_json = json_text(scene, 1) + "\n";

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "tools/twin/board/target_file.hpp"
+#include "tools/twin/scene/fault_keys.hpp"
 #include "tools/twin/scene/look_keys.hpp"
 #include "tools/twin/scene/mount_keys.hpp"
 #include "tools/twin/scene/passing_keys.hpp"
@@ -195,6 +196,7 @@ void bind_scene(ConfigReader& reader, SceneConfig& config) {
   bind_object(reader.table("object"), config);
   bind_look(reader, config);
   bind_bar(reader.table("artefact"), config.bar);
+  bind_fault(reader, config);
   bind_board(reader.table("board"), config);
   bind_calibration(reader.table("calibration"), config.calibration);
   bind_passing(reader, config);
