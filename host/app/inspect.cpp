@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/app/command.hpp"
+#include "host/defects/defect_picture.hpp"
 #include "host/defects/report_defects.hpp"
 #include "host/mesh_files/mesh_file.hpp"
 #include "protocol/base/file.hpp"
@@ -23,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct InspectOptions {
-  std::string scan, marks;
+  std::string scan, marks, picture;
   bool json = false, gate = false;
 };
 
@@ -54,6 +55,10 @@ Result<int> run_inspect(const InspectOptions& o) {
   const auto by_shape = host::inspect({file.mesh, nullptr, &marks});
   defects.insert(defects.end(), by_shape.begin(), by_shape.end());
   std::ranges::stable_sort(defects, {}, &host::Defect::kind);
+  if (!o.picture.empty()) {
+    const auto png = host::defects_png(file.mesh, defects);
+    ENAMEL_TRY(write_file(o.picture, {reinterpret_cast<const char*>(png.data()), png.size()}));
+  }
   if (o.json) {
     std::puts(host::defects_json(defects).c_str());
   } else if (defects.empty()) {
@@ -73,6 +78,7 @@ Run add_inspect(CLI::App& app) {
   auto o = std::make_shared<InspectOptions>();
   app.add_option("SCAN", o->scan, "folder of a finished scan, or a mesh: PLY, STL, OBJ, mm")->required();
   app.add_option("--marks", o->marks, "scan bodies and prepared teeth to check (JSON; docs/defects.md)");
+  app.add_option("--picture", o->picture, "PNG: the surface, each place ringed");
   app.add_flag("--gate", o->gate, "exit 6 when anything is told");
   app.add_flag("--json", o->json, "one JSON list on stdout");
   return [o]() -> Result<int> { return run_inspect(*o); };

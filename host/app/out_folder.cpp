@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::array kResults{"mesh.ply",    "mesh.stl",        "poses.csv",       "stages.csv",      "report.json",
                               "preview.png", "deviation.png",   "calibrate.json",  "export.stl",      "export.ply",
                               "export.obj",  "export.stl.json", "export.ply.json", "export.obj.json", "export.obj.mtl",
-                              "probe.log",   "probe.out",       "closed.ply",      "closed.stl"};
+                              "probe.log",   "probe.out",       "closed.ply",      "closed.stl",      "defects.png"};
 constexpr std::array kSegmentResults{"mesh.ply", "poses.csv"};
 
 tl::unexpected<Error> not_usable(const std::string& path, const std::string& why) {

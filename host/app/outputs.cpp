@@ -13,6 +13,7 @@
 #include "host/app/run_options.hpp"
 #include "host/compare/compare.hpp"
 #include "host/compare/deviation_picture.hpp"
+#include "host/defects/defect_picture.hpp"
 #include "host/defects/inspect.hpp"
 #include "host/mesh_files/mesh_file.hpp"
 #include "host/mesh_files/poses_csv.hpp"
@@ -144,6 +145,16 @@ std::string tissue_json(const host::MapFacts& facts, const host::ScanResult& sca
   return json_text(out);
 }
 
+/// What to look at again, into the report and as a picture.
+Result<void> inspect(const host::ScanResult& scan, const std::string& folder, host::Report& report) {
+  const auto defects = host::inspect({scan.mesh, scan.survey ? &*scan.survey : nullptr});
+  report.defects_json = host::defects_json(defects);
+  report.defects_line = host::defects_summary(defects);
+  if (defects.empty()) return {};
+  const auto png = host::defects_png(scan.mesh, defects);
+  return write_file(folder + "/defects.png", {reinterpret_cast<const char*>(png.data()), png.size()});
+}
+
 }  // namespace
 
 std::string known_line(const host::ScanResult& scan) {
@@ -168,9 +179,6 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   if (!scan.clock_went_back.empty()) report.notes["clock"] = clock_note(scan.clock_went_back);
   if (scan.map) report.map_json = map_json(scan);
   if (scan.map) report.tissue_json = tissue_json(*scan.map, scan);
-  const auto defects = host::inspect({scan.mesh, scan.survey ? &*scan.survey : nullptr});
-  report.defects_json = host::defects_json(defects);
-  report.defects_line = host::defects_summary(defects);
   report.desktop_json = scan.desktop_json;
   report.known_line = known_line(scan);
   report.stage_ms = scan.stage_ms;
@@ -186,6 +194,7 @@ Result<host::Report> write_outputs(const std::string& folder, const host::ScanRe
   ENAMEL_TRY(write_file(folder + "/mesh.stl", host::stl_bytes(scan.mesh)));
   ENAMEL_TRY(host::write_poses_csv(folder + "/poses.csv", poses));
   ENAMEL_TRY(write_file(folder + "/stages.csv", scan.trace.to_csv()));
+  ENAMEL_TRY(inspect(scan, folder, report));
   if (truth.known() && !scan.mesh.triangles.empty()) {
     log::info("outputs", "comparing with the truth");
     auto compared = accuracy(scan.mesh, poses, truth, folder);

@@ -1,13 +1,12 @@
 #include "host/compare/deviation_picture.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "host/compare/flat_map.hpp"
 #include "protocol/base/file.hpp"
 
 namespace enamel::host {
@@ -15,6 +14,7 @@ namespace {
 
 constexpr int kWidth = 1200;
 constexpr int kMapHeight = 800;
+constexpr std::uint8_t kGrey = 225;
 constexpr int kFootHeight = 260;
 constexpr int kMargin = 40;
 constexpr int kBins = 80;
@@ -22,63 +22,6 @@ constexpr int kBins = 80;
 std::uint8_t level(double share) { return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(share, 0.0, 1.0))); }
 
 cv::Scalar bgr(const std::array<std::uint8_t, 3>& rgb) { return {double(rgb[2]), double(rgb[1]), double(rgb[0])}; }
-
-/// Rotation that turns the direction of least spread towards the viewer, the normals' side up.
-Eigen::Matrix3d flattest_view(const Mesh& mesh, Vec3d& centre) {
-  centre = Vec3d::Zero();
-  for (const Vec3f& v : mesh.vertices) {
-    centre += v.cast<double>() / static_cast<double>(mesh.vertices.size());
-  }
-  Eigen::Matrix3d C = Eigen::Matrix3d::Zero();
-  for (const Vec3f& v : mesh.vertices) {
-    const Vec3d d = v.cast<double>() - centre;
-    C += d * d.transpose();
-  }
-  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(C).eigenvectors();
-  Vec3d towards = axes.col(0);
-  Vec3d outwards = Vec3d::Zero();
-  for (const auto& t : mesh.triangles) {
-    const Vec3f a = mesh.vertices[t[0]];
-    outwards += (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).cast<double>();
-  }
-  if (towards.dot(outwards) < 0) {
-    towards = -towards;
-  }
-  Eigen::Matrix3d R;
-  R.row(0) = axes.col(2).transpose();
-  R.row(1) = towards.cross(axes.col(2)).transpose();
-  R.row(2) = towards.transpose();
-  return R;
-}
-
-void draw_map(const Mesh& mesh, const VertexColours& colours, cv::Mat& image) {
-  Vec3d centre;
-  const Eigen::Matrix3d R = flattest_view(mesh, centre);
-  double reach_x = 1e-6;
-  double reach_y = 1e-6;
-  for (const Vec3f& v : mesh.vertices) {
-    const Vec3d p = R * (v.cast<double>() - centre);
-    reach_x = std::max(reach_x, std::abs(p.x()));
-    reach_y = std::max(reach_y, std::abs(p.y()));
-  }
-  const double scale = std::min((0.5 * kWidth - kMargin) / reach_x, (0.5 * kMapHeight - kMargin) / reach_y);
-  const int dot = std::clamp(static_cast<int>(std::ceil(0.1 * scale)), 1, 8);  // one voxel
-  std::vector<double> nearest(static_cast<std::size_t>(kWidth) * kMapHeight, -std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Vec3d p = R * (mesh.vertices[i].cast<double>() - centre);
-    const int u = static_cast<int>(0.5 * kWidth + scale * p.x());
-    const int v = static_cast<int>(0.5 * kMapHeight - scale * p.y());
-    for (int y = std::max(0, v); y < std::min(kMapHeight, v + dot); ++y) {
-      for (int x = std::max(0, u); x < std::min(kWidth, u + dot); ++x) {
-        double& depth = nearest[static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x)];
-        if (p.z() > depth) {
-          depth = p.z();
-          image.at<cv::Vec3b>(y, x) = cv::Vec3b(colours[i][2], colours[i][1], colours[i][0]);
-        }
-      }
-    }
-  }
-}
 
 void draw_histogram(const CompareResult& result, double limit_um, cv::Mat& image) {
   std::array<double, kBins> count{};
@@ -130,8 +73,10 @@ std::vector<std::uint8_t> deviation_png(const Mesh& mesh, const CompareResult& r
   if (mesh.vertices.empty() || result.deviation_um.size() != mesh.vertices.size()) {
     return png;
   }
-  cv::Mat image(kMapHeight + kFootHeight, kWidth, CV_8UC3, cv::Scalar(225, 225, 225));
-  draw_map(mesh, deviation_colours(result.deviation_um, limit_um), image);
+  cv::Mat image(kMapHeight + kFootHeight, kWidth, CV_8UC3, cv::Scalar(kGrey, kGrey, kGrey));
+  const FlatMap map(mesh, {kWidth, kMapHeight, kMargin});
+  std::vector<std::uint8_t> drawn = map.drawn(deviation_colours(result.deviation_um, limit_um), kGrey);
+  cv::Mat(kMapHeight, kWidth, CV_8UC3, drawn.data()).copyTo(image.rowRange(0, kMapHeight));
   draw_histogram(result, limit_um, image);
   cv::imencode(".png", image, png);
   return png;

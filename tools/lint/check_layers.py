@@ -80,7 +80,7 @@ MODULES: dict[str, tuple[int, list[str] | None]] = {
     "host/mesh_files": (4, BASE + ["pipeline/types"]),
     "host/mesh_base": (4, BASE + ["pipeline/types", "host/mesh_files"]),
     "host/compare": (4, BASE + ["pipeline/types", "host/mesh_files"]),
-    "host/defects": (4, BASE + ["pipeline/types", "calib/model"]),
+    "host/defects": (4, BASE + ["pipeline/types", "calib/model", "host/mesh_files", "host/compare"]),
     "host/cases": (4, SHARED + REGISTER[:3] + ["host/mesh_files", "host/compare"]),
     "host/accuracy": (4, BASE + ["pipeline/types", "pipeline/register/map", "host/mesh_files", "host/compare"]),
     "host/motion": (4, BASE),

@@ -5,7 +5,7 @@ namespace enamel::view {
 
 struct DisplayToggles {
   bool quality_map = false;
-  bool mono = false;  ///< matte grey light instead of tooth colour: shows steps and holes
+  bool mono = false;        ///< matte grey light instead of tooth colour: shows steps and holes
   bool soft_tissue = true;  ///< shown, in its own shade and striped; off: teeth alone
   bool follow = true;
   bool frustum = true;
