@@ -15,7 +15,7 @@ namespace {
 constexpr FlatMapSize kMap;
 constexpr int kLine_px = 26, kMargin_px = 16;
 constexpr std::size_t kMostLines = 20;  // chosen: what is read; the rest is in report.json
-constexpr std::size_t kMostLetters = 118;
+constexpr std::size_t kMostLetters = 128;
 constexpr double kLeastRing_px = 14, kHidden_mm = 1.5;
 constexpr std::uint8_t kGrey = 225;
 

@@ -133,7 +133,7 @@ void find_holes(const Surface& s, const InspectConfig& config, std::vector<Defec
     if (roundness < config.hole_roundness && width_mm < config.hole_width_mm) continue;
     found.push_back({DefectClass::kHole, loop.middle, loop.area_mm2, loop.area_mm2, config.hole_mm2,
                      confidence_of(loop.area_mm2 / config.hole_mm2),
-                     "no burst measured it: dry it, powder what is black or mirrors, and scan here from another side"});
+                     "no burst measured it: scan here from another side; dry it, powder what is black"});
   }
   std::ranges::stable_sort(found, std::ranges::greater{}, &Defect::size_mm2);
   out.insert(out.end(), found.begin(), found.end());
