@@ -112,7 +112,7 @@ TEST(Defects, a_blurred_finish_line_is_told_and_a_sharp_one_is_not) {
     Pose T = Pose::Identity();
     drawn::move(draw, out.mesh, T);
     out.marks.preparations.push_back(
-        {T * Vec3d(draw.uniform(-0.4, 0.4), draw.uniform(-0.4, 0.4), draw.uniform(-0.2, 0.2)), 8});
+        {T * Vec3d{draw.uniform(-0.4, 0.4), draw.uniform(-0.4, 0.4), draw.uniform(-0.2, 0.2)}, 8});
     return out;
   });
 }
@@ -129,7 +129,7 @@ TEST(Defects, a_scan_body_of_another_size_is_told_and_a_right_one_is_not) {
     Pose T = Pose::Identity();
     drawn::move(draw, out.mesh, T);
     out.marks.scan_bodies.push_back(
-        {T * Vec3d(draw.uniform(-0.4, 0.4), draw.uniform(-0.4, 0.4), draw.uniform(-0.2, 0.2)), form});
+        {T * Vec3d{draw.uniform(-0.4, 0.4), draw.uniform(-0.4, 0.4), draw.uniform(-0.2, 0.2)}, form});
     return out;
   });
 }

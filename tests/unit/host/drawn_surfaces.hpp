@@ -155,7 +155,7 @@ inline std::vector<Vec2f> rounded(const std::vector<Vec2f>& corners, const std::
 inline void move(Draw& draw, Mesh& mesh, Pose& T_model_body) {
   const Vec3d axis = Vec3d(draw.normal(1), draw.normal(1), draw.normal(1)).normalized();
   T_model_body = Pose(Eigen::AngleAxisd(draw.uniform(0, 3), axis));
-  T_model_body.translation() = Vec3d(draw.uniform(-9, 9), draw.uniform(-9, 9), draw.uniform(30, 60));
+  T_model_body.translation() = Vec3d{draw.uniform(-9, 9), draw.uniform(-9, 9), draw.uniform(30, 60)};
   for (Vec3f& p : mesh.vertices) p = (T_model_body * p.cast<double>()).cast<float>();
   for (Vec3f& n : mesh.normals) n = T_model_body.linear().cast<float>() * n;
 }

@@ -32,11 +32,12 @@ Placed placed(std::uint64_t seed, double risen_mm, double soft_weight, bool shad
   const calib::Rig rig = synthetic::small_rig();
   std::vector<Vec3d> cusps;
   for (int n = 0; n < 6; ++n)
-    cusps.emplace_back(4 * random.uniform() - 5, 6 * random.uniform() - 3, 0.6 + random.uniform());
+    cusps.push_back(Vec3d{4 * random.uniform() - 5, 6 * random.uniform() - 3, 0.6 + random.uniform()});
   const double border_mm = 0.8 * random.uniform();
   const double turned = 0.02 * (random.uniform() - 0.5);
   const Pose at = synthetic::looking_at(Vec3d::Zero(), Vec3d(0, 0, 1) + 0.2 * random.vector(), 48);
-  const Pose truth = synthetic::looking_at(0.4 * random.vector(), Vec3d(0, 0, 1) + 0.2 * random.vector(), 48);
+  const Vec3d target = 0.4 * random.vector();
+  const Pose truth = synthetic::looking_at(target, Vec3d(0, 0, 1) + 0.2 * random.vector(), 48);
   const SurfacePatch before = render(rig, mouth(cusps, border_mm, 0, 0), at, {.noisy = true, .seed = seed});
   SurfacePatch now =
       render(rig, mouth(cusps, border_mm, risen_mm, turned), truth, {.noisy = true, .seed = seed + 1000});
