@@ -106,7 +106,7 @@ def other(page, sets):
             "The lower crowns of a real jaw on a modelled gum, with units, projector responses, mounts and calibration errors (1 µm, 0.001°) "
             "drawn anew, rendered by `tests/bench/other_renderer.py`, which shares no code with the twin: 72 stops, two bursts each, true rig.")
     if not sets:
-        page.text += ["", wrapped("Not measured: the surfaces were not there (`ENAMEL_SHARED`, ../shared).")]
+        page.text += ["", wrapped("Not measured in this run: not asked for (`--others`), or the surfaces were not there (`ENAMEL_SHARED`, ../shared).")]
         return
     rows = [(f"unit {s['seed']}, mode {s['mode']}, gamma {s['gamma']:.1f}",
              [cell(s["by_axes_rms_um"], 15), cell(s["fine_rms_um"]), cell(s["mean_abs_um"], 6), cell(s["p95_um"], 18), cell(int(s["slipped"]), 0, "{}")])
@@ -148,6 +148,7 @@ def main():
     parser.add_argument("--seeds", type=int)
     parser.add_argument("--first-seed", type=int, default=1)
     parser.add_argument("--repeats", type=int)
+    parser.add_argument("--others", type=int, help="sets of another renderer, minutes each; 0: none")
     parser.add_argument("--short", action="store_true")
     given = parser.parse_args()
     seeds = given.seeds or (1 if given.short else 5)
@@ -160,7 +161,8 @@ def main():
         first = first or (seed, unit)
     repeats = rounds.repeats(*first, count)
     surfaces = [os.path.join(SHARED, "data", name) for name in JAW]
-    others = [rounds.other(seed, surfaces) for seed in range(1, 2 if given.short else 4)] if all(map(os.path.exists, surfaces)) else []
+    wanted = (1 if given.short else 3) if given.others is None else given.others
+    others = [rounds.other(seed, surfaces) for seed in range(1, 1 + wanted)] if all(map(os.path.exists, surfaces)) else []
     page = Page("desktop-accuracy.md")
     page.text += ["", wrapped("All figures are SIMULATED: the twin with planted errors of each unit (axes tilted by up to 2°, skew 0.3 mm, first harmonic 0.02°, "
                               "backlash 0.05°, wobble 3 µm; drives stop to 0.01° rms), noise, and rigs and axes as solved."
