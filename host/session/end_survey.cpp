@@ -3,7 +3,6 @@
 #include <future>
 #include <utility>
 
-#include "protocol/base/log.hpp"
 
 namespace enamel::host {
 
