@@ -3,7 +3,6 @@
 #include <future>
 #include <utility>
 
-
 namespace enamel::host {
 
 std::optional<SurveyResult> survey_model(const SurveyInput& input, Refined kept, stage::FuseStage& fuse) {
