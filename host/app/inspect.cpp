@@ -67,9 +67,7 @@ Result<int> run_inspect(const InspectOptions& o) {
     for (const host::Defect& d : defects) std::puts(host::defect_line(d).c_str());
   }
   if (!o.gate || defects.empty()) return 0;
-  std::fputs((Error{ErrorCode::kQualityGate, o.scan + ": " + host::defects_summary(defects)}.message() + "\n").c_str(),
-             stderr);
-  return exit_code(ErrorCode::kQualityGate);
+  return fail(ErrorCode::kQualityGate, o.scan + ": " + host::defects_summary(defects));
 }
 
 }  // namespace

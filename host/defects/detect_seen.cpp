@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
-#include <string_view>
 
 #include "host/defects/detect.hpp"
 #include "host/defects/place_grid.hpp"
@@ -14,7 +11,6 @@ namespace {
 
 /// What bursts saw somewhere, gathered by place.
 struct Sighting {
-  std::uint32_t burst = 0;
   Vec3d p_model = Vec3d::Zero();
   double mm2 = 0;
 };
@@ -51,14 +47,14 @@ std::vector<Sighting> lost_at_once(const SurveyResult& survey, double near_mm) {
     std::size_t end = begin;
     std::vector<Sighting> points;
     while (end < survey.passed.size() && survey.passed[end].burst == survey.passed[begin].burst) {
-      points.push_back({survey.passed[end].burst, survey.passed[end].p_model.cast<double>(), survey.passed_mm2});
+      points.push_back({survey.passed[end].p_model.cast<double>(), survey.passed_mm2});
       ++end;
     }
     for (const Place& p : gather(points, near_mm)) {
       Vec3d sum = Vec3d::Zero();
       for (const Sighting& s : p.sightings) sum += s.p_model;
       const auto n = static_cast<double>(p.sightings.size());
-      out.push_back({survey.passed[begin].burst, sum / n, n * survey.passed_mm2});
+      out.push_back({sum / n, n * survey.passed_mm2});
     }
     begin = end;
   }
@@ -144,8 +140,8 @@ void find_tissue(const Seen& seen, const InspectConfig& config, std::vector<Defe
 
 void find_humidity(const Seen& seen, const InspectConfig& config, std::vector<Defect>& out) {
   std::vector<Sighting> all;
-  for (const GlarePlace& g : seen.survey.glare)
-    all.push_back({g.burst, place_of(seen.surface, g.cell), seen.surface.cells.area_mm2[g.cell]});
+  for (const std::uint32_t cell : seen.survey.glare_cells)
+    all.push_back({place_of(seen.surface, cell), seen.surface.cells.area_mm2[cell]});
   for (const Place& p : gather(all, config.place_mm)) {
     const auto bursts = static_cast<int>(p.sightings.size());
     if (bursts < config.glare_bursts) break;

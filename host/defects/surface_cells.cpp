@@ -1,11 +1,11 @@
 #include "host/defects/surface_cells.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <unordered_map>
 
+#include "host/defects/place_grid.hpp"
 #include "pipeline/types/disjoint_sets.hpp"
 
 namespace enamel::host {
@@ -47,13 +47,8 @@ void measure(const Mesh& mesh, BorderLoop& loop) {
 SurfaceCells cells_of(const Mesh& mesh, double cell_mm) {
   SurfaceCells out;
   std::unordered_map<std::uint64_t, std::uint32_t> known;
-  constexpr std::uint64_t kBits = 21, kMask = (1U << kBits) - 1;
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    std::uint64_t key = 0;
-    for (int k = 0; k < 3; ++k) {
-      const auto q = static_cast<std::int64_t>(std::floor(static_cast<double>(mesh.vertices[v][k]) / cell_mm));
-      key = key << kBits | (static_cast<std::uint64_t>(q) & kMask);
-    }
+    const std::uint64_t key = place_key(place_index(at(mesh, v), cell_mm));
     const auto [found, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(out.vertex.size()));
     if (is_new) out.vertex.push_back(v);
     out.of_vertex.push_back(found->second);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "calib/model/lens.hpp"
 
@@ -41,8 +42,7 @@ void Survey::measure(const SurfacePatch& patch, const Pose& T_model_cam, std::ui
 void Survey::add(const SurfacePatch& patch, const Pose& T_model_cam, const Sight& sight) {
   const Pose T_cam_model = T_model_cam.inverse();
   double glare_px = sight.trouble == SightTrouble::kGlare ? kGlareReachPx : 0;
-  std::uint32_t glare_cell = 0;
-  bool has_glare = false;
+  std::optional<std::uint32_t> glare_cell;
   for (std::uint32_t c = 0; c < cells_.size(); ++c) {
     const Vec3d p = mesh_.vertices[cells_.vertex[c]].cast<double>();
     const Vec3d q = T_cam_model * p;
@@ -57,16 +57,14 @@ void Survey::add(const SurfacePatch& patch, const Pose& T_model_cam, const Sight
     if (off >= glare_px) continue;
     glare_px = off;
     glare_cell = c;
-    has_glare = true;
   }
-  if (has_glare) glare_.push_back({bursts_, glare_cell});
+  if (glare_cell) glare_cells_.push_back(*glare_cell);
   ++bursts_;
 }
 
 SurveyResult Survey::result() const {
   SurveyResult out;
-  out.bursts = bursts_;
-  out.glare = glare_;
+  out.glare_cells = glare_cells_;
   for (const Sums& s : sums_) {
     CellFacts f;
     f.views = static_cast<std::uint32_t>(s.n);

@@ -28,18 +28,11 @@ struct PassedPoint {
   Vec3f p_model = Vec3f::Zero();
 };
 
-/// Where mirror light was seen.
-struct GlarePlace {
-  std::uint32_t burst = 0;
-  std::uint32_t cell = 0;
-};
-
 struct SurveyResult {
-  std::vector<CellFacts> facts;  ///< one a cell of cells_of(mesh)
-  std::vector<GlarePlace> glare;
+  std::vector<CellFacts> facts;            ///< one a cell of cells_of(mesh)
+  std::vector<std::uint32_t> glare_cells;  ///< where mirror light was seen: one for each burst with some
   std::vector<PassedPoint> passed;
   double passed_mm2 = 0;  ///< surface that one of them stands for
-  std::size_t bursts = 0;
 };
 
 /// Bursts are added in their order. Same bursts, same bits. Not thread-safe; the mesh must outlive it.
@@ -59,7 +52,7 @@ class Survey {
   SurfaceCells cells_;
   calib::LensValues camera_;
   std::vector<Sums> sums_;
-  std::vector<GlarePlace> glare_;
+  std::vector<std::uint32_t> glare_cells_;
   std::uint32_t bursts_ = 0;
 };
 

@@ -3,9 +3,9 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <future>
 #include <utility>
 
+#include "host/session/read_ahead.hpp"
 #include "pipeline/flow/parallel.hpp"
 #include "protocol/base/log.hpp"
 
@@ -21,24 +21,23 @@ std::vector<Vec3f> one_a_square(const SurfacePatch& patch) {
   return out;
 }
 
-/// Unpacks the next patch, and takes out of it what other bursts looked through, on another thread while this one is
-/// fused.
-class ReadAhead {
+/// Patches in order without what other bursts looked through, and what became of them.
+class CleanedPatches {
  public:
-  ReadAhead(const std::vector<pipeline::MapBurst>& bursts, const std::function<SurfacePatch(std::size_t)>& load,
-            std::shared_ptr<const pipeline::FreeSpace> free_space)
-      : bursts_(bursts), load_(load), free_space_(std::move(free_space)) {
-    ask(0);
-  }
+  CleanedPatches(const std::vector<pipeline::MapBurst>& bursts, const std::function<SurfacePatch(std::size_t)>& load,
+                 std::shared_ptr<const pipeline::FreeSpace> free_space)
+      : bursts_(bursts),
+        load_(load),
+        free_space_(std::move(free_space)),
+        cleaned_(bursts.size(), [this](std::size_t n) { return clean(n); }) {}
   SurfacePatch operator()(std::size_t n) {
-    Cleaned cleaned = next_.get();
+    Cleaned cleaned = cleaned_.next();
     withdrawn_px_ += cleaned.withdrawn_px;
     measured_px_ += cleaned.patch.valid_px + cleaned.withdrawn_px;
     for (const Vec3f& p : cleaned.withdrawn) {
       const Vec3d p_model = bursts_[n].T_model_cam * p.cast<double>();
       passed_.push_back({static_cast<std::uint32_t>(n), p_model.cast<float>()});
     }
-    ask(n + 1);
     return std::move(cleaned.patch);
   }
   [[nodiscard]] std::uint64_t withdrawn_px() const noexcept { return withdrawn_px_; }
@@ -51,26 +50,23 @@ class ReadAhead {
     std::size_t withdrawn_px;
     std::vector<Vec3f> withdrawn;  ///< camera frame, one a square
   };
-  void ask(std::size_t n) {
-    if (n >= bursts_.size()) return;
-    next_ = std::async(std::launch::async, [this, n] {
-      Cleaned out{load_(n), 0, {}};
-      if (!free_space_) return out;
-      const std::vector<Vec3f> before = one_a_square(out.patch);
-      out.withdrawn_px = free_space_->withdraw(bursts_[n], out.patch);
-      if (out.withdrawn_px == 0) return out;
-      const std::vector<Vec3f> after = one_a_square(out.patch);
-      for (std::size_t i = 0; i < before.size(); ++i)
-        if (std::isfinite(before[i].z()) && !std::isfinite(after[i].z())) out.withdrawn.push_back(before[i]);
-      return out;
-    });
+  [[nodiscard]] Cleaned clean(std::size_t n) const {
+    Cleaned out{load_(n), 0, {}};
+    if (!free_space_) return out;
+    const std::vector<Vec3f> before = one_a_square(out.patch);
+    out.withdrawn_px = free_space_->withdraw(bursts_[n], out.patch);
+    if (out.withdrawn_px == 0) return out;
+    const std::vector<Vec3f> after = one_a_square(out.patch);
+    for (std::size_t i = 0; i < before.size(); ++i)
+      if (std::isfinite(before[i].z()) && !std::isfinite(after[i].z())) out.withdrawn.push_back(before[i]);
+    return out;
   }
   const std::vector<pipeline::MapBurst>& bursts_;
   const std::function<SurfacePatch(std::size_t)>& load_;
   std::shared_ptr<const pipeline::FreeSpace> free_space_;
   std::uint64_t withdrawn_px_ = 0, measured_px_ = 0;
   std::vector<PassedPoint> passed_;
-  std::future<Cleaned> next_;
+  ReadAhead<Cleaned> cleaned_;
 };
 
 double seconds_since(HostTime start, const Clock& clock) {
@@ -114,7 +110,7 @@ Refined refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pla
   const pipeline::PatchStore::Figures kept = fuse.segments().stored();
   log::info("map", "fusing {} bursts anew; {} MB of them were kept in memory, {} MB in a file", history.size(),
             kept.memory_bytes >> 20U, kept.file_bytes >> 20U);
-  ReadAhead ahead(map.bursts, map.load, refined.free_space);
+  CleanedPatches ahead(map.bursts, map.load, refined.free_space);
   const auto bursts = static_cast<double>(history.size());
   fuse.rebuild(history, [&](std::size_t n) {
     input.progress(kPosesShare + (1 - kPosesShare) * static_cast<double>(n) / bursts);
