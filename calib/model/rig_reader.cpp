@@ -8,6 +8,7 @@
 #include "calib/model/json_object.hpp"
 #include "calib/model/json_section.hpp"
 #include "calib/model/lens.hpp"
+#include "calib/model/light_inside.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -214,8 +215,8 @@ Rig read_top(JsonSection& s) {
   if (s.has("temp_c")) rig.temp_c = s.number("temp_c");
   if (s.has("correction")) rig.correction = read_correction(s.section("correction"), rig.unknown_keys);
   if (s.has("temperature")) rig.temperature = read_temperature(s.section("temperature"), rig.unknown_keys);
-  // Written by the solver for those who judge a calibration; nothing here measures with them.
-  for (const char* key : {"schema", "sha256", "covariance", "residuals"}) static_cast<void>(s.has(key));
+  // Written by the solver for those who judge a calibration, or read by light_inside.hpp; not part of Rig.
+  for (const char* key : {"schema", "sha256", "covariance", "residuals", "light_inside"}) static_cast<void>(s.has(key));
   s.append_unknown(rig.unknown_keys);
   return rig;
 }
@@ -228,6 +229,7 @@ Result<Rig> read_rig_json(std::string_view text) {
   JsonSection top(json, "", faults);
   Rig rig = read_top(top);
   if (!faults.first().empty()) return fail(ErrorCode::kRigInvalid, faults.first());
+  ENAMEL_TRY(read_light_inside(text));
   return rig;
 }
 

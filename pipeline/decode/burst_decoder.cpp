@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "calib/model/light_inside.hpp"
 #include "pipeline/decode/pattern_modes.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 #include "pipeline/decode/steps/burst_output.hpp"
@@ -33,10 +34,14 @@ Carrier carrier_of(const calib::Rig& rig, const RayDepth& rays, double near_mm, 
   return make_carrier(rays.phase_mid_rad.data(), slopes, near_mm, max_slope_deg);
 }
 
-PatternOptics optics_of(const calib::Rig& rig) {
+Result<PatternOptics> optics_of(const calib::Rig& rig) {
   const calib::PatternValues& p = rig.patterns;
   const double focal_px = p.axis_v ? rig.projector.fy : rig.projector.fx;
-  return {static_cast<float>(p.amplitude / p.mean), static_cast<float>(p.period_px / focal_px)};
+  PatternOptics out{static_cast<float>(p.amplitude / p.mean), static_cast<float>(p.period_px / focal_px)};
+  if (rig.text.empty()) return out;
+  ENAMEL_TRY_ASSIGN(const auto light, calib::read_light_inside(rig.text));
+  if (light) out.field = ApparentDepthField(light->of_enamel, rig.camera.width, rig.camera.height);
+  return out;
 }
 
 }  // namespace
@@ -68,7 +73,7 @@ Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfi
   d.carrier_ = carrier_of(rig, *d.rays_, range->near_mm, config.links.max_slope_deg);
   d.strategy_ = make_strategy(std::move(code), {d.rays_, d.carrier_}, config);
   d.noise_ = rig.noise;
-  d.optics_ = optics_of(rig);
+  ENAMEL_TRY_ASSIGN(d.optics_, optics_of(rig));
   d.wave_priors_ = priors_of(rig, config.wave);
   d.config_ = config;
   return d;

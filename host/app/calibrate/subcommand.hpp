@@ -13,6 +13,7 @@ struct CalibrateCommand {
 
 CalibrateCommand add_calibrate_axes(CLI::App& app);
 CalibrateCommand add_calibrate_capture(CLI::App& app);
+CalibrateCommand add_calibrate_ceramic(CLI::App& app);
 CalibrateCommand add_calibrate_check(CLI::App& app);
 CalibrateCommand add_calibrate_compare(CLI::App& app);
 CalibrateCommand add_calibrate_join(CLI::App& app);

@@ -83,9 +83,12 @@ struct RowSum {
 
 /// One row: apparent depth to phase by the ray's own slope, where the pixel lies or, while its order is open, at the
 /// middle of the range.
-RowSum undo_row(const SeenPattern& seen, const RefinedPhase& refined, const RowMemory& ratio, std::size_t at,
-                bool correct, PhaseMaps& phase) {
+RowSum undo_row(const SeenPattern& seen, const RefinedPhase& refined, const RowMemory& ratio, int v, bool correct,
+                PhaseMaps& phase) {
   const RayDepth& rays = seen.rays;
+  const ApparentDepthField& field = seen.optics.field;
+  const auto [middle, linear, square] = field.row(v);
+  const std::size_t at = phase.phase_rad.index(0, v);
   RowSum sum;
   for (std::size_t u = 0; u < ratio.size(); ++u) {
     const std::size_t i = at + u;
@@ -95,7 +98,8 @@ RowSum undo_row(const SeenPattern& seen, const RefinedPhase& refined, const RowM
     const float at_rad = placed ? absolute : rays.phase_mid_rad[i];
     const float q = rays.inverse_depth(i, at_rad), slope = rays.inverse_depth_slope(i, at_rad);
     if (!(q > 0)) continue;
-    const float depth_mm = apparent_depth_at_1mm(ratio[u]) * apparent_depth_growth(seen.optics.period_per_mm / q);
+    const float facing_mm = apparent_depth_at_1mm(ratio[u]) * apparent_depth_growth(seen.optics.period_per_mm / q);
+    const float s = field.column(u), depth_mm = facing_mm * (middle + s * (linear + s * square));
     const float shift_rad = depth_mm * q * q / slope, unsure_rad = static_cast<float>(kApparentDepthUnsure) * shift_rad;
     if (correct) phase.phase_rad[i] += shift_rad;
     if (correct) phase.sigma_rad[i] = std::sqrt(phase.sigma_rad[i] * phase.sigma_rad[i] + unsure_rad * unsure_rad);
@@ -138,7 +142,7 @@ void undo_translucency(const SeenPattern& seen, const TranslucencyConfig& config
   RowSum all;
   for (int v = 0; v < seen.rays.height; ++v) {
     contrast.row(v, ratio);
-    const RowSum sum = undo_row(seen, refined, ratio, phase.phase_rad.index(0, v), config.correct, phase);
+    const RowSum sum = undo_row(seen, refined, ratio, v, config.correct, phase);
     all.depth_mm += sum.depth_mm, all.count += sum.count;
   }
   if (all.count > 0) sight.apparent_depth_mm = static_cast<float>(all.depth_mm / static_cast<double>(all.count));

@@ -11,6 +11,7 @@
 #include "pipeline/decode/phase/noise_model.hpp"
 #include "pipeline/decode/phase/phase.hpp"
 #include "pipeline/decode/phase/waveform.hpp"
+#include "pipeline/decode/steps/apparent_depth_field.hpp"
 #include "pipeline/decode/steps/refined_phase.hpp"
 #include "pipeline/decode/triangulate/ray_depth.hpp"
 #include "pipeline/types/sight.hpp"
@@ -28,8 +29,9 @@ struct TranslucencyConfig {
 
 /// What the rig says of a pattern on an opaque surface.
 struct PatternOptics {
-  float contrast = 1;     ///< amplitude / mean of the fringes as projected
-  float period_per_mm{};  ///< the fringes' period on a facing surface, mm, over its distance, mm
+  float contrast = 1;             ///< amplitude / mean of the fringes as projected
+  float period_per_mm{};          ///< the fringes' period on a facing surface, mm, over its distance, mm
+  ApparentDepthField field = {};  ///< of light from inside, over the picture
 };
 
 struct SeenPattern {

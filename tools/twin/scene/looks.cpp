@@ -1,6 +1,7 @@
 #include "tools/twin/scene/looks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -15,6 +16,16 @@ std::uint8_t whole_material(const SceneConfig& c) {
   return static_cast<std::uint8_t>(c.object == ObjectKind::kRidge ? MaterialId::kGum : MaterialId::kEnamel);
 }
 
+/// Every second strip of the plane stays plaster.
+void lay_strips(double strip_mm, TriSurface& mesh) {
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const auto strip = static_cast<long>(std::floor(static_cast<double>(mesh.vertices[i].y()) / strip_mm + 0.5));
+    if (strip % 2 == 0) continue;
+    mesh.material[i] = static_cast<std::uint8_t>(MaterialId::kPlaster);
+    mesh.albedo[i] = static_cast<float>(Material{}.albedo);
+  }
+}
+
 void paint(const SceneConfig& config, Body& body) {
   TriSurface& mesh = body.surroundings.mesh;
   if (config.object == ObjectKind::kJaw && config.look.material == LookConfig::kMouth) {
@@ -25,6 +36,7 @@ void paint(const SceneConfig& config, Body& body) {
   const auto albedo = static_cast<float>(config.look.materials[id].albedo);
   mesh.material.assign(mesh.vertices.size(), id);
   mesh.albedo.assign(mesh.vertices.size(), albedo);
+  if (config.object == ObjectKind::kPlane && config.plane.strip_mm > 0) lay_strips(config.plane.strip_mm, mesh);
   for (Ball& ball : body.surroundings.balls) {
     ball.material = id;
     ball.albedo = albedo;

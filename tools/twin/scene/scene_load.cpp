@@ -100,6 +100,7 @@ void bind_plate(ConfigReader r, RingPlateConfig& p) {
 void bind_object(ConfigReader r, SceneConfig& c) {
   r.bind("type", c.object, kObjects, "jaw, bite, ridge, plane, spheres, steps, plate, file or board");
   r.bind("plane.half_mm", c.plane.half_mm, {1, 500}, "half edge of the plane");
+  r.bind("plane.strip_mm", c.plane.strip_mm, {0, 100}, "strips of the material and of plaster in turn; 0: none");
   r.bind("spheres.diameters_mm", c.spheres.diameters_mm, {0.1, 100}, "one a ball, along x");
   r.bind("spheres.pitch_mm", c.spheres.pitch_mm, {0.1, 200}, "centre to centre");
   r.bind("spheres.rod_diameter_mm", c.spheres.rod_diameter_mm, {0, 50}, "rod through the balls; 0: none");

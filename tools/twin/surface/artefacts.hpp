@@ -10,6 +10,7 @@ namespace enamel::twin {
 /// Plane z = 0, |x|, |y| <= half_mm, as a regular grid (the grid carries texture; all of it is coplanar).
 struct PlaneConfig {
   double half_mm = 40;
+  double strip_mm = 0;  ///< strips along x, as wide as each other, of its material and of plaster in turn; 0: none
   double grid_mm = 0.25;
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "pipeline/decode/phase/poly_trig.hpp"
@@ -16,10 +17,10 @@ constexpr float kDepth_mm = 48, kBlack_dn = 4, kLight_dn = 60;
 /// A facing plane whose fringes have `ratio` of the projected contrast and whose phase is that of `depth_mm`.
 class Plane {
  public:
-  explicit Plane(float ratio, float depth_mm = kDepth_mm)
+  explicit Plane(float ratio, float depth_mm = kDepth_mm, const ApparentDepthField& field = {})
       : rig_(test::cropped_rig(kWidth, kHeight)), rays_(RayDepth::bake(rig_, *rig_.depth_range).value()) {
     optics_ = {static_cast<float>(rig_.patterns.amplitude / rig_.patterns.mean),
-               static_cast<float>(rig_.patterns.period_px / rig_.projector.fx)};
+               static_cast<float>(rig_.patterns.period_px / rig_.projector.fx), field};
     phase_.resize(kWidth, kHeight);
     wraps_ = Map<std::int16_t>(kWidth, kHeight);
     for (std::size_t i = 0; i < phase_.phase_rad.size(); ++i) {
@@ -36,9 +37,9 @@ class Plane {
   void undo(TranslucencyConfig config = {}) {
     undo_translucency({rays_, optics_, kBlack_dn}, config, {phase_, wraps_, {}}, sight, phase_);
   }
-  /// Of the middle pixel, um beyond the plane.
-  [[nodiscard]] double off_um() const {
-    const std::size_t i = phase_.phase_rad.index(kWidth / 2, kHeight / 2);
+  /// Of a pixel, um beyond the plane.
+  [[nodiscard]] double off_um(int u = kWidth / 2, int v = kHeight / 2) const {
+    const std::size_t i = phase_.phase_rad.index(u, v);
     const float at = phase_.phase_rad[i] + kTwoPiF * static_cast<float>(wraps_[i]);
     return 1e3 * (1 / static_cast<double>(rays_.inverse_depth(i, at)) - static_cast<double>(kDepth_mm));
   }
@@ -74,6 +75,19 @@ TEST(Translucency, takes_off_what_enamel_adds_whatever_its_surface_returns) {
     EXPECT_NEAR(plane.off_um(), 0, 0.2 * 1e3 * enamel.apparent_mm()) << surface;
     EXPECT_FLOAT_EQ(plane.sight.translucent_share, 1);
     EXPECT_NEAR(1e3 * static_cast<double>(plane.sight.apparent_depth_mm), 1e3 * enamel.apparent_mm(), 6);
+  }
+}
+
+TEST(Translucency, goes_by_what_the_probe_was_calibrated_on) {
+  const std::array<std::array<double, 3>, 3> shares{{{0.8, 0.9, 1.0}, {1.1, 1.2, 1.3}, {1.4, 1.5, 1.6}}};
+  Plane enamel(0.25F), calibrated(0.25F, kDepth_mm, ApparentDepthField(shares, kWidth, kHeight));
+  enamel.undo(), calibrated.undo();
+  for (std::size_t v = 0; v < 3; ++v) {
+    for (std::size_t u = 0; u < 3; ++u) {
+      const int x = static_cast<int>(u) * (kWidth - 1) / 2, y = static_cast<int>(v) * (kHeight - 1) / 2;
+      EXPECT_NEAR(calibrated.off_um(x, y), shares[v][u] * enamel.off_um(x, y),
+                  0.01 * std::abs(enamel.off_um(x, y)) + 0.5);
+    }
   }
 }
 

@@ -1,0 +1,33 @@
+// How much deeper than it is a tooth looks through this probe: section "light_inside" of rig.json, measured on a
+// tooth-like ceramic (docs/calibration.md §8). Pure functions, thread-safe.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "calib/model/rig.hpp"
+#include "protocol/base/result.hpp"
+
+namespace enamel::calib {
+
+/// Of what enamel's law takes off (docs/mouth.md) the shares that are right for this probe, of a surface across its
+/// view: light and view meet it at other angles in other places. At the picture's edges and middle, [down][across]; a
+/// parabola passes through each three.
+struct LightInside {
+  std::array<std::array<double, 3>, 3> of_enamel{{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}};
+  double sigma = 0;  ///< of the shares' mean, one standard deviation
+  int bursts = 0;    ///< that it was measured on
+};
+
+/// layout: what a share may be. Beyond it the surface is none that light enters.
+inline constexpr double kLeastOfEnamel = 0.1, kMostOfEnamel = 10;
+
+/// The section of a rig's file; nothing where it has none. Errors: kRigInvalid, the detail names the key.
+[[nodiscard]] Result<std::optional<LightInside>> read_light_inside(std::string_view rig_text);
+
+/// The file of `rig` with that section, in place of an older one, sealed anew where it was sealed. Error: kRigInvalid
+/// when the text would not read back.
+[[nodiscard]] Result<std::string> with_light_inside(const Rig& rig, const LightInside& light);
+
+}  // namespace enamel::calib
