@@ -1,7 +1,7 @@
 // A SIMULATED board in the guest: one clock makes the camera's frames, the edges on its lines and the projector's
 // patterns. What the sensor sees are the bursts of a recording, pattern by pattern as the projector is triggered.
-// Behind the last burst the first comes again. usage: board_sim RECORDING FRAMES_PER_SECOND; ends when the kernel
-// closes the camera's connection.
+// Behind the last burst the first comes again. usage: board_sim RECORDING FRAMES_PER_SECOND [BURSTS]; with BURSTS, only
+// so many of the recording's. Ends when the kernel closes the camera's connection.
 #include <linux/gpio.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -81,9 +81,7 @@ class Board {
       }
       if (::send(fd, &packet, sizeof packet, MSG_NOSIGNAL) < 0) break;
     }
-    // Whoever held a line is gone: it falls.
-    const std::lock_guard lock(mutex_);
-    if (hello.channel == Channel::kOutput) set(hello.line, false);
+    // Whoever held a line is gone: it keeps its level, as most chips leave it.
     ::close(fd);
   }
 
@@ -128,10 +126,10 @@ class Board {
   std::mt19937 noise_{1};
 };
 
-Result<std::vector<fw::SimBurst>> all_bursts(const std::string& recording) {
+Result<std::vector<fw::SimBurst>> first_bursts(const std::string& recording, std::size_t most) {
   ENAMEL_TRY_ASSIGN(auto source, fw::CaptureSource::open(recording));
   std::vector<fw::SimBurst> all;
-  for (;;) {
+  while (all.size() < most) {
     ENAMEL_TRY_ASSIGN(auto next, source->next());
     if (!next) break;
     all.push_back(std::move(*next));
@@ -153,8 +151,9 @@ int listen_for_the_shim() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) return std::fprintf(stderr, "usage: board_sim RECORDING FRAMES_PER_SECOND\n"), 2;
-  auto bursts = all_bursts(argv[1]);
+  if (argc < 3 || argc > 4) return std::fprintf(stderr, "usage: board_sim RECORDING FRAMES_PER_SECOND [BURSTS]\n"), 2;
+  const std::size_t most = argc > 3 ? static_cast<std::size_t>(std::max(1, std::atoi(argv[3]))) : SIZE_MAX;
+  auto bursts = first_bursts(argv[1], most);
   if (!bursts) return std::fprintf(stderr, "%s\n", bursts.error().message().c_str()), 1;
   UvcMode mode;
   mode.frames_per_second = static_cast<std::uint32_t>(std::max(1, std::atoi(argv[2])));
