@@ -1,8 +1,10 @@
 // A SIMULATED board in the guest: one clock makes the camera's frames, the edges on its lines and the projector's
 // patterns. What the sensor sees are the bursts of a recording, pattern by pattern as the projector is triggered.
 // Behind the last burst the first comes again. usage: board_sim RECORDING FRAMES_PER_SECOND [BURSTS]; with BURSTS, only
-// so many of the recording's. Ends when the kernel closes the camera's connection.
+// so many of the recording's. SIGUSR1: gate and light high, as who holds them in a scan has them. Ends when the kernel
+// closes the camera's connection.
 #include <linux/gpio.h>
+#include <signal.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <time.h>
@@ -73,6 +75,11 @@ class Board {
       events_ = fd;
       return;
     }
+    if (hello.channel == Channel::kOutput) {
+      // Requested without a value, an output is driven low.
+      const std::lock_guard lock(mutex_);
+      set(hello.line, false);
+    }
     Packet packet;
     while (::recv(fd, &packet, sizeof packet, 0) == static_cast<ssize_t>(sizeof packet)) {
       {
@@ -83,6 +90,12 @@ class Board {
     }
     // Whoever held a line is gone: it keeps its level, as most chips leave it.
     ::close(fd);
+  }
+
+  void light_up() {
+    const std::lock_guard lock(mutex_);
+    set(kGate, true);
+    set(kLight, true);
   }
 
  private:
@@ -159,6 +172,13 @@ int main(int argc, char** argv) {
   mode.frames_per_second = static_cast<std::uint32_t>(std::max(1, std::atoi(argv[2])));
   // A quarter of the frame: the gate follows a strobe that is told when the exposure is over, and needs the rest.
   Board board(std::move(*bursts), 1000 * kMs / mode.frames_per_second / 4);
+  sigset_t asked;
+  ::sigemptyset(&asked);
+  ::sigaddset(&asked, SIGUSR1);
+  ::pthread_sigmask(SIG_BLOCK, &asked, nullptr);  // of the threads to come, too
+  std::thread([&board, asked] {
+    for (int signal = 0; ::sigwait(&asked, &signal) == 0;) board.light_up();
+  }).detach();
   const int listener = listen_for_the_shim();
   if (listener < 0) return std::perror(kBoardSocket), 1;
   std::thread([&] {
