@@ -1,8 +1,10 @@
 // A SIMULATED board in the guest: one clock makes the camera's frames, the edges on its lines and the projector's
 // patterns. What the sensor sees are the bursts of a recording, pattern by pattern as the projector is triggered.
-// Behind the last burst the first comes again. usage: board_sim RECORDING FRAMES_PER_SECOND; ends when the kernel
+// Behind the last burst the first comes again. usage: board_sim RECORDING FRAMES_PER_SECOND [BURSTS]; with BURSTS, only
+// so many of the recording's. SIGUSR1: gate and light high, as who holds them in a scan has them. Ends when the kernel
 // closes the camera's connection.
 #include <linux/gpio.h>
+#include <signal.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <time.h>
@@ -73,6 +75,11 @@ class Board {
       events_ = fd;
       return;
     }
+    if (hello.channel == Channel::kOutput) {
+      // Requested without a value, an output is driven low.
+      const std::lock_guard lock(mutex_);
+      set(hello.line, false);
+    }
     Packet packet;
     while (::recv(fd, &packet, sizeof packet, 0) == static_cast<ssize_t>(sizeof packet)) {
       {
@@ -81,10 +88,14 @@ class Board {
       }
       if (::send(fd, &packet, sizeof packet, MSG_NOSIGNAL) < 0) break;
     }
-    // Whoever held a line is gone: it falls.
-    const std::lock_guard lock(mutex_);
-    if (hello.channel == Channel::kOutput) set(hello.line, false);
+    // Whoever held a line is gone: it keeps its level, as most chips leave it.
     ::close(fd);
+  }
+
+  void light_up() {
+    const std::lock_guard lock(mutex_);
+    set(kGate, true);
+    set(kLight, true);
   }
 
  private:
@@ -128,10 +139,10 @@ class Board {
   std::mt19937 noise_{1};
 };
 
-Result<std::vector<fw::SimBurst>> all_bursts(const std::string& recording) {
+Result<std::vector<fw::SimBurst>> first_bursts(const std::string& recording, std::size_t most) {
   ENAMEL_TRY_ASSIGN(auto source, fw::CaptureSource::open(recording));
   std::vector<fw::SimBurst> all;
-  for (;;) {
+  while (all.size() < most) {
     ENAMEL_TRY_ASSIGN(auto next, source->next());
     if (!next) break;
     all.push_back(std::move(*next));
@@ -153,13 +164,21 @@ int listen_for_the_shim() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) return std::fprintf(stderr, "usage: board_sim RECORDING FRAMES_PER_SECOND\n"), 2;
-  auto bursts = all_bursts(argv[1]);
+  if (argc < 3 || argc > 4) return std::fprintf(stderr, "usage: board_sim RECORDING FRAMES_PER_SECOND [BURSTS]\n"), 2;
+  const std::size_t most = argc > 3 ? static_cast<std::size_t>(std::max(1, std::atoi(argv[3]))) : SIZE_MAX;
+  auto bursts = first_bursts(argv[1], most);
   if (!bursts) return std::fprintf(stderr, "%s\n", bursts.error().message().c_str()), 1;
   UvcMode mode;
   mode.frames_per_second = static_cast<std::uint32_t>(std::max(1, std::atoi(argv[2])));
   // A quarter of the frame: the gate follows a strobe that is told when the exposure is over, and needs the rest.
   Board board(std::move(*bursts), 1000 * kMs / mode.frames_per_second / 4);
+  sigset_t asked;
+  ::sigemptyset(&asked);
+  ::sigaddset(&asked, SIGUSR1);
+  ::pthread_sigmask(SIG_BLOCK, &asked, nullptr);  // of the threads to come, too
+  std::thread([&board, asked] {
+    for (int signal = 0; ::sigwait(&asked, &signal) == 0;) board.light_up();
+  }).detach();
   const int listener = listen_for_the_shim();
   if (listener < 0) return std::perror(kBoardSocket), 1;
   std::thread([&] {

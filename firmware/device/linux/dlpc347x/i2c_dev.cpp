@@ -19,8 +19,9 @@ std::string remedy(int error) {
   switch (error) {
     case ENOENT:
       return "no such bus: is I2C switched on in the device tree?";
-    case EACCES:
     case EPERM:
+      return "denied by the service's sandbox: its unit needs DeviceAllow for it";
+    case EACCES:
       return "no permission: add the user to the group i2c, or run as root";
     case ENXIO:
     case EREMOTEIO:

@@ -26,8 +26,9 @@ std::string remedy(int error) {
   switch (error) {
     case ENOENT:
       return "no such device: is the projector powered and its USB cable plugged in?";
-    case EACCES:
     case EPERM:
+      return "denied by the service's sandbox: its unit needs DeviceAllow for it";
+    case EACCES:
       return "no permission: add a udev rule SUBSYSTEM==\"hidraw\", ATTRS{idVendor}==\"0451\", "
              "ATTRS{idProduct}==\"6401\", TAG+=\"uaccess\", then plug it in again";
     case ENODEV:

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 
 #include "firmware/device/linux/libcamera/runtime.hpp"
@@ -52,6 +53,8 @@ std::string why_no_camera(const std::string& dev, const std::string& sys) {
   for (const auto* group : {&media, &video}) {
     for (const fs::path& node : *group) {
       if (::access(node.c_str(), R_OK | W_OK) == 0) continue;
+      if (errno == EPERM)
+        return node.string() + " is denied by the service's sandbox: its unit needs DeviceAllow for it";
       return "no permission on " + node.string() + "; add the user to the groups video and render, or run as root";
     }
   }

@@ -24,7 +24,8 @@ std::string who_has(int chip, std::uint32_t offset) {
 }
 
 std::string remedy(int chip, std::span<const std::uint32_t> offsets, int error) {
-  if (error == EACCES || error == EPERM) return "no permission: add the user to the group gpio, or run as root";
+  if (error == EPERM) return "denied by the service's sandbox: its unit needs DeviceAllow for it";
+  if (error == EACCES) return "no permission: add the user to the group gpio, or run as root";
   for (const std::uint32_t offset : offsets) {
     if (const std::string who = who_has(chip, offset); !who.empty()) return who;
   }

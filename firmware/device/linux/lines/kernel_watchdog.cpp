@@ -19,8 +19,10 @@ const char* remedy(int error) {
   switch (error) {
     case ENOENT:
       return "; there is none: load the board's watchdog driver, or leave watchdog.device empty";
+    case EPERM:
+      return ": denied by the service's sandbox: its unit needs DeviceAllow for it";
     case EACCES:
-      return "; no permission: the service needs DeviceAllow for it";
+      return ": add the user to the group that owns it, or run as root";
     case EBUSY:
       return "; another program feeds it: with RuntimeWatchdogSec systemd does, leave watchdog.device empty then";
     default:
