@@ -16,6 +16,8 @@ double rolled_deg(const Pose& T_j_i) {
   return std::min(roll, 180 - roll);
 }
 
+BowMatrix prior_of(double sigma_mm) { return BowMatrix::Identity() * sigma_mm * sigma_mm; }
+
 }  // namespace
 
 BowFacts judge_bow(const BowEstimate& estimate, const BowConfig& config) {
@@ -43,8 +45,7 @@ BowFacts judge_bow(const BowEstimate& estimate, const BowConfig& config) {
 
 BowFacts find_bow(const SolvedGraph& solved, const std::vector<MapEdge>& edges, const std::vector<EdgeBow>& bows,
                   const GraphConfig& graph, const BowConfig& config) {
-  const BowMatrix prior = BowMatrix::Identity() * config.prior_mm * config.prior_mm;
-  const SolvedGraph bent = solve_graph(solved.poses, edges, graph, {}, {}, {bows, prior});
+  const SolvedGraph bent = solve_graph(solved.poses, edges, graph, {}, {}, {bows, prior_of(config.prior_mm)});
   if (!bent.bow) return {};
   BowFacts out = judge_bow(*bent.bow, config);
   for (std::size_t e = 0; e < edges.size(); ++e) {
@@ -53,11 +54,19 @@ BowFacts find_bow(const SolvedGraph& solved, const std::vector<MapEdge>& edges, 
   return out;
 }
 
-void take_out(const BowVector& bow, const std::vector<EdgeBow>& bows, double rho_mm, std::vector<MapEdge>& edges) {
+void take_out(const BowVector& bow, double rho_mm, std::vector<MapEdge>& edges, std::vector<EdgeBow>& bows) {
   for (std::size_t e = 0; e < edges.size(); ++e) {
     MapEdge& edge = edges[e];
     edge.T_j_i = apply_motion(bows[e].motion * bow, edge.centre, rho_mm, edge.T_j_i);
+    bows[e].g -= bows[e].H * bow;
   }
+}
+
+std::shared_ptr<const GraphCovariance> covariance_with_bow(const SolvedGraph& solved, const std::vector<MapEdge>& edges,
+                                                           const std::vector<EdgeBow>& bows, GraphConfig graph,
+                                                           double sigma_mm) {
+  graph.rounds = 1;
+  return solve_graph(solved.poses, edges, graph, {}, {}, {bows, prior_of(sigma_mm)}).covariance;
 }
 
 }  // namespace enamel::pipeline

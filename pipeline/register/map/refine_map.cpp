@@ -129,8 +129,12 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   SolvedGraph solved = solve_graph(start, edges, config.graph);
   out.bow = find_bow(solved, edges, bows, config.graph, config.bow);
   if (out.bow->applied) {
-    take_out(out.bow->taken_out, bows, config.graph.rho_mm, edges);
+    take_out(out.bow->taken_out, config.graph.rho_mm, edges, bows);
     solved = solve_graph(std::move(start), edges, config.graph);
+  }
+  if (solved.covariance) {
+    const double sigma_mm = out.bow->applied ? config.bow.prior_mm : config.bow.sound_mm;
+    solved.covariance = covariance_with_bow(solved, edges, bows, config.graph, sigma_mm);
   }
   if (config.known) {
     const MapTie tie{*config.known, config.artefact, config.graph};

@@ -132,6 +132,41 @@ TEST_F(Bow, is_judged_by_what_the_scan_adds_to_the_prior) {
   EXPECT_TRUE(unknown.taken_out.isZero(0));
 }
 
+TEST_F(Bow, of_a_chain_is_as_known_as_before_and_bends_it_as_much) {
+  constexpr std::size_t kChain = 6;
+  constexpr double kTurn = 0.2, kSigma_mm = 0.02, kUp_mm = 10;  // each mm of x^2 turns an edge by 0.2 rad about y
+  std::vector<Pose> poses;
+  std::vector<MapEdge> edges;
+  std::vector<EdgeBow> bows;
+  const GraphConfig graph;
+  for (std::size_t n = 0; n < kChain; ++n) {
+    poses.push_back(Pose(Eigen::Translation3d(2.0 * static_cast<double>(n), 0, 0)));
+    if (n == 0) continue;
+    MapEdge edge;
+    edge.i = n;
+    edge.j = n - 1;
+    edge.T_j_i = poses[n - 1].inverse() * poses[n];
+    edge.H = 1e12 * Matrix6::Identity();
+    edges.push_back(edge);
+    bows.push_back({});
+    bows.back().motion(1, 0) = kTurn * graph.rho_mm;
+  }
+  const SolvedGraph straight = solve_graph(poses, edges, graph);
+  const BowMatrix prior = BowMatrix::Identity() * kSigma_mm * kSigma_mm;
+  const SolvedGraph bent = solve_graph(poses, edges, graph, {}, {}, {bows, prior});
+  ASSERT_TRUE(bent.bow);
+  EXPECT_NEAR(std::sqrt(bent.bow->covariance(0, 0)), kSigma_mm, 0.01 * kSigma_mm);
+  const NodePoint first{0, Vec3d::Zero()}, last{kChain - 1, Vec3d(10, 0, kUp_mm)};
+  const double far = last.p_model.norm();
+  // node n turns by n edges, carried by those before it: 1 + … + 5 turns of 2 mm lower the last, 5 turns take its point
+  // along
+  const double along = (5 * kTurn * kUp_mm * 10 - (1 + 2 + 3 + 4) * kTurn * 2 * kUp_mm) / far * kSigma_mm;
+  const double without = straight.covariance->sigma_of_distance_mm(first, last);
+  const auto with = covariance_with_bow(straight, edges, bows, graph, kSigma_mm);
+  EXPECT_LT(without, 0.1 * std::abs(along));
+  EXPECT_NEAR(with->sigma_of_distance_mm(first, last), std::abs(along), 0.1 * std::abs(along) + without);
+}
+
 TEST_F(Bow, of_a_rolled_scan_is_found_within_its_own_sigma) {
   constexpr int kDraws = 20;
   int within = 0, applied = 0;
