@@ -1,5 +1,6 @@
 #include "pipeline/register/map/bow_edge.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -55,26 +56,33 @@ bool residual_of(const Pair& of, std::size_t n, Residual& out) {
   return true;
 }
 
-/// H and its gradient of all samples, those that do not fit weighed less.
+/// H and its gradient of all samples; those that would not fit after the step `taken` are weighed less.
 struct System {
   Matrix9 H = Matrix9::Zero();
   Row9 g = Row9::Zero();
   double weight = 0;
 };
-System sum_up(const std::vector<Residual>& residuals, const IcpConfig& icp) {
+System sum_up(const std::vector<Residual>& residuals, const Row9& taken, const IcpConfig& icp) {
   std::vector<double> sizes;
   sizes.reserve(residuals.size());
-  for (const Residual& r : residuals) sizes.push_back(std::abs(r.e));
+  for (const Residual& r : residuals) sizes.push_back(std::abs(r.e + r.J.dot(taken)));
   const double scale = std::max(1.4826 * middle_of(std::move(sizes)), icp.samples.sigma_floor_mm);
   const RobustKernel kernel{true, static_cast<float>(1 / (icp.welsch_scale * scale))};
   System out;
   for (const Residual& r : residuals) {
-    const double w = r.weight * static_cast<double>(kernel.weight(static_cast<float>(r.e)));
+    const double w = r.weight * static_cast<double>(kernel.weight(static_cast<float>(r.e + r.J.dot(taken))));
     out.H.noalias() += w * r.J * r.J.transpose();
     out.g += w * r.e * r.J;
     out.weight += w;
   }
   return out;
+}
+
+/// The step that lays both surfaces on each other, the bow held by what it may be.
+Row9 step_of(const System& sums, double expected_mm) {
+  Matrix9 H = sums.H;
+  for (int k = 0; k < kMotionAndBow; ++k) H(k, k) += 1 / (expected_mm * expected_mm);
+  return -H.ldlt().solve(sums.g);
 }
 
 /// Inverse over the directions that the surface holds.
@@ -107,7 +115,10 @@ EdgeBow measure_edge_bow(const MapNode& i, const MapNode& j, const MapEdge& edge
   }
   EdgeBow out;
   if (residuals.empty()) return out;
-  const System sums = sum_up(residuals, with.icp);
+  // Weighed by what a bow leaves, not by the bow: noise that adds to it would count less than noise against it, and the
+  // bow come out 5 % too small.
+  const Row9 step = step_of(sum_up(residuals, Row9::Zero(), with.icp), with.bow.expected_mm);
+  const System sums = sum_up(residuals, step, with.icp);
   const Matrix6 inverse = inverse_where_held(sums.H.topLeftCorner<6, 6>(), with.icp.prior.weak_eigenvalue);
   const auto cross = sums.H.topRightCorner<6, kBowTerms>();
   out.motion = -inverse * cross;

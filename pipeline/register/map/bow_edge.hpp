@@ -7,8 +7,9 @@
 namespace enamel::pipeline {
 
 struct BowEdgeConfig {
-  std::size_t every = 8;  ///< chosen: samples left out between two; a pair's bias is larger than their noise
-  double bias_mm = 1e-3;  ///< as GraphConfig: what stays between two surfaces however many points they share
+  std::size_t every = 8;      ///< chosen: samples left out between two; a pair's bias is larger than their noise
+  double expected_mm = 0.02;  ///< as BowConfig::prior_mm
+  double bias_mm = 1e-3;      ///< as GraphConfig: what stays between two surfaces however many points they share
 };
 
 struct BowMeasuring {

@@ -158,9 +158,8 @@ TEST_F(Bow, of_a_chain_is_as_known_as_before_and_bends_it_as_much) {
   EXPECT_NEAR(std::sqrt(bent.bow->covariance(0, 0)), kSigma_mm, 0.01 * kSigma_mm);
   const NodePoint first{0, Vec3d::Zero()}, last{kChain - 1, Vec3d(10, 0, kUp_mm)};
   const double far = last.p_model.norm();
-  // node n turns by n edges, carried by those before it: 1 + … + 5 turns of 2 mm lower the last, 5 turns take its point
-  // along
-  const double along = (5 * kTurn * kUp_mm * 10 - (1 + 2 + 3 + 4) * kTurn * 2 * kUp_mm) / far * kSigma_mm;
+  // each edge turns all that follows: 5 turns take the point along by its height, and lower it by 1 + … + 5 times 2 mm
+  const double along = (5 * kUp_mm * 10 - (1 + 2 + 3 + 4 + 5) * 2 * kUp_mm) * kTurn / far * kSigma_mm;
   const double without = straight.covariance->sigma_of_distance_mm(first, last);
   const auto with = covariance_with_bow(straight, edges, bows, graph, kSigma_mm);
   EXPECT_LT(without, 0.1 * std::abs(along));

@@ -90,9 +90,9 @@ struct PassConfig {
   double roll_deg = 0;             ///< about the arch's tangent; > 0: the probe stands on the cheek side
   double height_mm = 4;            ///< z of the point looked at, above the gum margin
   double offset_mm = 0;            ///< of that point from the arch, outwards; < 0: on the tongue's side
-  double spin_deg = 0;             ///< about the viewing axis, clockwise as the camera sees it
   Joint after = Joint::kTurn;
   double pause_s = 1.0;  ///< from the end of the pass before, when after a pause
+  double spin_deg = 0;   ///< about the viewing axis, clockwise as the camera sees it
 };
 
 /// The probe is paused while the hand goes on.
