@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/app/artefact_report.hpp"
+#include "host/app/bow_report.hpp"
 #include "host/app/run_options.hpp"
 #include "host/compare/compare.hpp"
 #include "host/compare/deviation_picture.hpp"
@@ -115,6 +116,7 @@ std::string map_json(const host::ScanResult& scan) {
                      {"seen_through_px", facts.seen_through_px},
                      {"refine_s", facts.refine_s},
                      {"seconds", facts.seconds}};
+  if (m.bow) out["bow"] = bow_json(*m.bow);
   if (m.artefact) out["artefact"] = artefact_json(*m.artefact);
   return json_text(out);
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/app/artefact_report.hpp"
+#include "host/app/bow_report.hpp"
 #include "host/session/artefact_file.hpp"
 #include "protocol/base/config.hpp"
 
@@ -41,6 +42,8 @@ void print_map(const nlohmann::json& m) {
                  " edges, moved by " + number(m.value("largest_move_um", 0.0), "%.0f", " um at most in ") +
                  number(m.value("seconds", 0.0), "%.1f", " s"));
   if (m.contains("artefact")) row("artefact", artefact_line(m["artefact"]));
+  if (const std::string line = bow_line(m.value("bow", nlohmann::json::object())); !line.empty())
+    row("rig's bow", line);
 }
 
 void print_accuracy(const nlohmann::json& a) {

@@ -75,13 +75,21 @@ double seconds_since(HostTime start, const Clock& clock) {
 
 }  // namespace
 
+SurfacePatch final_patch(const Refined& kept, std::size_t n, const calib::Rig& rig, stage::FuseStage& fuse) {
+  SurfacePatch patch = fuse.segments().patch_of(kept.history[n], pipeline::Texture::kDropped);
+  if (!kept.bow_taken_out.isZero(0)) pipeline::BowField(rig).take_out(kept.bow_taken_out, patch);
+  return patch;
+}
+
 Refined refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& placed, stage::FuseStage& fuse,
                      const Clock& clock) {
   const HostTime start = clock.now();
-  std::vector<pipeline::KeptBurst> history = fuse.segments().take_history();
   Refined out;
+  out.history = fuse.segments().take_history();
+  std::vector<pipeline::KeptBurst>& history = out.history;
   MapFacts& facts = out.facts;
-  if (history.size() != placed.size() || history.empty()) return out;
+  if (history.size() != placed.size()) history.clear();
+  if (history.empty()) return out;
   pipeline::MapInput map;
   for (const MeasuredBurst& burst : placed) map.bursts.push_back({burst.pose.t_mid, burst.pose.T_model_cam});
   map.load = [&](std::size_t n) { return fuse.segments().patch_of(history[n], pipeline::Texture::kDropped); };
@@ -96,12 +104,14 @@ Refined refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pla
   const auto refined = pipeline::refine_map(map, input.rig, icp, input.config.map);
   if (fuse.segments().stored().lost > 0) {
     log::error("map", "bursts are missing; the model stays as it was scanned");
+    history.clear();
     return out;
   }
   facts.refine_s = seconds_since(start, clock);
   facts.map = refined;
   facts.map.poses = {};
   facts.map.free_space = nullptr;
+  if (refined.bow) out.bow_taken_out = refined.bow->taken_out;
   for (std::size_t n = 0; n < placed.size(); ++n) {
     placed[n].pose.T_model_cam = refined.poses[n];
     history[n].T_segment_cam = refined.poses[n];
@@ -110,7 +120,10 @@ Refined refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pla
   const pipeline::PatchStore::Figures kept = fuse.segments().stored();
   log::info("map", "fusing {} bursts anew; {} MB of them were kept in memory, {} MB in a file", history.size(),
             kept.memory_bytes >> 20U, kept.file_bytes >> 20U);
-  CleanedPatches ahead(map.bursts, map.load, refined.free_space);
+  const std::function<SurfacePatch(std::size_t)> load = [&](std::size_t n) {
+    return final_patch(out, n, input.rig, fuse);
+  };
+  CleanedPatches ahead(map.bursts, load, refined.free_space);
   const auto bursts = static_cast<double>(history.size());
   fuse.rebuild(history, [&](std::size_t n) {
     input.progress(kPosesShare + (1 - kPosesShare) * static_cast<double>(n) / bursts);
@@ -120,7 +133,6 @@ Refined refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pla
   facts.measured_px = ahead.measured_px();
   facts.seconds = seconds_since(start, clock);
   out.passed = ahead.take_passed();
-  out.history = std::move(history);
   return out;
 }
 

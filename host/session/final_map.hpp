@@ -23,8 +23,13 @@ struct Refined {
   std::vector<pipeline::KeptBurst>
       history;                      ///< the model's bursts with their refined poses; empty where it stayed as it was
   std::vector<PassedPoint> passed;  ///< of the points left out, one a square of kPassedStepPx
+  pipeline::BowVector bow_taken_out = pipeline::BowVector::Zero();  ///< of all its patches
 };
 inline constexpr int kPassedStepPx = 8;  ///< chosen: 0.3 to 0.5 mm on the object
+
+/// Burst n of `kept` as the final model holds it. From several threads at once.
+[[nodiscard]] SurfacePatch final_patch(const Refined& kept, std::size_t n, const calib::Rig& rig,
+                                       stage::FuseStage& fuse);
 
 /// Refines `placed`, the model's bursts in order, and rebuilds the model in `fuse` from them.
 [[nodiscard]] Refined refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& placed,

@@ -61,13 +61,14 @@ std::vector<Vec3d> centres_of(const std::vector<Pose>& poses, const std::vector<
 class Solver {
  public:
   Solver(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config, Landmarks landmarks,
-         std::vector<PosePrior> priors)
+         std::vector<PosePrior> priors, BowTerms bow)
       : poses_(std::move(poses)),
         edges_(edges),
         config_(config),
         switches_(edges.size(), 1.0),
         landmarks_(std::move(landmarks)),
         priors_(std::move(priors)),
+        bow_(std::move(bow)),
         distance_variances_(landmarks_.asked(), 0.0) {
     for (const MapEdge& edge : edges) information_.push_back(information(edge, config));
   }
@@ -79,24 +80,27 @@ class Solver {
     }
     judge();
     const Normal at_end = normal_equations();
-    SolvedGraph out{poses_, switches_, sigma0_, 0, landmarks_.at(), distance_variances_, nullptr};
+    SolvedGraph out{poses_, switches_, sigma0_, 0, landmarks_.at(), distance_variances_, nullptr, {}};
     for (std::size_t e = 0; e < edges_.size(); ++e) out.switched_off += switches_[e] < 0.5 ? 1 : 0;
     out.covariance =
         std::make_shared<const GraphCovariance>(at_end.H / variance_of_unit_weight(), at_end.centres, config_.rho_mm);
+    if (bow_.any()) out.bow = bow_at(at_end);
     return out;
   }
 
  private:
-  [[nodiscard]] Vector6 residual(const MapEdge& edge) const {
+  [[nodiscard]] Vector6 residual(std::size_t e) const {
+    const MapEdge& edge = edges_[e];
     const Pose T_j_i = poses_[edge.j].inverse() * poses_[edge.i];
-    return motion_between(edge.T_j_i, T_j_i, edge.centre, config_.rho_mm);
+    const Vector6 x = motion_between(edge.T_j_i, T_j_i, edge.centre, config_.rho_mm);
+    return bow_.any() ? Vector6(x - bow_.motion_of(e)) : x;
   }
 
   /// Scale of the residuals by their median over all edges, which false ones hardly move; then the switches.
   void judge() {
     std::vector<double> chi2;
     for (std::size_t e = 0; e < edges_.size(); ++e) {
-      const Vector6 x = residual(edges_[e]);
+      const Vector6 x = residual(e);
       chi2.push_back(x.dot(information_[e] * x) / 6);
     }
     constexpr double kMedianOfChi2 = 0.891;  // of chi^2 with six degrees of freedom over six
@@ -106,6 +110,7 @@ class Solver {
       if (edges_[e].loop) switches_[e] = switch_of(chi2[e] / variance, config_.switch_sigmas);
     }
     landmarks_.judge(poses_, config_.switch_sigmas);
+    bow_.judge(config_.switch_sigmas);
   }
 
   struct Normal {
@@ -115,7 +120,7 @@ class Solver {
   };
 
   [[nodiscard]] Normal normal_equations() const {
-    const auto unknowns = static_cast<Eigen::Index>(6 * (poses_.size() - 1)) + landmarks_.unknowns();
+    const auto unknowns = static_cast<Eigen::Index>(6 * (poses_.size() - 1)) + landmarks_.unknowns() + bow_.unknowns();
     Normal out{centres_of(poses_, edges_), {unknowns, unknowns}, Eigen::VectorXd::Zero(unknowns)};
     std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t e = 0; e < edges_.size(); ++e) {
@@ -125,15 +130,17 @@ class Solver {
       const Matrix6 A = carry(R_j_model, centre - out.centres[edge.i], config_.rho_mm);
       const Matrix6 B = -carry(R_j_model, centre - out.centres[edge.j], config_.rho_mm);
       const Matrix6 W = switches_[e] * information_[e];
-      const Vector6 x = residual(edge);
+      const Vector6 x = residual(e);
       add(entries, edge.i, edge.i, A.transpose() * W * A);
       add(entries, edge.j, edge.j, B.transpose() * W * B);
       add(entries, edge.i, edge.j, A.transpose() * W * B);
       add(entries, edge.j, edge.i, B.transpose() * W * A);
       if (edge.i > 0) out.g.segment<6>(at(edge.i)) += A.transpose() * W * x;
       if (edge.j > 0) out.g.segment<6>(at(edge.j)) += B.transpose() * W * x;
+      if (bow_.any()) bow_.add_edge(e, {W, x, {at(edge.i), A}, {at(edge.j), B}}, {entries, out.g});
     }
     landmarks_.add_to({entries, out.g}, {poses_, out.centres, config_.rho_mm}, sigma0_ * sigma0_);
+    bow_.add_to({entries, out.g}, std::max(1.0, sigma0_ * sigma0_), variance_of_unit_weight());
     add_priors(priors_, {entries, out.g, poses_, out.centres}, config_.rho_mm, variance_of_unit_weight());
     out.H.setFromTriplets(entries.begin(), entries.end());
     for (Eigen::Index k = 0; k < unknowns; ++k) out.H.coeffRef(k, k) += kHold;
@@ -159,6 +166,13 @@ class Solver {
     const auto by_graph = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return factor.solve(v); };
     distance_variances_ = landmarks_.variances(by_graph, normal.g.size(), sigma0_ * sigma0_);
     landmarks_.move(move);
+    bow_.move(move);
+  }
+
+  [[nodiscard]] BowEstimate bow_at(const Normal& normal) const {
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(normal.H);
+    return bow_.estimate([&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return factor.solve(v); }, normal.g.size(),
+                         variance_of_unit_weight());
   }
 
   static Eigen::Index at(std::size_t node) { return static_cast<Eigen::Index>(6 * (node - 1)); }
@@ -180,17 +194,18 @@ class Solver {
   double sigma0_ = 1;
   LandmarkFactors landmarks_;
   std::vector<PosePrior> priors_;
+  BowFactors bow_;
   std::vector<double> distance_variances_;
 };
 
 }  // namespace
 
 SolvedGraph solve_graph(std::vector<Pose> poses, const std::vector<MapEdge>& edges, const GraphConfig& config,
-                        Landmarks landmarks, std::vector<PosePrior> priors) {
+                        Landmarks landmarks, std::vector<PosePrior> priors, BowTerms bow) {
   if (poses.size() < 2 || (edges.empty() && priors.empty())) {
-    return {std::move(poses), std::vector<double>(edges.size(), 1.0), 1, 0, std::move(landmarks.at), {}, nullptr};
+    return {std::move(poses), std::vector<double>(edges.size(), 1.0), 1, 0, std::move(landmarks.at), {}, nullptr, {}};
   }
-  return Solver(std::move(poses), edges, config, std::move(landmarks), std::move(priors)).run();
+  return Solver(std::move(poses), edges, config, std::move(landmarks), std::move(priors), std::move(bow)).run();
 }
 
 }  // namespace enamel::pipeline

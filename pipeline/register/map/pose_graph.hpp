@@ -6,9 +6,11 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "pipeline/register/icp/normal_system.hpp"
+#include "pipeline/register/map/bow_factors.hpp"
 #include "pipeline/register/map/graph_covariance.hpp"
 #include "pipeline/register/map/landmark_factors.hpp"
 #include "pipeline/register/map/pose_prior.hpp"
@@ -44,12 +46,13 @@ struct SolvedGraph {
   std::vector<Vec3d> landmarks;                       ///< model frame
   std::vector<double> distance_variances;             ///< mm^2, of each distance between them
   std::shared_ptr<const GraphCovariance> covariance;  ///< null where there was nothing to solve
+  std::optional<BowEstimate> bow = {};                ///< where one was asked for
 };
 
 /// Node 0 stays. `poses`: where the nodes are believed to be, near enough for one linearisation a round; every node is
-/// connected to node 0, or has a prior. Deterministic.
+/// connected to node 0, or has a prior. Landmarks or a bow, not both. Deterministic.
 [[nodiscard]] SolvedGraph solve_graph(std::vector<Pose> poses, const std::vector<MapEdge>& edges,
                                       const GraphConfig& config, Landmarks landmarks = {},
-                                      std::vector<PosePrior> priors = {});
+                                      std::vector<PosePrior> priors = {}, BowTerms bow = {});
 
 }  // namespace enamel::pipeline

@@ -36,47 +36,52 @@ std::shared_ptr<const MapNodes> make_nodes(const MapInput& input, const std::vec
   return nodes;
 }
 
-struct Measuring {
-  const calib::LensValues& lens;
-  const IcpConfig& icp;
-  const EdgeConfig& edge;
+/// Edges and what a bow of the rig makes of each.
+struct Edges {
+  std::vector<MapEdge> of;
+  std::vector<EdgeBow> bows;
 };
 
 /// Both ways round: what one-sided association leaves of a bias has the other sign in the other.
-std::vector<MapEdge> measure_edges(const MapInput& input, const std::vector<std::size_t>& keyframes,
-                                   const std::vector<KeyframePair>& pairs, const MapNodes& nodes,
-                                   const Measuring& with) {
+Edges measure_edges(const MapInput& input, const std::vector<std::size_t>& keyframes,
+                    const std::vector<KeyframePair>& pairs, const MapNodes& nodes, const BowMeasuring& with) {
   std::vector<std::optional<MapEdge>> found(2 * pairs.size());
+  std::vector<EdgeBow> bows(found.size());
   const auto measure = [&](std::size_t n) {
     KeyframePair pair = pairs[n / 2];
     if (n % 2 == 1) std::swap(pair.i, pair.j);
     const Pose start =
         input.bursts[keyframes[pair.j]].T_model_cam.inverse() * input.bursts[keyframes[pair.i]].T_model_cam;
     const auto node_i = nodes.get(pair.i), node_j = nodes.get(pair.j);
-    found[n] = measure_edge(*node_i, *node_j, with.lens, start, with.icp, with.edge);
+    found[n] = measure_edge(*node_i, *node_j, with.rig.camera, start, with.icp, with.edge);
     if (!found[n]) return;
     found[n]->i = pair.i;
     found[n]->j = pair.j;
     found[n]->loop = pair.loop;
+    bows[n] = measure_edge_bow(*node_i, *node_j, *found[n], with);
   };
   for (std::size_t part = 0; part < kParts; ++part) {
     const std::size_t from = part * found.size() / kParts, to = (part + 1) * found.size() / kParts;
     input.for_each(to - from, [&](std::size_t n) { measure(from + n); });
     input.progress(kNodesShare + kEdgesShare * static_cast<double>(part + 1) / kParts);
   }
-  std::vector<MapEdge> edges;
-  for (auto& edge : found) {
-    if (edge) edges.push_back(*edge);
+  Edges out;
+  for (std::size_t n = 0; n < found.size(); ++n) {
+    if (!found[n]) continue;
+    out.of.push_back(*found[n]);
+    out.bows.push_back(bows[n]);
   }
-  return edges;
+  return out;
 }
 
 /// What of the known artefact each keyframe shows.
 std::vector<std::vector<FoundSphere>> find_in(const MapInput& input, const std::vector<std::size_t>& keyframes,
-                                              const calib::Rig& rig, const MapConfig& config) {
+                                              const calib::Rig& rig, const MapConfig& config, const BowVector& bow) {
   std::vector<std::vector<FoundSphere>> out(keyframes.size());
   input.for_each(keyframes.size(), [&](std::size_t k) {
-    out[k] = find_artefact(input.load(keyframes[k]), rig.camera, *config.known, config.artefact.find);
+    SurfacePatch patch = input.load(keyframes[k]);
+    if (!bow.isZero(0)) BowField(rig).take_out(bow, patch);
+    out[k] = find_artefact(patch, rig.camera, *config.known, config.artefact.find);
   });
   return out;
 }
@@ -117,14 +122,23 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   const auto pairs = choose_pairs(input.bursts, keyframes, work_distance_mm, config);
   const auto nodes = make_nodes(input, keyframes, rig, icp, config);
   input.progress(kNodesShare);
-  const auto edges = measure_edges(input, keyframes, pairs, *nodes, {rig.camera, icp, config.edge});
+  auto [edges, bows] = measure_edges(input, keyframes, pairs, *nodes, {rig, icp, config.edge, config.bow.edge});
   std::vector<Pose> start;
   start.reserve(keyframes.size());
   for (const std::size_t k : keyframes) start.push_back(input.bursts[k].T_model_cam);
-  SolvedGraph solved = solve_graph(std::move(start), edges, config.graph);
+  SolvedGraph solved = solve_graph(start, edges, config.graph);
+  out.bow = find_bow(solved, edges, bows, config.graph, config.bow);
+  if (out.bow->applied) {
+    take_out(out.bow->taken_out, config.graph.rho_mm, edges, bows);
+    solved = solve_graph(std::move(start), edges, config.graph);
+  }
+  if (solved.covariance) {
+    const double sigma_mm = out.bow->applied ? config.bow.prior_mm : config.bow.sound_mm;
+    solved.covariance = covariance_with_bow(solved, edges, bows, config.graph, sigma_mm);
+  }
   if (config.known) {
     const MapTie tie{*config.known, config.artefact, config.graph};
-    out.artefact = tie_to_artefact(find_in(input, keyframes, rig, config), edges, tie, solved);
+    out.artefact = tie_to_artefact(find_in(input, keyframes, rig, config, out.bow->taken_out), edges, tie, solved);
   }
   out.poses = carry_bursts(input.bursts, keyframes, solved.poses, work_distance_mm);
   out.keyframes = keyframes.size();

@@ -12,6 +12,7 @@
 #include "calib/model/rig.hpp"
 #include "pipeline/register/icp/icp.hpp"
 #include "pipeline/register/map/artefact_tie.hpp"
+#include "pipeline/register/map/bow_find.hpp"
 #include "pipeline/register/map/free_space.hpp"
 #include "pipeline/register/map/map_burst.hpp"
 #include "pipeline/register/map/map_edge.hpp"
@@ -41,6 +42,7 @@ struct MapConfig {
   EdgeConfig edge;
   GraphConfig graph;
   FreeSpaceConfig free_space;
+  BowConfig bow;
   ArtefactConfig artefact;
   std::optional<KnownArtefact> known;  ///< lies in the field of view; fault_of() it is empty
 };
@@ -66,6 +68,7 @@ struct RefinedMap {
   double sigma0 = 0;
   double largest_move_mm = 0;                   ///< at the point looked at
   Stations stations;                            ///< empty where nothing was refined or the way is short
+  std::optional<BowFacts> bow;                  ///< of the rig itself; where there are edges
   std::optional<ArtefactFacts> artefact;        ///< where one is known
   std::shared_ptr<const FreeSpace> free_space;  ///< of the keyframes where they are now; null where nothing was refined
 };

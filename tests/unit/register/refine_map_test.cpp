@@ -74,6 +74,7 @@ TEST_F(RefineMap, gives_the_same_bits_on_any_number_of_threads) {
   for (const std::size_t threads : {2U, 4U}) {
     const RefinedMap more = refine(threads);
     for (std::size_t n = 0; n < one.poses.size(); ++n) EXPECT_EQ(one.poses[n].matrix(), more.poses[n].matrix());
+    EXPECT_EQ(one.bow->bow, more.bow->bow);
   }
 }
 

@@ -45,6 +45,20 @@ TEST(TwinHand, a_surge_swings_the_speed_and_keeps_the_length_of_a_pass) {
   EXPECT_NEAR((looked_at(*path, 2.0).head<2>() - arch.point(40)).norm(), 0, 1e-6);
 }
 
+TEST(TwinHand, a_spin_turns_the_picture_and_nothing_else) {
+  ArchPathConfig config;
+  config.passes = {{10, 40, 20, 5}};
+  const auto straight = make_arch_path(config, Arch(ArchShape{}), {});
+  config.passes.front().spin_deg = 90;
+  const auto spun = make_arch_path(config, Arch(ArchShape{}), {});
+  for (const double t : {0.0, 0.7, 1.9}) {
+    const auto a = straight->pose_at(t), b = spun->pose_at(t);
+    EXPECT_EQ(a.translation(), b.translation());
+    EXPECT_LT((b.linear().col(0) - a.linear().col(1)).norm(), 1e-12) << "its right is what was below";
+    EXPECT_LT((b.linear().col(2) - a.linear().col(2)).norm(), 1e-12);
+  }
+}
+
 TEST(TwinHand, a_gap_begins_where_it_is_told_to_under_a_surge_too) {
   ArchPathConfig config;
   config.passes = {{40, 10, 0, 5}};

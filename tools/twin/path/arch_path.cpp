@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 
 struct ArchState {
-  double s, roll_deg, height, offset;
+  double s, roll_deg, height, offset, spin_deg;
 };
 
 class ArchPath final : public Trajectory {
@@ -44,6 +44,7 @@ class ArchPath final : public Trajectory {
     pose.linear().col(0) = x;
     pose.linear().col(1) = z.cross(x);
     pose.linear().col(2) = z;
+    if (a.spin_deg != 0) pose.rotate(Eigen::AngleAxisd(a.spin_deg * kRadPerDeg, Vector3d::UnitZ()));
     pose.translation() = target - config_.distance_mm * z;
     return pose;
   }
@@ -106,17 +107,18 @@ class ArchPath final : public Trajectory {
     const PassConfig& pass = config_.passes[i];
     const double dt = t_s - begin_s_[i];
     if (dt <= duration(pass) || i + 1 == config_.passes.size()) {
-      return {pass.from_mm + direction(pass) * way(pass, dt), pass.roll_deg, pass.height_mm, pass.offset_mm};
+      return {pass.from_mm + direction(pass) * way(pass, dt), pass.roll_deg, pass.height_mm, pass.offset_mm,
+              pass.spin_deg};
     }
     const PassConfig& next = config_.passes[i + 1];
     if (next.after == Joint::kPause) {  // seen by no burst
-      return {pass.to_mm, pass.roll_deg, pass.height_mm, pass.offset_mm};
+      return {pass.to_mm, pass.roll_deg, pass.height_mm, pass.offset_mm, pass.spin_deg};
     }
     return turned(pass, next, (dt - duration(pass)) / config_.turn_s);
   }
 
-  /// Turn, u from 0 to 1: the position follows a cubic that keeps the velocity at both ends, roll, height and offset a
-  /// smooth step.
+  /// Turn, u from 0 to 1: the position follows a cubic that keeps the velocity at both ends, roll, height, offset and
+  /// spin a smooth step.
   [[nodiscard]] ArchState turned(const PassConfig& pass, const PassConfig& next, double u) const {
     const double u2 = u * u, u3 = u2 * u;
     const double m0 = velocity(pass) * config_.turn_s, m1 = velocity(next) * config_.turn_s;
@@ -125,7 +127,8 @@ class ArchPath final : public Trajectory {
         (2 * u3 - 3 * u2 + 1) * pass.to_mm + (u3 - 2 * u2 + u) * m0 + (3 * u2 - 2 * u3) * next.from_mm + (u3 - u2) * m1,
         pass.roll_deg + step * (next.roll_deg - pass.roll_deg),
         pass.height_mm + step * (next.height_mm - pass.height_mm),
-        pass.offset_mm + step * (next.offset_mm - pass.offset_mm)};
+        pass.offset_mm + step * (next.offset_mm - pass.offset_mm),
+        pass.spin_deg + step * (next.spin_deg - pass.spin_deg)};
   }
 
   ArchPathConfig config_;

@@ -92,6 +92,7 @@ struct PassConfig {
   double offset_mm = 0;            ///< of that point from the arch, outwards; < 0: on the tongue's side
   Joint after = Joint::kTurn;
   double pause_s = 1.0;  ///< from the end of the pass before, when after a pause
+  double spin_deg = 0;   ///< about the viewing axis, clockwise as the camera sees it
 };
 
 /// The probe is paused while the hand goes on.

@@ -32,6 +32,8 @@ void bind_pass(ConfigReader r, PassConfig& p) {
   r.bind("roll_deg", p.roll_deg, {-80, 80}, "about the arch; positive: from the cheek side");
   r.bind("height_mm", p.height_mm, {-20, 20}, "height of the point looked at, above the gum margin");
   r.bind("offset_mm", p.offset_mm, {-25, 15}, "of that point from the arch, outwards");
+  r.bind("spin_deg", p.spin_deg, {-180, 180},
+         "about the viewing axis: a sweep turned by 60 and more shows the rig's bow");
   r.bind("after", p.after, kJoints, "how the hand comes from the pass before: in a turn, or while the probe is paused");
   r.bind("pause_s", p.pause_s, {0.05, 60}, "length of that pause");
 }
