@@ -17,6 +17,7 @@
 #include "pipeline/stages/burst_view.hpp"
 #include "protocol/base/file.hpp"
 #include "protocol/base/json_text.hpp"
+#include "protocol/base/progress.hpp"
 
 namespace enamel::app {
 namespace {
@@ -72,13 +73,15 @@ struct TileBursts {
 
 Result<TileBursts> read_bursts(host::BurstStream& stream, TileDecoder& decoder) {
   TileBursts out;
+  const SteadyClock clock;
+  Progress progress(clock, "bursts of the tile", 0);
   for (;;) {
     ENAMEL_TRY_ASSIGN(const auto record, stream.next());
     if (!record) return out;
     const auto* burst = std::get_if<proto::Burst>(&record->value);
     if (burst == nullptr || !proto::is_consistent(*burst)) continue;
     ++out.read, out.used += decoder.add(*burst, out.tile) ? 1 : 0;
-    std::fprintf(stderr, "\rcalibrate ceramic: %d bursts, %d used", out.read, out.used);
+    progress.advance();
   }
 }
 
@@ -113,13 +116,11 @@ Result<int> run_ceramic(const CeramicOptions& o) {
   ENAMEL_TRY_ASSIGN(const calib::Rig recorded, calib::parse_rig(stream->rig_text()));
   ENAMEL_TRY_ASSIGN(calib::Rig optics, calib::measuring_rig(rig, recorded));
   ENAMEL_TRY_ASSIGN(auto decoder, TileDecoder::make(std::move(optics)));
-  auto bursts = read_bursts(*stream, decoder);
-  std::fputs("\n", stderr);
-  if (!bursts) return tl::unexpected(bursts.error());
-  ENAMEL_TRY_ASSIGN(const calib::TileFit fit, bursts->tile.solve());
+  ENAMEL_TRY_ASSIGN(const TileBursts bursts, read_bursts(*stream, decoder));
+  ENAMEL_TRY_ASSIGN(const calib::TileFit fit, bursts.tile.solve());
   ENAMEL_TRY_ASSIGN(const std::string text, calib::with_light_inside(rig, fit.light));
   ENAMEL_TRY(write_file(o.out, text));
-  const Json json = tile_json(o, *bursts, fit);
+  const Json json = tile_json(o, bursts, fit);
   o.json ? static_cast<void>(std::puts(json_text(json, 1).c_str())) : print_tile(json);
   return 0;
 }
