@@ -77,8 +77,9 @@ def bar_rows(units, way, judged):
 def bar(page, units):
     heading(page, "Two balls on a bar",
             "54 mm apart, turned through 360° and swung. Coarse and fine: rms of what is left between overlapping stops, laid by the "
-            "axes alone and after registration. Form: range of 95 % about the best sphere, the worse ball. Size: diameter less the "
-            "certified one, the worse ball. Circle: closing error of the worst one: of stops chained one to the next, by the axes, after.",
+            "axes alone and after registration. Form: range of 95 % about the best sphere, the worse ball. Distance: less the "
+            "true one; the certificate's own error, drawn with 2.5 µm, is not the scanner's. Size: diameter less the certified one, the worse "
+            "ball. Circle: closing error of the worst one: of stops chained one to the next, by the axes, after.",
             "With the solved rig and axes:")
     columns = ["coarse µm", "fine µm", "distance µm", "form µm", "size µm", "circle, chain µm", "circle, axes µm", "circle, after µm"]
     page.table("", columns, ["≤ 15", "", "≤ 3", "≤ 6", "", "told", "told", "≤ 2"], bar_rows(units, "solved", True))
