@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "calib/model/json_seal.hpp"
+#include "protocol/base/json_text.hpp"
 #include "protocol/base/utc.hpp"
 
 namespace enamel::calib {
@@ -82,6 +83,15 @@ Result<std::string> solved_rig_text(const Rig& nominal, const SolvedRig& solved)
   json.erase("temperature");
   if (solved.temperature) json["temperature"] = temperature_json(*solved.temperature);
   std::string text = sealed_text(std::move(json));
+  ENAMEL_TRY(parse_rig(text));
+  return text;
+}
+
+Result<std::string> with_light_inside(const Rig& rig, const LightInside& light) {
+  auto json = Json::parse(rig.text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return fail(ErrorCode::kRigInvalid, "the rig is no JSON object");
+  json["light_inside"] = {{"of_enamel", light.of_enamel}, {"sigma", light.sigma}, {"bursts", light.bursts}};
+  std::string text = json.contains("sha256") ? sealed_text(std::move(json)) : json_text(json, 1) + "\n";
   ENAMEL_TRY(parse_rig(text));
   return text;
 }

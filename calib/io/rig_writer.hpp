@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calib/io/response.hpp"
+#include "calib/model/light_inside.hpp"
 #include "calib/model/rig.hpp"
 #include "pipeline/types/geometry.hpp"
 
@@ -29,6 +30,10 @@ struct SolvedRig {
 /// dropped. `sha256` is that of the text with this value empty. Error: kRigInvalid when the text would not read back
 /// as a rig (a value is not finite).
 [[nodiscard]] Result<std::string> solved_rig_text(const Rig& nominal, const SolvedRig& solved);
+
+/// The file of `rig` with that section, in place of an older one, sealed anew where it was sealed. Error: kRigInvalid
+/// when the text would not read back.
+[[nodiscard]] Result<std::string> with_light_inside(const Rig& rig, const LightInside& light);
 
 /// Whether the file's `sha256` fits its content; true for files that carry none.
 [[nodiscard]] bool is_rig_intact(const std::string& text);

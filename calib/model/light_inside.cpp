@@ -1,12 +1,10 @@
 #include "calib/model/light_inside.hpp"
 
 #include <nlohmann/json.hpp>
-#include <string>
+#include <vector>
 
 #include "calib/model/json_object.hpp"
-#include "calib/model/json_seal.hpp"
 #include "calib/model/json_section.hpp"
-#include "protocol/base/json_text.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -31,15 +29,6 @@ Result<std::optional<LightInside>> read_light_inside(std::string_view rig_text) 
   light.bursts = s.integer("bursts", 1, kMostBursts);
   if (!faults.first().empty()) return fail(ErrorCode::kRigInvalid, faults.first());
   return std::optional(light);
-}
-
-Result<std::string> with_light_inside(const Rig& rig, const LightInside& light) {
-  auto json = nlohmann::ordered_json::parse(rig.text, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return fail(ErrorCode::kRigInvalid, "the rig is no JSON object");
-  json[kSection] = {{"of_enamel", light.of_enamel}, {"sigma", light.sigma}, {"bursts", light.bursts}};
-  std::string text = json.contains("sha256") ? sealed_text(std::move(json)) : json_text(json, 1) + "\n";
-  ENAMEL_TRY(parse_rig(text));
-  return text;
 }
 
 }  // namespace enamel::calib

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string_view>
 
-#include "calib/model/rig.hpp"
 #include "protocol/base/result.hpp"
 
 namespace enamel::calib {
@@ -23,11 +22,8 @@ struct LightInside {
 /// layout: what a share may be. Beyond it the surface is none that light enters.
 inline constexpr double kLeastOfEnamel = 0.1, kMostOfEnamel = 10;
 
-/// The section of a rig's file; nothing where it has none. Errors: kRigInvalid, the detail names the key.
+/// The section of a rig's file; nothing where it has none. Written by calib/io/rig_writer.hpp. Errors: kRigInvalid, the
+/// detail names the key.
 [[nodiscard]] Result<std::optional<LightInside>> read_light_inside(std::string_view rig_text);
-
-/// The file of `rig` with that section, in place of an older one, sealed anew where it was sealed. Error: kRigInvalid
-/// when the text would not read back.
-[[nodiscard]] Result<std::string> with_light_inside(const Rig& rig, const LightInside& light);
 
 }  // namespace enamel::calib

@@ -8,6 +8,7 @@
 #include <string>
 #include <variant>
 
+#include "calib/io/rig_writer.hpp"
 #include "calib/judge/ceramic_tile.hpp"
 #include "calib/model/measuring_rig.hpp"
 #include "host/app/calibrate/set.hpp"

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "calib/io/rig_writer.hpp"
 #include "tests/unit/calib/rig_text.hpp"
 
 namespace enamel::calib {
