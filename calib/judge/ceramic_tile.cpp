@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "calib/judge/plane_fit.hpp"
+
 namespace enamel::calib {
 namespace {
 
@@ -96,23 +98,10 @@ Squares squares_of(const TileView& view) {
   return out;
 }
 
-/// n.p = d, n towards the far side; by the squares' covariance.
-struct Plane {
-  Vec3d normal;
-  double d = 0;
-
-  explicit Plane(const std::vector<Mean>& squares) {
-    Vec3d centre = Vec3d::Zero();
-    for (const Mean& m : squares) centre += m.place / static_cast<double>(squares.size());
-    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-    for (const Mean& m : squares) spread += (m.place - centre) * (m.place - centre).transpose();
-    normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
-    if (normal.z() < 0) normal = -normal;
-    d = normal.dot(centre);
-  }
-  /// Of camera z, beyond the plane along the point's own ray.
-  [[nodiscard]] double beyond_mm(const Vec3d& p) const { return p.z() * (1 - d / normal.dot(p)); }
-};
+/// Of camera z, beyond the plane along the point's own ray.
+double beyond_mm(const PlaneFit& plane, const Vec3d& p) {
+  return p.z() * (1 - plane.normal.dot(plane.middle) / plane.normal.dot(p));
+}
 
 double rms_um(const std::vector<double>& mm) {
   double squares = 0;
@@ -128,12 +117,12 @@ constexpr std::array<const char*, kNodes> kPlaces = {"top left", "top",         
 bool CeramicTile::add(const TileView& view) {
   const Squares squares = squares_of(view);
   if (squares.frame.size() < kFewestSquares || squares.ceramic.size() < kFewestSquares) return false;
-  const Plane plane(squares.frame);
-  for (const Mean& m : squares.frame) frame_mm_.push_back(plane.beyond_mm(m.place));
+  const PlaneFit plane = plane_through(squares.frame);
+  for (const Mean& m : squares.frame) frame_mm_.push_back(beyond_mm(plane, m.place));
   const double half_width = 0.5 * (view.points.width() - 1), half_height = 0.5 * (view.points.height() - 1);
   for (const Mean& m : squares.ceramic) {
     const double middle = 0.5 * (kSquare_px - 1);
-    squares_.push_back({(m.u + middle) / half_width - 1, (m.v + middle) / half_height - 1, plane.beyond_mm(m.place),
+    squares_.push_back({(m.u + middle) / half_width - 1, (m.v + middle) / half_height - 1, beyond_mm(plane, m.place),
                         m.enamel_mm, bursts_});
   }
   ++bursts_;

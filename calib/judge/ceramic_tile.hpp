@@ -3,8 +3,6 @@
 // of light and view over the field: LightInside.
 #pragma once
 
-#include <cstddef>
-#include <string>
 #include <vector>
 
 #include "calib/model/light_inside.hpp"

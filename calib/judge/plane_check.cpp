@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "calib/judge/plane_fit.hpp"
 #include "calib/solve/ground.hpp"
 #include "calib/solve/triangulate.hpp"
 
@@ -44,14 +45,9 @@ struct Flat {
 };
 
 Flat best_plane(const std::vector<GroundPoint>& points) {
-  Flat flat;
-  flat.middle = Vec3d::Zero();
-  for (const GroundPoint& p : points) flat.middle += p.place / static_cast<double>(points.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const GroundPoint& p : points) spread += (p.place - flat.middle) * (p.place - flat.middle).transpose();
-  Vec3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
-  if (normal.z() < 0) normal = -normal;
+  const auto [middle, normal] = plane_through(points);
   const Vec3d x = (Vec3d::UnitX() - normal.x() * normal).normalized();
+  Flat flat{middle, {}};
   flat.axes << x, normal.cross(x), normal;
   return flat;
 }

@@ -32,11 +32,17 @@ def read_pfm(path):
         return np.frombuffer(f.read(), "<f4").reshape(height, width)[::-1]
 
 
-def read_vertices(path):
+def read_ply(path):
+    """Its header as text, all of it, and where the header ends."""
     with open(path, "rb") as f:
         data = f.read()
     end = data.index(b"end_header") + len(b"end_header\n")
-    head = data[:end].decode().split("element face")[0].splitlines()
+    return data[:end].decode(), data, end
+
+
+def read_vertices(path):
+    header, data, end = read_ply(path)
+    head = header.split("element face")[0].splitlines()
     count = next(int(line.split()[2]) for line in head if line.startswith("element vertex"))
     kind = np.dtype([(line.split()[2], PLY_TYPES[line.split()[1]]) for line in head if line.startswith("property")])
     return np.frombuffer(data, kind, count, end)
@@ -48,10 +54,7 @@ def xyz(vertices):
 
 def read_normals(path, points):
     """Of the vertices of a mesh of triangles: mean of its faces, by area."""
-    with open(path, "rb") as f:
-        data = f.read()
-    end = data.index(b"end_header") + len(b"end_header\n")
-    head = data[:end].decode()
+    head, data, _ = read_ply(path)
     faces = int(head.split("element face ")[1].split()[0])
     kind = np.dtype([("n", "u1"), ("corner", "<i4", 3)])
     corner = np.frombuffer(data, kind, faces, len(data) - faces * kind.itemsize)["corner"]

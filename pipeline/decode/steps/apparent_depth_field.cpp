@@ -3,6 +3,14 @@
 #include <algorithm>
 
 namespace enamel::pipeline {
+namespace {
+
+/// Through first, middle, last at -1, 0, 1.
+ApparentDepthField::Row parabola(float first, float middle, float last) {
+  return {middle, 0.5F * (last - first), 0.5F * (last + first) - middle};
+}
+
+}  // namespace
 
 ApparentDepthField::ApparentDepthField(const std::array<std::array<double, 3>, 3>& shares, int width,
                                        int height) noexcept
@@ -16,11 +24,10 @@ ApparentDepthField::Row ApparentDepthField::row(int v) const noexcept {
   const float s = static_cast<float>(v) * per_row_ - 1;
   std::array<float, 3> across{};
   for (std::size_t u = 0; u < 3; ++u) {
-    const float first = shares_[0][u], middle = shares_[1][u], last = shares_[2][u];
-    across[u] = middle + s * (0.5F * (last - first) + s * (0.5F * (last + first) - middle));
+    const auto [middle, linear, square] = parabola(shares_[0][u], shares_[1][u], shares_[2][u]);
+    across[u] = middle + s * (linear + s * square);
   }
-  const auto [first, middle, last] = across;
-  return {middle, 0.5F * (last - first), 0.5F * (last + first) - middle};
+  return parabola(across[0], across[1], across[2]);
 }
 
 }  // namespace enamel::pipeline
