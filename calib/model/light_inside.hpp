@@ -1,12 +1,8 @@
 // How much deeper than it is a tooth looks through this probe: section "light_inside" of rig.json, measured on a
-// tooth-like ceramic (docs/calibration.md §8). Pure functions, thread-safe.
+// tooth-like ceramic (docs/calibration.md §8). Written by calib/io/rig_writer.hpp.
 #pragma once
 
 #include <array>
-#include <optional>
-#include <string_view>
-
-#include "protocol/base/result.hpp"
 
 namespace enamel::calib {
 
@@ -21,9 +17,5 @@ struct LightInside {
 
 /// layout: what a share may be. Beyond it the surface is none that light enters.
 inline constexpr double kLeastOfEnamel = 0.1, kMostOfEnamel = 10;
-
-/// The section of a rig's file; nothing where it has none. Written by calib/io/rig_writer.hpp. Errors: kRigInvalid, the
-/// detail names the key.
-[[nodiscard]] Result<std::optional<LightInside>> read_light_inside(std::string_view rig_text);
 
 }  // namespace enamel::calib

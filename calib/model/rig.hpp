@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "calib/model/correction.hpp"
+#include "calib/model/light_inside.hpp"
 #include "calib/model/projector_response.hpp"
 #include "calib/model/temperature.hpp"
 #include "protocol/base/result.hpp"
@@ -61,6 +62,7 @@ struct Rig {
   std::optional<double> temp_c;                 ///< of the probe while the calibration's pictures were taken
   std::optional<CorrectionField> correction;    ///< what the lens model leaves; lens.hpp's functions know nothing of it
   std::optional<TemperatureTerms> temperature;  ///< drift about `temp_c`; applied by rig_at()
+  std::optional<LightInside> light_inside;      ///< of teeth through this probe; absent: enamel's law alone
   std::vector<std::string> unknown_keys;        ///< kept in `text`, ignored here; the caller may give notice
   std::string text;                             ///< the file byte for byte
   std::uint32_t crc32 = 0;                      ///< CRC-32 of `text`: Burst::calib_crc32

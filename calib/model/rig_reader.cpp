@@ -8,7 +8,6 @@
 #include "calib/model/json_object.hpp"
 #include "calib/model/json_section.hpp"
 #include "calib/model/lens.hpp"
-#include "calib/model/light_inside.hpp"
 
 namespace enamel::calib {
 namespace {
@@ -20,6 +19,7 @@ constexpr double kMaxFocal_px = 1e6;
 constexpr double kMaxAspect = 5;          // of a pixel's sides; projectors with diamond pixels have 2
 constexpr double kMaxMagnification = 2;   // by distortion; narrow lenses stay below 1.2
 constexpr double kRigidTolerance = 1e-4;  // six written decimals of a rotation matrix pass, a scaled one does not
+constexpr int kMostTileBursts = 1'000'000;
 
 /// Whether the distortion can be undone all over the picture, and moves no point beside what a lens does.
 bool is_invertible(const LensValues& lens) {
@@ -193,6 +193,19 @@ TemperatureTerms read_temperature(JsonSection s, std::vector<std::string>& unkno
   return t;
 }
 
+LightInside read_light_inside(JsonSection s, std::vector<std::string>& unknown) {
+  LightInside light;
+  const std::vector<double> shares = s.matrix("of_enamel", 3, 3);
+  for (std::size_t i = 0; i < shares.size() && i < 9; ++i) {
+    light.of_enamel[i / 3][i % 3] = shares[i];
+    if (!(shares[i] >= kLeastOfEnamel && shares[i] <= kMostOfEnamel)) s.refuse("of_enamel", "must be from 0.1 to 10");
+  }
+  light.sigma = s.number_within("sigma", 0, kMostOfEnamel);
+  light.bursts = s.integer("bursts", 1, kMostTileBursts);
+  s.append_unknown(unknown);
+  return light;
+}
+
 Rig read_top(JsonSection& s) {
   Rig rig;
   if (s.string("format") != "rig/1") s.refuse("format", "must be rig/1");
@@ -215,8 +228,9 @@ Rig read_top(JsonSection& s) {
   if (s.has("temp_c")) rig.temp_c = s.number("temp_c");
   if (s.has("correction")) rig.correction = read_correction(s.section("correction"), rig.unknown_keys);
   if (s.has("temperature")) rig.temperature = read_temperature(s.section("temperature"), rig.unknown_keys);
-  // Written by the solver for those who judge a calibration, or read by light_inside.hpp; not part of Rig.
-  for (const char* key : {"schema", "sha256", "covariance", "residuals", "light_inside"}) static_cast<void>(s.has(key));
+  if (s.has("light_inside")) rig.light_inside = read_light_inside(s.section("light_inside"), rig.unknown_keys);
+  // Written by the solver for those who judge a calibration; not part of Rig.
+  for (const char* key : {"schema", "sha256", "covariance", "residuals"}) static_cast<void>(s.has(key));
   s.append_unknown(rig.unknown_keys);
   return rig;
 }
@@ -229,7 +243,6 @@ Result<Rig> read_rig_json(std::string_view text) {
   JsonSection top(json, "", faults);
   Rig rig = read_top(top);
   if (!faults.first().empty()) return fail(ErrorCode::kRigInvalid, faults.first());
-  ENAMEL_TRY(read_light_inside(text));
   return rig;
 }
 

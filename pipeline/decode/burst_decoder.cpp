@@ -4,7 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "calib/model/light_inside.hpp"
 #include "pipeline/decode/pattern_modes.hpp"
 #include "pipeline/decode/phase/poly_trig.hpp"
 #include "pipeline/decode/steps/burst_output.hpp"
@@ -34,13 +33,12 @@ Carrier carrier_of(const calib::Rig& rig, const RayDepth& rays, double near_mm, 
   return make_carrier(rays.phase_mid_rad.data(), slopes, near_mm, max_slope_deg);
 }
 
-Result<PatternOptics> optics_of(const calib::Rig& rig) {
+PatternOptics optics_of(const calib::Rig& rig) {
   const calib::PatternValues& p = rig.patterns;
   const double focal_px = p.axis_v ? rig.projector.fy : rig.projector.fx;
   PatternOptics out{static_cast<float>(p.amplitude / p.mean), static_cast<float>(p.period_px / focal_px)};
-  if (rig.text.empty()) return out;
-  ENAMEL_TRY_ASSIGN(const auto light, calib::read_light_inside(rig.text));
-  if (light) out.field = ApparentDepthField(light->of_enamel, rig.camera.width, rig.camera.height);
+  if (const auto& light = rig.light_inside)
+    out.field = ApparentDepthField(light->of_enamel, rig.camera.width, rig.camera.height);
   return out;
 }
 
@@ -73,7 +71,7 @@ Result<BurstDecoder> BurstDecoder::make(const calib::Rig& rig, const DecodeConfi
   d.carrier_ = carrier_of(rig, *d.rays_, range->near_mm, config.links.max_slope_deg);
   d.strategy_ = make_strategy(std::move(code), {d.rays_, d.carrier_}, config);
   d.noise_ = rig.noise;
-  ENAMEL_TRY_ASSIGN(d.optics_, optics_of(rig));
+  d.optics_ = optics_of(rig);
   d.wave_priors_ = priors_of(rig, config.wave);
   d.config_ = config;
   return d;

@@ -34,7 +34,7 @@ struct CeramicOptions {
 class TileDecoder {
  public:
   [[nodiscard]] static Result<TileDecoder> make(calib::Rig rig) {
-    rig.text.clear();  // what an older calibration says of light inside is not asked
+    rig.light_inside.reset();  // what an older calibration says of light inside is not asked
     pipeline::DecodeConfig as_it_is;
     as_it_is.translucency.correct = false;
     ENAMEL_TRY_ASSIGN(auto plain, pipeline::BurstDecoder::make(rig, as_it_is));

@@ -1,4 +1,4 @@
-#include "calib/model/light_inside.hpp"
+#include "calib/model/rig.hpp"
 
 #include <gmock/gmock.h>
 
@@ -15,16 +15,13 @@ const LightInside kLight{{{{0.8, 0.9, 1.0}, {1.1, 1.2, 1.3}, {1.4, 1.5, 1.6}}}, 
 
 TEST(LightInside, goes_into_a_rig_and_comes_back) {
   const Rig rig = parse_rig(kRigText).value();
-  const auto none = read_light_inside(rig.text);
-  ASSERT_TRUE(none) << none.error().message();
-  EXPECT_FALSE(*none);
+  EXPECT_FALSE(rig.light_inside);
   const auto text = with_light_inside(rig, kLight);
   ASSERT_TRUE(text) << text.error().message();
-  const auto read = read_light_inside(*text);
-  ASSERT_TRUE(read && *read);
-  EXPECT_EQ((*read)->of_enamel, kLight.of_enamel);
-  EXPECT_EQ((*read)->bursts, 12);
   const Rig again = parse_rig(*text).value();
+  ASSERT_TRUE(again.light_inside);
+  EXPECT_EQ(again.light_inside->of_enamel, kLight.of_enamel);
+  EXPECT_EQ(again.light_inside->bursts, 12);
   EXPECT_TRUE(again.unknown_keys.empty());
   EXPECT_EQ(again.camera.fx, rig.camera.fx);
 }
