@@ -8,6 +8,7 @@
 #include "calib/model/light_inside.hpp"
 #include "pipeline/types/geometry.hpp"
 #include "pipeline/types/map.hpp"
+#include "protocol/base/result.hpp"
 
 namespace enamel::calib {
 

@@ -108,6 +108,7 @@ std::string map_json(const host::ScanResult& scan) {
   const pipeline::RefinedMap& m = facts.map;
   nlohmann::json out{{"keyframes", m.keyframes},
                      {"edges", m.edges},
+                     {"measured_live", m.at_hand},
                      {"loops", m.loops},
                      {"switched_off", m.switched_off},
                      {"sigma0", m.sigma0},

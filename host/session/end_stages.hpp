@@ -15,6 +15,8 @@
 
 #include "host/ingest/ingress_gate.hpp"
 #include "host/report/stage_trace.hpp"
+#include "host/session/bent_model.hpp"
+#include "host/session/live_map.hpp"
 #include "host/session/scan_pipeline.hpp"
 #include "host/session/segment_ledger.hpp"
 #include "pipeline/decode/steps/decoded_burst.hpp"
@@ -108,6 +110,11 @@ class SinkStage final : public flow::Stage {
       if (item->track.undetermined > 0) undetermined.push_back(item.id);
       placed.push_back({item.id, item->track.segment, item->sight});
       poses.push_back({item.captured, item->track.T_model_cam, item->motion});
+      if (live_map != nullptr) {
+        live_map->note(
+            {item.id, item.captured, item->track.T_model_cam, item->track.segment, item->kept, item->track.texture},
+            segments, item->soft_below);
+      }
       add(item->orders);
       add(item->sight);
       fused_count.add();
@@ -135,6 +142,7 @@ class SinkStage final : public flow::Stage {
   std::map<std::string, std::uint64_t> rejected;
   Counter fused_count, rejected_count;  ///< readable from any thread
   LogHistogram latency_ns;              ///< last exposure to fused; live only
+  LiveMap* live_map = nullptr;          ///< follows the scan, or null
 
  private:
   void add(const OrderCheck& check) {
@@ -159,15 +167,17 @@ class SinkStage final : public flow::Stage {
   std::optional<DeviceTime> last_captured_;
 };
 
-/// End of the keep-latest edge: hands the newest item to whoever draws.
+/// End of the keep-latest edge: hands the newest item to whoever draws, where the map has it by now.
 class PreviewStage final : public flow::Stage {
  public:
-  PreviewStage(PreviewSlot& slot, std::function<void(const BurstPreview&)> also)
-      : Stage("preview"), slot_(slot), also_(std::move(also)) {}
+  /// `map` may be null.
+  PreviewStage(PreviewSlot& slot, LiveMap* map, std::function<void(const BurstPreview&)> also)
+      : Stage("preview"), slot_(slot), map_(map), also_(std::move(also)) {}
   flow::In<BurstPreview> item{*this, "item"};
 
   Result<void> step() override {
-    auto shown = item.take().value;
+    if (auto bend = map_ != nullptr ? map_->take_bend() : std::nullopt) bent_.bend_by(std::move(*bend));
+    auto shown = bent_(item.take().value);
     if (also_) also_(*shown);
     slot_.put(std::move(shown));
     return {};
@@ -175,7 +185,9 @@ class PreviewStage final : public flow::Stage {
 
  private:
   PreviewSlot& slot_;
+  LiveMap* map_;
   std::function<void(const BurstPreview&)> also_;
+  BentModel bent_;
 };
 
 }  // namespace enamel::host

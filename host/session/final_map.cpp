@@ -91,13 +91,15 @@ Refined refine_model(const FinalMapInput& input, std::vector<MeasuredBurst>& pla
   if (history.size() != placed.size()) history.clear();
   if (history.empty()) return out;
   pipeline::MapInput map;
-  for (const MeasuredBurst& burst : placed) map.bursts.push_back({burst.pose.t_mid, burst.pose.T_model_cam});
+  for (const MeasuredBurst& burst : placed) map.bursts.push_back({burst.pose.t_mid, burst.pose.T_model_cam, burst.id});
   map.load = [&](std::size_t n) { return fuse.segments().patch_of(history[n], pipeline::Texture::kDropped); };
   map.texture = [&](std::size_t n) { return history[n].texture; };
   map.for_each = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
     flow::for_each_index(count, input.threads, work);
   };
   map.progress = [&](double share) { input.progress(kPosesShare * share); };
+  map.memo = input.memo;
+  if (map.memo != nullptr) map.memo->measured_with(fuse.segments().soft_below());
   log::info("map", "refining the poses of {} bursts", history.size());
   pipeline::IcpConfig icp = input.config.track.icp;
   icp.samples.soft_below = fuse.segments().soft_below();

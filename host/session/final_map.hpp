@@ -16,6 +16,7 @@ struct FinalMapInput {
   const PipelineConfig& config;
   std::size_t threads = 2;                               ///< never change the result
   std::function<void(double)> progress = [](double) {};  ///< share done, from the calling thread
+  pipeline::EdgeMemo* memo = nullptr;                    ///< of edges that were measured before, or null
 };
 
 struct Refined {

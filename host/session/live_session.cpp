@@ -113,6 +113,7 @@ Result<void> LiveSession::start_pipeline(const std::string& text, bool simulated
   }
   const ScanPipelineOptions options{.workers = config_.workers,
                                     .preview_model = config_.preview_model,
+                                    .follow_map = true,
                                     .calib_crc32 = rig.crc32,
                                     .waiting_room = config_.gate_bursts,
                                     .on_preview = [this](const BurstPreview& shown) {

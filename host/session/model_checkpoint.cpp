@@ -38,6 +38,8 @@ void put_block(ByteWriter& out, const BlockMesh& block) {
   put_all(out, block.normals);
   put_all(out, block.quality);
   put_all(out, block.triangles);
+  out.put(static_cast<std::uint8_t>(block.soft.empty() ? 0 : 1));
+  put_all(out, block.soft);
 }
 
 /// Null where it does not add up.
@@ -51,6 +53,9 @@ std::shared_ptr<const BlockMesh> get_block(ByteReader& in) {
   get_all(in, block->normals, vertices);
   get_all(in, block->quality, vertices);
   get_all(in, block->triangles, triangles);
+  const bool has_soft = in.get<std::uint8_t>() != 0;
+  if (!in.ok() || (has_soft && vertices > in.remaining())) return nullptr;
+  get_all(in, block->soft, has_soft ? vertices : 0);
   for (const auto& corners : block->triangles) {
     for (const std::uint32_t corner : corners)
       if (corner >= vertices) return nullptr;

@@ -25,7 +25,7 @@ struct ModelCheckpoint {
 };
 
 /// layout: what a checkpoint begins with.
-inline constexpr std::string_view kCheckpointMagic = "enamel-checkpoint-1\n";
+inline constexpr std::string_view kCheckpointMagic = "enamel-checkpoint-2\n";
 
 /// Little endian, with a CRC-32 of all that comes before it.
 [[nodiscard]] std::string checkpoint_bytes(const ModelCheckpoint& checkpoint);

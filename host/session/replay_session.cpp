@@ -10,8 +10,10 @@ namespace enamel::host {
 
 Result<std::unique_ptr<ReplaySession>> ReplaySession::create(std::unique_ptr<BurstStream> stream, const calib::Rig& rig,
                                                              const ReplayConfig& config, Clock& clock) {
-  const ScanPipelineOptions options{
-      .workers = config.workers, .preview_model = config.preview_model, .calib_crc32 = config.calib_crc32};
+  const ScanPipelineOptions options{.workers = config.workers,
+                                    .preview_model = config.preview_model,
+                                    .follow_map = config.preview_model,
+                                    .calib_crc32 = config.calib_crc32};
   ENAMEL_TRY_ASSIGN(auto pipeline, ScanPipeline::create(rig, config.pipeline, options, clock));
   return std::unique_ptr<ReplaySession>(new ReplaySession(std::move(stream), std::move(pipeline), rig, config, clock));
 }

@@ -12,6 +12,7 @@
 #include "host/session/end_stages.hpp"
 #include "host/session/end_survey.hpp"
 #include "host/session/final_map.hpp"
+#include "host/session/live_map.hpp"
 #include "host/session/pipeline_figures.hpp"
 #include "host/session/temp_range.hpp"
 #include "host/session/wave_before.hpp"
@@ -40,7 +41,7 @@ struct ScanPipeline::Impl {
   void open(std::optional<double> temp_c);
   void build();
   void run(const std::stop_token& stop);
-  void conclude();
+  void conclude(pipeline::EdgeMemo* memo);
 
   calib::Rig rig, optics;  ///< as told, and at the first burst's temperature
   PipelineConfig config;
@@ -58,6 +59,7 @@ struct ScanPipeline::Impl {
   SourceStage* source = nullptr;
   stage::TrackStage* track = nullptr;
   stage::FuseStage* fuse = nullptr;
+  std::unique_ptr<LiveMap> live_map;  ///< asks `fuse` for patches
   std::atomic<std::uint64_t> pushed{0};
   std::optional<HostTime> first_push;
   std::optional<std::array<double, 2>> temp_c;  ///< coldest and warmest burst
@@ -116,7 +118,14 @@ void ScanPipeline::Impl::build() {
   fuse = &graph.add<stage::FuseStage>(optics, fuse_config,
                                       pipeline::Unpacker(decoder->shared_rays(), decoder->config().normals));
   SinkStage& last = graph.add<SinkStage>(clock, exposures);
-  auto& screen = graph.add<PreviewStage>(preview, options.on_preview);
+  if (options.follow_map && config.map.refine) {
+    live_map =
+        std::make_unique<LiveMap>(optics, config, [model = &fuse->segments()](const pipeline::StoredPatch& stored) {
+          return model->patch_of(stored, pipeline::Texture::kDropped);
+        });
+    last.live_map = live_map.get();
+  }
+  auto& screen = graph.add<PreviewStage>(preview, live_map.get(), options.on_preview);
 
   const std::array<flow::In<proto::Burst>*, kDecoders> ins{&decoders[0]->burst, &decoders[1]->burst};
   const std::array<flow::In<pipeline::WaveKnowledge>*, kDecoders> waves{&decoders[0]->wave, &decoders[1]->wave};
@@ -145,14 +154,15 @@ void ScanPipeline::Impl::run(const std::stop_token& stop) {
     ran = flow::WorkerExecutor(static_cast<std::size_t>(options.workers)).run(graph, stop);
   }
   drained_at = clock.now();
+  pipeline::EdgeMemo* const memo = live_map ? &live_map->finish() : nullptr;
   gate.close();  // a stage that failed: nobody takes any more
-  if (ran) conclude();
+  if (ran) conclude(memo);
   drained.store(true, std::memory_order_release);
   drained.notify_all();
 }
 
 /// What the whole scan allows that no burst did: segments are sought once more, the map is refined.
-void ScanPipeline::Impl::conclude() {
+void ScanPipeline::Impl::conclude(pipeline::EdgeMemo* memo) {
   refined.store(0);
   join_at_end(*track, *fuse, sink.load()->segments, config.track.join);
   track->forget();
@@ -161,8 +171,9 @@ void ScanPipeline::Impl::conclude() {
   if (config.map.refine) {
     const auto threads = static_cast<std::size_t>(std::max(options.workers, 1));
     const auto progress = [this](double share) { refined.store(share); };
-    kept = refine_model({optics, config, threads, progress}, placed, *fuse, clock);
+    kept = refine_model({optics, config, threads, progress, memo}, placed, *fuse, clock);
     map = std::move(kept.facts);
+    live_map.reset();
     hand_back_free_pages();
   }
   if (options.preview_model) preview.put(fuse->final_preview());

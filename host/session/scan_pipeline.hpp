@@ -96,6 +96,7 @@ struct ScanResult {
 struct ScanPipelineOptions {
   int workers = 2;                ///< 0: one thread, topological order
   bool preview_model = false;     ///< mesh the growing model for a window
+  bool follow_map = false;        ///< the map works while bursts come, when no stage wants the processor
   std::uint32_t calib_crc32 = 0;  ///< bursts that name another calibration are rejected; 0: any
   std::size_t waiting_room = 2;   ///< bursts that push() takes before it waits
   /// Sees every preview that the slot gets, on a thread of the graph; may be empty.

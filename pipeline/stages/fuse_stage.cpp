@@ -58,7 +58,7 @@ Result<void> FuseStage::step() {
   model_.catch_up(kCatchUp);
   renew_view(T_model_cam, patch);
 
-  Fused out{item->result, item->orders, item->motion, item->digests, item->sight};
+  Fused out{item->result, item->orders, item->motion, item->digests, item->sight, model_.last_kept(), item->soft_below};
   out.digests.fuse = Digest()
                          .add(stats.surfels_used)
                          .add(stats.voxels_updated)

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "pipeline/decode/phase/wave_knowledge.hpp"
+#include "pipeline/model/segments/patch_store.hpp"
 #include "pipeline/types/order_check.hpp"
 #include "pipeline/types/patch.hpp"
 #include "pipeline/types/probe_motion.hpp"
@@ -46,6 +47,8 @@ struct Fused {
   BurstMotion motion;
   Digests digests;
   Sight sight;
+  pipeline::StoredPatch kept = {};         ///< the patch, where bursts are kept
+  std::uint8_t soft_below = kNothingSoft;  ///< as Tracked
 };
 
 }  // namespace enamel::stage

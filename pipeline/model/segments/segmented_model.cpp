@@ -20,12 +20,14 @@ FuseStats SegmentedModel::integrate(BurstId burst, const SurfacePatch& patch, co
   active_ = placed.segment;
   if (active_ == kModelSegment) {
     if (keep_history_) {
-      history_.push_back({burst, placed.T_model_cam, store_.keep(pack(patch, Texture::kDropped)), placed.texture});
+      last_kept_ = store_.keep(pack(patch, Texture::kDropped));
+      history_.push_back({burst, placed.T_model_cam, last_kept_, placed.texture});
     }
     return model_.integrate(burst, patch, placed.T_model_cam);
   }
   open(active_);
-  kept_[active_].push_back({burst, placed.T_model_cam, store_.keep(pack(patch, Texture::kKept)), placed.texture});
+  last_kept_ = store_.keep(pack(patch, Texture::kKept));
+  kept_[active_].push_back({burst, placed.T_model_cam, last_kept_, placed.texture});
   return apart_->model.integrate(burst, patch, placed.T_model_cam);
 }
 

@@ -61,11 +61,16 @@ class SegmentedModel {
   [[nodiscard]] const std::map<SegmentId, std::vector<KeptBurst>>& kept() const noexcept { return kept_; }
   /// A segment that is apart, fused anew from its bursts.
   [[nodiscard]] TsdfModel fuse_apart(SegmentId segment) const;
-  /// What a burst was fused as, or nearly; its texture too, where it was apart and that is wanted. From any thread
-  /// while no burst is taken in.
-  [[nodiscard]] SurfacePatch patch_of(const KeptBurst& burst, Texture texture) const {
-    return unpack_(store_.load(burst.patch, texture));
+  /// What a burst was fused as, or nearly; its texture too, where it was apart and that is wanted. From any thread,
+  /// also while other bursts are taken in.
+  [[nodiscard]] SurfacePatch patch_of(const StoredPatch& patch, Texture texture) const {
+    return unpack_(store_.load(patch, texture));
   }
+  [[nodiscard]] SurfacePatch patch_of(const KeptBurst& burst, Texture texture) const {
+    return patch_of(burst.patch, texture);
+  }
+  /// The patch of the last burst as it is kept; empty where the history is not.
+  [[nodiscard]] const StoredPatch& last_kept() const noexcept { return last_kept_; }
   [[nodiscard]] PatchStore::Figures stored() const noexcept { return store_.figures(); }
 
  private:
@@ -87,6 +92,7 @@ class SegmentedModel {
   std::map<SegmentId, std::vector<KeptBurst>> kept_;
   std::vector<KeptBurst> history_;  ///< of the model
   std::deque<KeptBurst> waiting_;   ///< placed in the model, to be fused into it
+  StoredPatch last_kept_;
 };
 
 }  // namespace enamel::pipeline

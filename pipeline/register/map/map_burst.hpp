@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pipeline/types/geometry.hpp"
+#include "protocol/base/ids.hpp"
 #include "protocol/base/time.hpp"
 
 namespace enamel::pipeline {
@@ -10,6 +11,7 @@ namespace enamel::pipeline {
 struct MapBurst {
   DeviceTime t_mid{};
   Pose T_model_cam = Pose::Identity();
+  BurstId id = {};  ///< by which an EdgeMemo knows it
 };
 
 }  // namespace enamel::pipeline

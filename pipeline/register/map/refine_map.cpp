@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "pipeline/register/icp/patch_view.hpp"
 #include "pipeline/register/map/keyframe_choice.hpp"
+#include "pipeline/register/map/map_measure.hpp"
 #include "pipeline/types/viewpoint.hpp"
 #include "protocol/base/recent.hpp"
 
@@ -14,64 +14,15 @@ namespace {
 // Of the time that it takes.
 constexpr double kNodesShare = 0.15;
 constexpr double kEdgesShare = 0.83;
-constexpr std::size_t kParts = 20;  // told one after the other
 
 /// The store holds copies of all that it makes nodes of: it outlives the call.
 std::shared_ptr<const MapNodes> make_nodes(const MapInput& input, const std::vector<std::size_t>& keyframes,
                                            const calib::Rig& rig, const IcpConfig& icp, const MapConfig& config) {
-  const PatchViewer viewer(rig.camera, rig.camera.width, rig.camera.height, config.view_stride_px);
-  const auto make = [load = input.load, texture = input.texture, keyframes, viewer, icp, config](std::size_t k) {
-    const SurfacePatch patch = load(keyframes[k]);
-    MapNode node;
-    node.samples = sample_patch(patch, config.sample_stride_px, icp.samples);
-    node.reference = Reference(viewer(patch, Pose::Identity()), icp.reference);
-    if (const auto picture = texture(keyframes[k])) {
-      node.texture = texture_reference(*picture, Pose::Identity());
-      node.texture_points = texture_points(patch, *node.texture, config.edge.texture);
-    }
-    return node;
-  };
+  const auto make = [load = input.load, texture = input.texture, keyframes, maker = MapNodeMaker(rig, icp, config)](
+                        std::size_t k) { return maker(load(keyframes[k]), texture(keyframes[k]).get()); };
   auto nodes = std::make_shared<const MapNodes>(keyframes.size(), config.nodes_kept, make);
   input.for_each(std::min(nodes->size(), nodes->most_kept()), [&](std::size_t k) { (void)nodes->get(k); });
   return nodes;
-}
-
-/// Edges and what a bow of the rig makes of each.
-struct Edges {
-  std::vector<MapEdge> of;
-  std::vector<EdgeBow> bows;
-};
-
-/// Both ways round: what one-sided association leaves of a bias has the other sign in the other.
-Edges measure_edges(const MapInput& input, const std::vector<std::size_t>& keyframes,
-                    const std::vector<KeyframePair>& pairs, const MapNodes& nodes, const BowMeasuring& with) {
-  std::vector<std::optional<MapEdge>> found(2 * pairs.size());
-  std::vector<EdgeBow> bows(found.size());
-  const auto measure = [&](std::size_t n) {
-    KeyframePair pair = pairs[n / 2];
-    if (n % 2 == 1) std::swap(pair.i, pair.j);
-    const Pose start =
-        input.bursts[keyframes[pair.j]].T_model_cam.inverse() * input.bursts[keyframes[pair.i]].T_model_cam;
-    const auto node_i = nodes.get(pair.i), node_j = nodes.get(pair.j);
-    found[n] = measure_edge(*node_i, *node_j, with.rig.camera, start, with.icp, with.edge);
-    if (!found[n]) return;
-    found[n]->i = pair.i;
-    found[n]->j = pair.j;
-    found[n]->loop = pair.loop;
-    bows[n] = measure_edge_bow(*node_i, *node_j, *found[n], with);
-  };
-  for (std::size_t part = 0; part < kParts; ++part) {
-    const std::size_t from = part * found.size() / kParts, to = (part + 1) * found.size() / kParts;
-    input.for_each(to - from, [&](std::size_t n) { measure(from + n); });
-    input.progress(kNodesShare + kEdgesShare * static_cast<double>(part + 1) / kParts);
-  }
-  Edges out;
-  for (std::size_t n = 0; n < found.size(); ++n) {
-    if (!found[n]) continue;
-    out.of.push_back(*found[n]);
-    out.bows.push_back(bows[n]);
-  }
-  return out;
 }
 
 /// What of the known artefact each keyframe shows.
@@ -122,7 +73,9 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   const auto pairs = choose_pairs(input.bursts, keyframes, work_distance_mm, config);
   const auto nodes = make_nodes(input, keyframes, rig, icp, config);
   input.progress(kNodesShare);
-  auto [edges, bows] = measure_edges(input, keyframes, pairs, *nodes, {rig, icp, config.edge, config.bow.edge});
+  auto [edges, bows, at_hand] = measure_edges(
+      input, keyframes, pairs, [&](std::size_t k) { return nodes->get(k); }, {rig, icp, config.edge, config.bow.edge},
+      [&](double share) { input.progress(kNodesShare + kEdgesShare * share); });
   std::vector<Pose> start;
   start.reserve(keyframes.size());
   for (const std::size_t k : keyframes) start.push_back(input.bursts[k].T_model_cam);
@@ -143,6 +96,7 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   out.poses = carry_bursts(input.bursts, keyframes, solved.poses, work_distance_mm);
   out.keyframes = keyframes.size();
   out.edges = edges.size();
+  out.at_hand = at_hand;
   out.loops = static_cast<std::size_t>(std::ranges::count_if(edges, &MapEdge::loop));
   out.switched_off = solved.switched_off;
   out.sigma0 = solved.sigma0;

@@ -13,6 +13,7 @@
 #include "pipeline/register/icp/icp.hpp"
 #include "pipeline/register/map/artefact_tie.hpp"
 #include "pipeline/register/map/bow_find.hpp"
+#include "pipeline/register/map/edge_memo.hpp"
 #include "pipeline/register/map/free_space.hpp"
 #include "pipeline/register/map/map_burst.hpp"
 #include "pipeline/register/map/map_edge.hpp"
@@ -59,11 +60,13 @@ struct MapInput {
         for (std::size_t n = 0; n < count; ++n) work(n);
       };
   std::function<void(double)> progress = [](double) {};  ///< share done, from the calling thread
+  EdgeMemo* memo = nullptr;  ///< what was measured of these bursts before; takes what is measured now
 };
 
 struct RefinedMap {
   std::vector<Pose> poses;  ///< of all bursts
   std::size_t keyframes = 0, edges = 0, loops = 0;
+  std::size_t at_hand = 0;  ///< pairs, either way round, that had been measured before
   int switched_off = 0;
   double sigma0 = 0;
   double largest_move_mm = 0;                   ///< at the point looked at

@@ -1,8 +1,7 @@
-#include "calib/model/rig.hpp"
-
 #include <gmock/gmock.h>
 
 #include "calib/io/rig_writer.hpp"
+#include "calib/model/rig.hpp"
 #include "tests/unit/calib/rig_text.hpp"
 
 namespace enamel::calib {

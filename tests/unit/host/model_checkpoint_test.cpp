@@ -26,6 +26,8 @@ std::shared_ptr<const BlockMesh> drawn_block(Rng& rng, std::int32_t at) {
     block->quality.push_back(static_cast<float>(rng.uniform()));
   }
   for (std::uint32_t t = 0; t + 2 < vertices; ++t) block->triangles.push_back({t, t + 1, t + 2});
+  for (std::uint32_t v = 0; at % 2 == 0 && v < vertices; ++v)
+    block->soft.push_back(static_cast<std::uint8_t>(rng.below(2)));
   return block;
 }
 
@@ -77,9 +79,12 @@ TEST(ModelCheckpoint, counts_and_indices_are_not_believed_because_the_sum_is_rig
   ASSERT_TRUE(parse_checkpoint(summed(body)));
   EXPECT_FALSE(parse_checkpoint(summed(body + "x")));
   EXPECT_FALSE(parse_checkpoint(summed(body.substr(0, body.size() - 12))));
-  std::string far_corner = body;  // of the last triangle
-  far_corner[body.size() - 1] = '\x7f';
+  std::string far_corner = body;  // of the last triangle; behind it stands that none is soft
+  far_corner[body.size() - 2] = '\x7f';
   EXPECT_FALSE(parse_checkpoint(summed(far_corner)));
+  std::string soft = body;
+  soft[body.size() - 1] = 1;
+  EXPECT_FALSE(parse_checkpoint(summed(soft)));
   for (std::size_t at = 20 + 128 + 8; at < 20 + 128 + 8 + 40; ++at) {  // counts: blocks, vertices, triangles
     std::string many = body;
     many[at] = '\xff';

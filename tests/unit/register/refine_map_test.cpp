@@ -8,50 +8,27 @@
 #include "pipeline/flow/parallel.hpp"
 #include "pipeline/register/map/keyframe_choice.hpp"
 #include "tests/unit/register/burst_times.hpp"
-#include "tests/unit/register/synthetic_surface.hpp"
+#include "tests/unit/register/drifting_scan.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
 namespace ts = ::enamel::testing;
 
-constexpr int kBursts = 16;
+constexpr int kBursts = DriftingScan::kBursts;
 
-/// 24 mm there and back again, turned a little on the way back.
-Pose truth(int n) {
-  const int along = n < kBursts / 2 ? n : kBursts - 1 - n;
-  return ts::looking_down(3 * along, n < kBursts / 2 ? 0 : 1.5, {0, n < kBursts / 2 ? 0 : 0.1, 0});
-}
-
-/// As tracking leaves it: every step a little off, always to the same side.
-Pose tracked(int n) {
-  const Pose drift(Eigen::Translation3d(0.002 * n, 0.004 * n, 0) * Eigen::AngleAxisd(3e-4 * n, Vec3d::UnitZ()));
-  return truth(0).inverse() * drift * truth(n);
-}
+Pose tracked(int n) { return DriftingScan::tracked(n); }
+double error_mm(const Pose& T_model_cam, int n) { return DriftingScan::error_mm(T_model_cam, n); }
 
 class RefineMap : public ::testing::Test {
  protected:
-  RefineMap() {
-    for (int n = 0; n < kBursts; ++n) {
-      patches_.push_back(ts::make_patch(surface_, rig_.camera, truth(n), {0.01, 0.03, static_cast<std::uint64_t>(n)}));
-      input_.bursts.push_back({time_of(n), tracked(n)});
-    }
-    input_.load = [this](std::size_t n) { return patches_[n]; };
-  }
   [[nodiscard]] RefinedMap refine(std::size_t threads = 2) {
-    input_.for_each = [threads](std::size_t count, const std::function<void(std::size_t)>& work) {
+    scan_.input.for_each = [threads](std::size_t count, const std::function<void(std::size_t)>& work) {
       flow::for_each_index(count, threads, work);
     };
-    return refine_map(input_, rig_, {}, config_);
+    return refine_map(scan_.input, scan_.rig, {}, scan_.config);
   }
-  [[nodiscard]] static double error_mm(const Pose& T_model_cam, int n) {
-    return ts::point_error_mm(truth(0) * T_model_cam, truth(n));
-  }
-  calib::Rig rig_ = ts::test_rig(2);
-  ts::SyntheticSurface surface_{61};
-  std::vector<SurfacePatch> patches_;
-  MapInput input_;
-  MapConfig config_;
+  DriftingScan scan_;
 };
 
 TEST_F(RefineMap, takes_out_what_tracking_let_drift) {
@@ -80,21 +57,21 @@ TEST_F(RefineMap, gives_the_same_bits_on_any_number_of_threads) {
 
 TEST_F(RefineMap, gives_the_same_bits_with_few_keyframes_in_memory) {
   const RefinedMap all = refine();
-  config_.nodes_kept = 3;
+  scan_.config.nodes_kept = 3;
   const RefinedMap few = refine();
   EXPECT_EQ(all.edges, few.edges);
   for (std::size_t n = 0; n < all.poses.size(); ++n) EXPECT_EQ(all.poses[n].matrix(), few.poses[n].matrix());
-  SurfacePatch a = patches_[5], b = patches_[5];
+  SurfacePatch a = scan_.patches[5], b = scan_.patches[5];
   EXPECT_EQ(all.free_space->withdraw({{}, all.poses[5]}, a), few.free_space->withdraw({{}, few.poses[5]}, b));
 }
 
 TEST_F(RefineMap, leaves_poses_alone_where_it_is_not_wanted_or_has_nothing_to_go_by) {
   MapConfig off;
   off.refine = false;
-  const RefinedMap map = refine_map(input_, rig_, {}, off);
+  const RefinedMap map = refine_map(scan_.input, scan_.rig, {}, off);
   for (int n = 0; n < kBursts; ++n) EXPECT_EQ(map.poses[static_cast<std::size_t>(n)].matrix(), tracked(n).matrix());
-  for (SurfacePatch& patch : patches_)
-    patch = ts::make_patch(ts::SyntheticSurface(99), rig_.camera, ts::looking_down(0, 0, Vec3d::Zero(), 30), {});
+  for (SurfacePatch& patch : scan_.patches)
+    patch = ts::make_patch(ts::SyntheticSurface(99), scan_.rig.camera, ts::looking_down(0, 0, Vec3d::Zero(), 30), {});
   EXPECT_EQ(refine().edges, 0U) << "nothing measured";
 }
 
