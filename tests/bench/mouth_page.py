@@ -3,21 +3,18 @@
 
 Renders scenes of config/scenes at drawn seeds into a temporary folder, decodes and replays them, and compares with the truth."""
 import argparse
-import csv
 import json
 import os
-import subprocess
 import sys
 import tempfile
 
 import numpy as np
 from scipy.spatial import cKDTree
-from scipy.spatial.transform import Rotation
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from bench_page import Page, machine  # noqa: E402
+from twin_bench import Bench, bursts_of, poses  # noqa: E402
 
-SCENES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../config/scenes")
 DRY = ["effects.film=false"]
 PLY_TYPES = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4", "uint": "<u4"}
 LEAST_POOL_MM = 0.05
@@ -65,56 +62,6 @@ def read_normals(path, points):
         for k in range(3):
             out[:, axis] += np.bincount(corner[:, k], normal[:, axis], len(points))
     return out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
-
-
-class Bench:
-    def __init__(self, programs, folder):
-        self.programs, self.folder, self.made = programs, folder, 0
-
-    def run(self, program, *arguments):
-        return subprocess.run([os.path.join(self.programs, program), *arguments], capture_output=True, text=True, check=False)
-
-    def render(self, scene, seed, settings, maps=False):
-        """An exchange folder. settings: "key=value"."""
-        self.made += 1
-        out = os.path.join(self.folder, f"{self.made:03d}")
-        sets = [word for setting in settings for word in ("--set", setting)]
-        ran = self.run("enamel-twin", "render", os.path.join(SCENES, scene + ".toml"), "--seed", str(seed), *sets, "--out", out,
-                       *(["--truth-maps"] if maps else []))
-        if ran.returncode != 0:
-            raise RuntimeError(f"{scene}: {ran.stderr}")
-        print(f"rendered {scene} seed {seed} {' '.join(settings)}", file=sys.stderr)
-        return out
-
-    def decode(self, folder, burst, settings=()):
-        out = os.path.join(self.folder, "decoded")
-        sets = [word for setting in settings for word in ("--set", setting)]
-        self.run("enamel", "decode", folder, "--burst", str(burst), "--out", out, *sets)
-        with open(os.path.join(out, "decode.json"), encoding="utf-8") as f:
-            return out, json.load(f)
-
-    def replay(self, folder):
-        out = folder + ".replayed"
-        self.run("enamel", "replay", folder, "--out", out, "--headless")
-        with open(os.path.join(out, "report.json"), encoding="utf-8") as f:
-            return out, json.load(f)
-
-
-def bursts_of(folder):
-    with open(os.path.join(folder, "bursts.csv"), encoding="utf-8") as f:
-        return [int(row["burst_id"]) for row in csv.DictReader(f)]
-
-
-def pose(row):
-    out = np.eye(4)
-    out[:3, :3] = Rotation.from_quat([float(row[k]) for k in ("qx", "qy", "qz", "qw")]).as_matrix()
-    out[:3, 3] = [float(row[k]) for k in ("tx", "ty", "tz")]
-    return out
-
-
-def poses(path):
-    with open(path, encoding="utf-8") as f:
-        return {int(row["burst_id"]): pose(row) for row in csv.DictReader(f)}
 
 
 def errors_of(bench, folder, burst, settings, of="material", surface_of=None):

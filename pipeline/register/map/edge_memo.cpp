@@ -3,26 +3,18 @@
 namespace enamel::pipeline {
 
 void EdgeMemo::measured_with(std::uint8_t soft_below) {
-  const std::lock_guard lock(mutex_);
   if (soft_below_ != soft_below) entries_.clear();
   soft_below_ = soft_below;
 }
 
 std::optional<EdgeMemo::Measured> EdgeMemo::find(Bursts of, const Pose& start) const {
-  const std::lock_guard lock(mutex_);
   const auto found = entries_.find({of.i.value, of.j.value});
   if (found == entries_.end() || found->second.start.matrix() != start.matrix()) return std::nullopt;
   return found->second.measured;
 }
 
 void EdgeMemo::keep(Bursts of, const Pose& start, const Measured& measured) {
-  const std::lock_guard lock(mutex_);
   entries_.insert_or_assign({of.i.value, of.j.value}, Entry{start, measured});
-}
-
-std::size_t EdgeMemo::size() const {
-  const std::lock_guard lock(mutex_);
-  return entries_.size();
 }
 
 }  // namespace enamel::pipeline

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -15,7 +14,8 @@
 namespace enamel::pipeline {
 
 /// An edge is a function of its bursts, of where it starts and of which shades count as soft: what is found here is to
-/// the bit what would be measured. Of one rig and one configuration. Thread-safe.
+/// the bit what would be measured. Of one rig and one configuration. find() from any number of threads while nobody
+/// keeps.
 class EdgeMemo {
  public:
   struct Bursts {
@@ -32,14 +32,13 @@ class EdgeMemo {
   [[nodiscard]] std::optional<Measured> find(Bursts of, const Pose& start) const;
   /// Instead of what was measured between them from elsewhere.
   void keep(Bursts of, const Pose& start, const Measured& measured);
-  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] std::size_t size() const noexcept { return entries_.size(); }
 
  private:
   struct Entry {
     Pose start;
     Measured measured;
   };
-  mutable std::mutex mutex_;  // guards what follows
   std::map<std::pair<std::uint64_t, std::uint64_t>, Entry> entries_;
   std::optional<std::uint8_t> soft_below_;
 };

@@ -10,10 +10,10 @@ std::optional<std::vector<KeyframeMove>> follow_map(
   const double work_distance_mm = calib::middle_depth_mm(rig);
   const auto keyframes = choose_keyframes(input.bursts, work_distance_mm, config);
   if (keyframes.size() < 2) return std::nullopt;
-  const auto pairs = choose_pairs(input.bursts, keyframes, work_distance_mm, config);
+  const MapPairs pairs{keyframes, choose_pairs(input.bursts, keyframes, work_distance_mm, config)};
   const auto edges = measure_edges(
-      input, keyframes, pairs, [&](std::size_t k) { return node(keyframes[k]); },
-      {rig, icp, config.edge, config.bow.edge}, {}, stop);
+      input, pairs, [&](std::size_t k) { return node(keyframes[k]); }, {rig, icp, config.edge, config.bow.edge}, {},
+      stop);
   if (stop.stop_requested()) return std::nullopt;
   std::vector<Pose> tracked;
   tracked.reserve(keyframes.size());

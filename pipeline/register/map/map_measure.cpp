@@ -1,6 +1,5 @@
 #include "pipeline/register/map/map_measure.hpp"
 
-#include <atomic>
 #include <optional>
 #include <utility>
 
@@ -10,6 +9,14 @@ namespace enamel::pipeline {
 namespace {
 
 constexpr std::size_t kParts = 20;  // told one after the other
+
+/// A pair one way round, and what it was found to be; nothing where the work was stopped.
+struct PairEdge {
+  KeyframePair pair;
+  Pose start = Pose::Identity();
+  std::optional<EdgeMemo::Measured> found;
+  bool at_hand = false;
+};
 
 EdgeMemo::Measured measure_pair(const MapNode& i, const MapNode& j, const Pose& start, const BowMeasuring& with) {
   EdgeMemo::Measured out{measure_edge(i, j, with.rig.camera, start, with.icp, with.edge), {}};
@@ -36,40 +43,38 @@ MapNode MapNodeMaker::operator()(const SurfacePatch& patch, const TexturePicture
   return node;
 }
 
-MeasuredEdges measure_edges(const MapInput& input, const std::vector<std::size_t>& keyframes,
-                            const std::vector<KeyframePair>& pairs, const NodeOf& node, const BowMeasuring& with,
+MeasuredEdges measure_edges(const MapInput& input, const MapPairs& of, const NodeOf& node, const BowMeasuring& with,
                             const std::function<void(double)>& progress, const std::stop_token& stop) {
-  std::vector<EdgeMemo::Measured> found(2 * pairs.size());
-  std::atomic<std::size_t> at_hand{0};
+  std::vector<PairEdge> edges(2 * of.pairs.size());
   const auto measure = [&](std::size_t n) {
     if (stop.stop_requested()) return;
-    KeyframePair pair = pairs[n / 2];
-    if (n % 2 == 1) std::swap(pair.i, pair.j);
-    const MapBurst &i = input.bursts[keyframes[pair.i]], &j = input.bursts[keyframes[pair.j]];
-    const Pose start = j.T_model_cam.inverse() * i.T_model_cam;
-    if (auto known = input.memo != nullptr ? input.memo->find({i.id, j.id}, start) : std::nullopt) {
-      found[n] = std::move(*known);
-      ++at_hand;
-    } else {
-      found[n] = measure_pair(*node(pair.i), *node(pair.j), start, with);
-      if (input.memo != nullptr) input.memo->keep({i.id, j.id}, start, found[n]);
-    }
-    if (!found[n].edge) return;
-    found[n].edge->i = pair.i;
-    found[n].edge->j = pair.j;
-    found[n].edge->loop = pair.loop;
+    PairEdge& edge = edges[n];
+    edge.pair = of.pairs[n / 2];
+    if (n % 2 == 1) std::swap(edge.pair.i, edge.pair.j);
+    const MapBurst& i = input.bursts[of.keyframes[edge.pair.i]];
+    const MapBurst& j = input.bursts[of.keyframes[edge.pair.j]];
+    edge.start = j.T_model_cam.inverse() * i.T_model_cam;
+    if (input.memo != nullptr) edge.found = input.memo->find({i.id, j.id}, edge.start);
+    edge.at_hand = edge.found.has_value();
+    if (!edge.at_hand) edge.found = measure_pair(*node(edge.pair.i), *node(edge.pair.j), edge.start, with);
   };
   for (std::size_t part = 0; part < kParts; ++part) {
-    const std::size_t from = part * found.size() / kParts, to = (part + 1) * found.size() / kParts;
+    const std::size_t from = part * edges.size() / kParts, to = (part + 1) * edges.size() / kParts;
     input.for_each(to - from, [&](std::size_t n) { measure(from + n); });
     if (progress) progress(static_cast<double>(part + 1) / kParts);
   }
   MeasuredEdges out;
-  out.at_hand = at_hand;
-  for (const EdgeMemo::Measured& one : found) {
-    if (!one.edge) continue;
-    out.of.push_back(*one.edge);
-    out.bows.push_back(one.bow);
+  for (const PairEdge& edge : edges) {
+    if (!edge.found) continue;
+    out.at_hand += edge.at_hand ? 1U : 0U;
+    const BurstId i = input.bursts[of.keyframes[edge.pair.i]].id, j = input.bursts[of.keyframes[edge.pair.j]].id;
+    if (input.memo != nullptr && !edge.at_hand) input.memo->keep({i, j}, edge.start, *edge.found);
+    if (!edge.found->edge) continue;
+    out.of.push_back(*edge.found->edge);
+    out.of.back().i = edge.pair.i;
+    out.of.back().j = edge.pair.j;
+    out.of.back().loop = edge.pair.loop;
+    out.bows.push_back(edge.found->bow);
   }
   return out;
 }

@@ -37,10 +37,15 @@ struct MeasuredEdges {
   std::size_t at_hand = 0;  ///< pairs, either way round, that MapInput::memo knew
 };
 
+/// Which bursts stand for the scan, and which of them, by number, are laid on each other.
+struct MapPairs {
+  std::vector<std::size_t> keyframes;
+  std::vector<KeyframePair> pairs;
+};
+
 /// Of all pairs, both ways round: what one-sided association leaves of a bias has the other sign in the other.
-/// A few are missing once `stop` is requested. progress(share done).
-[[nodiscard]] MeasuredEdges measure_edges(const MapInput& input, const std::vector<std::size_t>& keyframes,
-                                          const std::vector<KeyframePair>& pairs, const NodeOf& node,
+/// Some are missing once `stop` is requested. progress(share done).
+[[nodiscard]] MeasuredEdges measure_edges(const MapInput& input, const MapPairs& of, const NodeOf& node,
                                           const BowMeasuring& with, const std::function<void(double)>& progress = {},
                                           const std::stop_token& stop = {});
 

@@ -70,11 +70,11 @@ RefinedMap refine_map(const MapInput& input, const calib::Rig& rig, const IcpCon
   for (const MapBurst& burst : input.bursts) out.poses.push_back(burst.T_model_cam);
   const auto keyframes = choose_keyframes(input.bursts, work_distance_mm, config);
   if (!config.refine || keyframes.size() < 2) return out;
-  const auto pairs = choose_pairs(input.bursts, keyframes, work_distance_mm, config);
+  const MapPairs pairs{keyframes, choose_pairs(input.bursts, keyframes, work_distance_mm, config)};
   const auto nodes = make_nodes(input, keyframes, rig, icp, config);
   input.progress(kNodesShare);
   auto [edges, bows, at_hand] = measure_edges(
-      input, keyframes, pairs, [&](std::size_t k) { return nodes->get(k); }, {rig, icp, config.edge, config.bow.edge},
+      input, pairs, [&](std::size_t k) { return nodes->get(k); }, {rig, icp, config.edge, config.bow.edge},
       [&](double share) { input.progress(kNodesShare + kEdgesShare * share); });
   std::vector<Pose> start;
   start.reserve(keyframes.size());
