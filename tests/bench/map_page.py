@@ -78,13 +78,13 @@ turn_s = 0.9
 from_mm = {start:.1f}
 to_mm = {end:.1f}
 height_mm = 5.0
-after = "pause"
-pause_s = {rng.uniform(0.9, 2):.2f}
 [[path.pass]]
 from_mm = {back:.1f}
 to_mm = {back + 8:.1f}
 roll_deg = {roll:.1f}
 height_mm = 3.5
+after = "pause"
+pause_s = {rng.uniform(0.9, 2):.2f}
 """
 
 
