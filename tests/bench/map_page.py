@@ -21,38 +21,43 @@ SAME_PLACE_MM = 1.5
 RIDGE_HALF_MM = 16
 
 
+def scene_of(rig, target, hand, passes):
+    """A scene file's text: what is scanned (target), how (hand) and along which passes, as tables of its settings."""
+    def lines(settings):
+        return [f"{name} = {json.dumps(value)}" for name, value in settings.items()]
+
+    text = [f'rig = "{CONFIG}/rigs/{rig}.json"']
+    for table, settings in {**target, "path": {"type": "arch", **hand}}.items():
+        text += [f"[{table}]", *lines(settings)]
+    for settings in passes:
+        text += ["[[path.pass]]", *lines(settings)]
+    return "\n".join(text) + "\n"
+
+
+def jaw_of(side, from_mm, to_mm, burst_rate_hz):
+    """The target: a jaw's teeth within a margin of the stretch that is scanned."""
+    jaw = {"type": "jaw", "jaw.both_sides": True, "jaw.side": side,
+           "jaw.from_mm": round(from_mm - 14, 1), "jaw.to_mm": round(to_mm + 14, 1)}
+    return {"object": jaw, "timing": {"burst_rate_hz": burst_rate_hz}}
+
+
+def stretch(from_mm, to_mm, height_mm, **more):
+    return {"from_mm": round(from_mm, 1), "to_mm": round(to_mm, 1), "height_mm": height_mm, **more}
+
+
 def drawn_arch(rng):
     """A scene: a stretch of a jaw there and back, on another side, with a hand, a pattern and a unit of its own."""
     start = rng.uniform(-45, 0)
     end = start + rng.uniform(30, 45)
     side, roll = rng.choice(["lower", "upper"]), rng.choice([-1, 1]) * rng.uniform(25, 48)
     rig = rng.choice(["probe", "probe_t"])
-    return {"from_mm": start, "to_mm": end, "side": side, "roll_deg": roll, "mode": "T" if rig.endswith("_t") else "M", "text": f"""
-rig = "{CONFIG}/rigs/{rig}.json"
-[object]
-type = "jaw"
-jaw.both_sides = true
-jaw.side = "{side}"
-jaw.from_mm = {start - 14:.1f}
-jaw.to_mm = {end + 14:.1f}
-[timing]
-burst_rate_hz = {rng.uniform(12, 30):.1f}
-[path]
-type = "arch"
-speed_mm_s = {rng.uniform(10, 25):.1f}
-surge_mm_s = {rng.uniform(0, 5):.1f}
-turn_s = {rng.uniform(0.6, 1.0):.2f}
-tremor_um = {rng.uniform(20, 120):.0f}
-[[path.pass]]
-from_mm = {start:.1f}
-to_mm = {end:.1f}
-height_mm = 5.0
-[[path.pass]]
-from_mm = {end:.1f}
-to_mm = {start:.1f}
-roll_deg = {roll:.1f}
-height_mm = 3.5
-"""}
+    rate = round(rng.uniform(12, 30), 1)
+    hand = {"speed_mm_s": round(rng.uniform(10, 25), 1), "surge_mm_s": round(rng.uniform(0, 5), 1),
+            "turn_s": round(rng.uniform(0.6, 1.0), 2), "tremor_um": round(rng.uniform(20, 120))}
+    passes = [stretch(start, end, 5.0), stretch(end, start, 3.5, roll_deg=round(roll, 1))]
+    text = scene_of(rig, jaw_of(side, start, end, rate), hand, passes)
+    mode = "T" if rig.endswith("_t") else "M"
+    return {"from_mm": start, "to_mm": end, "side": side, "roll_deg": roll, "mode": mode, "text": text}
 
 
 def drawn_return(rng):
@@ -60,62 +65,21 @@ def drawn_return(rng):
     start = rng.uniform(-40, 15)
     end, back = start + rng.uniform(18, 25), start + rng.uniform(3, 8)
     roll = rng.choice([-1, 1]) * rng.uniform(30, 45)
-    return f"""
-rig = "{CONFIG}/rigs/{rng.choice(["probe", "probe_t"])}.json"
-[object]
-type = "jaw"
-jaw.both_sides = true
-jaw.side = "{rng.choice(["lower", "upper"])}"
-jaw.from_mm = {start - 14:.1f}
-jaw.to_mm = {end + 14:.1f}
-[timing]
-burst_rate_hz = 15.0
-[path]
-type = "arch"
-speed_mm_s = {rng.uniform(10, 18):.1f}
-turn_s = 0.9
-[[path.pass]]
-from_mm = {start:.1f}
-to_mm = {end:.1f}
-height_mm = 5.0
-[[path.pass]]
-from_mm = {back:.1f}
-to_mm = {back + 8:.1f}
-roll_deg = {roll:.1f}
-height_mm = 3.5
-after = "pause"
-pause_s = {rng.uniform(0.9, 2):.2f}
-"""
+    rig, side = rng.choice(["probe", "probe_t"]), rng.choice(["lower", "upper"])
+    hand = {"speed_mm_s": round(rng.uniform(10, 18), 1), "turn_s": 0.9}
+    pause = {"after": "pause", "pause_s": round(rng.uniform(0.9, 2), 2)}
+    passes = [stretch(start, end, 5.0), stretch(back, back + 8, 3.5, roll_deg=round(roll, 1), **pause)]
+    return scene_of(rig, jaw_of(side, start, end, 15.0), hand, passes)
 
 
 def drawn_ridge(rng):
     middle = rng.uniform(-15, 15)
-    return f"""
-rig = "{CONFIG}/rigs/probe.json"
-[object]
-type = "ridge"
-ridge.relief_um = 30.0
-[texture]
-pattern = "vessels"
-amplitude = 0.15
-scale_mm = 1.6
-[timing]
-burst_rate_hz = 15.0
-[path]
-type = "arch"
-speed_mm_s = {rng.uniform(10, 16):.1f}
-turn_s = 0.9
-[[path.pass]]
-from_mm = {middle - RIDGE_HALF_MM:.1f}
-to_mm = {middle + RIDGE_HALF_MM:.1f}
-height_mm = -1.0
-[[path.pass]]
-from_mm = {middle + RIDGE_HALF_MM:.1f}
-to_mm = {middle - RIDGE_HALF_MM:.1f}
-roll_deg = -35.0
-height_mm = -5.0
-offset_mm = -7.0
-"""
+    low, high = middle - RIDGE_HALF_MM, middle + RIDGE_HALF_MM
+    ridge = {"object": {"type": "ridge", "ridge.relief_um": 30.0},
+             "texture": {"pattern": "vessels", "amplitude": 0.15, "scale_mm": 1.6}, "timing": {"burst_rate_hz": 15.0}}
+    hand = {"speed_mm_s": round(rng.uniform(10, 16), 1), "turn_s": 0.9}
+    passes = [stretch(low, high, -1.0), stretch(high, low, -5.0, roll_deg=-35.0, offset_mm=-7.0)]
+    return scene_of("probe", ridge, hand, passes)
 
 
 class Scan:
