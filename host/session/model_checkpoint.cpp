@@ -53,9 +53,10 @@ std::shared_ptr<const BlockMesh> get_block(ByteReader& in) {
   get_all(in, block->normals, vertices);
   get_all(in, block->quality, vertices);
   get_all(in, block->triangles, triangles);
-  const bool has_soft = in.get<std::uint8_t>() != 0;
-  if (!in.ok() || (has_soft && vertices > in.remaining())) return nullptr;
-  get_all(in, block->soft, has_soft ? vertices : 0);
+  const auto has_soft = in.get<std::uint8_t>();
+  // One text a model: another value of the flag, or a one where nothing follows, is not as it was written.
+  if (!in.ok() || has_soft > (vertices > 0 ? 1 : 0) || has_soft * vertices > in.remaining()) return nullptr;
+  get_all(in, block->soft, has_soft * vertices);
   for (const auto& corners : block->triangles) {
     for (const std::uint32_t corner : corners)
       if (corner >= vertices) return nullptr;

@@ -185,12 +185,15 @@ def checkpoint_seeds():
     def model(blocks):
         return struct.pack("<16dQI", *([1.0, 0, 0, 0, 0] * 3 + [1.0]), 7, len(blocks)) + b"".join(blocks)
 
-    def block(vertices, triangles):
+    def block(vertices, triangles, soft=b"\0"):  # soft: its flag, and where that is 1 a byte a vertex
         head = struct.pack("<3iQII", 1, -2, 3, 9, vertices, len(triangles))
-        return head + b"\0\0\x80\x3f" * (7 * vertices) + b"".join(struct.pack("<3I", *t) for t in triangles)
+        return head + b"\0\0\x80\x3f" * (7 * vertices) + b"".join(struct.pack("<3I", *t) for t in triangles) + soft
 
     yield "empty", b"\1" + model([])
     yield "two", b"\1" + model([block(3, [(0, 1, 2)]), block(4, [(0, 1, 2), (1, 2, 3)])])
+    yield "soft", b"\1" + model([block(3, [(0, 1, 2)], b"\1\0\1\0")])
+    yield "soft_flag", b"\1" + model([block(3, [(0, 1, 2)], b"\2\0\1\0")])
+    yield "soft_nothing", b"\1" + model([block(0, [], b"\1")])
     yield "far_corner", b"\1" + model([block(3, [(0, 1, 3)])])
     yield "more_than_there_is", b"\1" + model([struct.pack("<3iQII", 0, 0, 0, 0, 0xFFFFFFFF, 0xFFFFFFFF)])
     yield "another_format", b"\0" + b"ply\n"

@@ -92,6 +92,27 @@ TEST(ModelCheckpoint, counts_and_indices_are_not_believed_because_the_sum_is_rig
   }
 }
 
+TEST(ModelCheckpoint, a_model_has_one_text_and_another_flag_is_none_of_it) {
+  Rng rng(9, 0, 0);
+  const BurstPreview shown = drawn_preview(rng, 1);  // its one block has soft vertices
+  const std::string whole = bytes_of(shown);
+  std::string body = whole.substr(0, whole.size() - 4);
+  char& has_soft = body[body.size() - shown.model->blocks.front()->soft.size() - 1];
+  ASSERT_EQ(has_soft, 1);
+  EXPECT_TRUE(parse_checkpoint(summed(body)));
+  for (const int flag : {0, 2, 255}) {
+    has_soft = static_cast<char>(flag);
+    EXPECT_FALSE(parse_checkpoint(summed(body))) << flag;
+  }
+  auto model = std::make_shared<ModelSnapshot>();
+  model->blocks = {std::make_shared<BlockMesh>()};
+  std::string nothing = checkpoint_bytes({model, Pose::Identity()});
+  nothing.resize(nothing.size() - 4);
+  ASSERT_TRUE(parse_checkpoint(summed(nothing)));
+  nothing.back() = 1;
+  EXPECT_FALSE(parse_checkpoint(summed(nothing))) << "soft, and no vertex";
+}
+
 bool appears(const std::string& path) {
   SteadyClock clock;
   for (int n = 0; n < 400 && !std::filesystem::exists(path); ++n) clock.sleep_for(milliseconds(10));
