@@ -66,8 +66,9 @@ std::shared_ptr<PreviewFrame> Screen::frame(PreviewFrame session) const {
 
 view::UserCommands Screen::draw(PreviewFrame session) {
   if (!window_) return {};
-  window_->wait_frame();
+  const bool is_due = window_->wait_frame();
   const view::UserCommands commands = window_->poll();
+  if (!is_due) return commands;
   // A frame that the driver refuses is left out; the next one is tried anew.
   const std::uint64_t before = window_->stats().frames_drawn;
   static_cast<void>(window_->render(frame(std::move(session))));

@@ -54,9 +54,10 @@ int run(double step_mm) {
     ms.push_back(window.stats().last_frame_ms);
   }
   std::printf(
-      "{\"model_triangles\": %zu, \"drawn_triangles\": %zu, \"core_ms\": [%.1f, %.1f], \"wall_ms\": [%.1f, %.1f]}\n",
-      model, window.stats().drawn_triangles, percentile(core_ms, 0), percentile(core_ms, 0.5), percentile(ms, 0),
-      percentile(ms, 0.5));
+      "{\"model_triangles\": %zu, \"drawn_triangles\": %zu, \"sharpness\": %.2f, \"core_ms\": [%.1f, %.1f], "
+      "\"wall_ms\": [%.1f, %.1f]}\n",
+      model, window.stats().drawn_triangles, window.stats().sharpness, percentile(core_ms, 0), percentile(core_ms, 0.5),
+      percentile(ms, 0), percentile(ms, 0.5));
   return 0;
 }
 

@@ -1,5 +1,6 @@
 #include "viewer/gl/scene_renderer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 
@@ -8,7 +9,7 @@
 namespace enamel::view {
 namespace {
 
-constexpr int kFineScale = 2;  ///< four scene pixels under each pixel of a fine picture
+constexpr double kFineScale = 2;  ///< four scene pixels under each pixel of a fine picture
 
 void bind_texture(int unit, GLuint texture) {
   glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
@@ -18,6 +19,17 @@ void bind_texture(int unit, GLuint texture) {
 
 Eigen::Vector2f size_of(const RenderTarget& target) {
   return {static_cast<float>(target.width()), static_cast<float>(target.height())};
+}
+
+void copy(const RenderTarget& from, const RenderTarget& to, GLenum filter) {
+  glDisable(GL_SCISSOR_TEST);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, from.framebuffer());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to.framebuffer());
+  glBlitFramebuffer(0, 0, from.width(), from.height(), 0, 0, to.width(), to.height(), GL_COLOR_BUFFER_BIT, filter);
+}
+
+bool has_size(const std::optional<RenderTarget>& target, int width, int height) {
+  return target && target->width() == width && target->height() == height;
 }
 
 bool same_camera(const ViewCamera& a, const ViewCamera& b) {
@@ -55,14 +67,12 @@ Result<std::unique_ptr<SceneRenderer>> SceneRenderer::make() {
   return out;
 }
 
-Result<void> SceneRenderer::prepare_targets(const RenderTarget& out, Quality quality) {
-  const int scale = quality == Quality::kFine ? kFineScale : 1;
-  const int width = out.width() * scale;
-  const int height = out.height() * scale;
-  if (!scene_ || scene_->width() != width || scene_->height() != height) {
+Result<void> SceneRenderer::prepare_targets(const RenderTarget& out, double scale, Quality quality) {
+  const int width = std::max(1, static_cast<int>(std::lround(out.width() * scale)));
+  const int height = std::max(1, static_cast<int>(std::lround(out.height() * scale)));
+  if (!has_size(scene_, width, height)) {
     scene_.reset();
     shade_.reset();
-    still_.reset();
     ENAMEL_TRY_ASSIGN(scene_, RenderTarget::make(width, height, true));
   }
   if (quality == Quality::kFine && !shade_) {
@@ -84,10 +94,7 @@ Result<void> SceneRenderer::draw_backdrop(const RenderTarget& onto) {
     glBindVertexArray(screen_.id());
     glDrawArrays(GL_TRIANGLES, 0, 3);
   }
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, backdrop_picture_->framebuffer());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, onto.framebuffer());
-  glBlitFramebuffer(0, 0, onto.width(), onto.height(), 0, 0, onto.width(), onto.height(), GL_COLOR_BUFFER_BIT,
-                    GL_NEAREST);
+  copy(*backdrop_picture_, onto, GL_NEAREST);
   return {};
 }
 
@@ -114,7 +121,7 @@ void SceneRenderer::draw_lines(const SceneView& view, const RenderTarget& onto, 
 }
 
 Result<void> SceneRenderer::draw(const SceneView& view, Quality quality, const RenderTarget& out) {
-  ENAMEL_TRY(prepare_targets(out, quality));
+  ENAMEL_TRY(prepare_targets(out, quality == Quality::kFine ? kFineScale : view.sharpness, quality));
   const double aspect = static_cast<double>(out.width()) / out.height();
   begin_scene(*scene_);
   ENAMEL_TRY(draw_backdrop(*scene_));
@@ -126,7 +133,6 @@ Result<void> SceneRenderer::draw(const SceneView& view, Quality quality, const R
     draw_occlusion(view.camera, aspect);
   }
   draw_lines(view, *scene_, out);
-  quality_ = quality;
   next_part_.reset();
   finished_ = false;
   compose_again(out);
@@ -134,8 +140,10 @@ Result<void> SceneRenderer::draw(const SceneView& view, Quality quality, const R
 }
 
 Result<void> SceneRenderer::refine(const SceneView& view, const RenderTarget& out) {
-  if (!still_) {
-    ENAMEL_TRY_ASSIGN(still_, RenderTarget::make(scene_->width(), scene_->height(), true));
+  if (!has_size(still_, out.width(), out.height())) {
+    still_.reset();
+    next_part_.reset();
+    ENAMEL_TRY_ASSIGN(still_, RenderTarget::make(out.width(), out.height(), true));
   }
   const double aspect = static_cast<double>(out.width()) / out.height();
   if (!next_part_) {
@@ -159,8 +167,10 @@ Result<void> SceneRenderer::refine(const SceneView& view, const RenderTarget& ou
 void SceneRenderer::compose_again(const RenderTarget& out) {
   if (finished_) {
     compose(*still_, out, Edges::kSmooth);
+  } else if (scene_->width() < out.width()) {
+    copy(*scene_, out, GL_LINEAR);  // a software renderer's textures, filtered by a shader, take four times as long
   } else {
-    compose(*scene_, out, quality_ == Quality::kFine ? Edges::kAsTheyAre : Edges::kQuick);
+    compose(*scene_, out, scene_->width() == out.width() ? Edges::kQuick : Edges::kAsTheyAre);
   }
 }
 

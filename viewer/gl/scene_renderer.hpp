@@ -29,9 +29,10 @@ struct SceneView {
   float line_scale = 1;
   std::optional<Ball> focus;  ///< what is being scanned: drawn as fine as it is
   std::size_t triangle_budget = ~std::size_t{0};
+  double sharpness = 1;  ///< of the picture's width and height, what draw() has the model drawn with at kLive
 };
 
-/// Whether both make the same picture of the same model, but for the budget.
+/// Whether both make the same picture of the same model, but for the budget and the sharpness.
 [[nodiscard]] bool same_view(const SceneView& a, const SceneView& b);
 
 class SceneRenderer {
@@ -53,7 +54,7 @@ class SceneRenderer {
 
  private:
   SceneRenderer() = default;
-  [[nodiscard]] Result<void> prepare_targets(const RenderTarget& out, Quality quality);
+  [[nodiscard]] Result<void> prepare_targets(const RenderTarget& out, double scale, Quality quality);
   [[nodiscard]] Result<void> draw_backdrop(const RenderTarget& onto);
   void begin_scene(const RenderTarget& onto) const;
   void draw_lines(const SceneView& view, const RenderTarget& onto, const RenderTarget& out);
@@ -77,7 +78,6 @@ class SceneRenderer {
   std::optional<RenderTarget> backdrop_picture_;
   std::optional<std::size_t> next_part_;  ///< of still_; none: not begun, or finished
   bool finished_ = false;
-  Quality quality_ = Quality::kLive;
   LineBatch batch_;
 };
 

@@ -129,6 +129,7 @@ SceneView ViewerCore::scene_view(const PreviewFrame& frame, const DrawRequest& r
   }
   view.line_scale = scale_;
   view.triangle_budget = request.triangle_budget;
+  view.sharpness = request.sharpness;
   if (frame.placed) {
     view.T_model_cam = frame.T_model_cam;
     view.focus = field_ball(field_, frame.T_model_cam);

@@ -27,6 +27,7 @@ struct DrawRequest {
   Quality quality = Quality::kLive;
   std::size_t upload_budget_bytes = 0;
   std::size_t triangle_budget = ~std::size_t{0};
+  double sharpness = 1;  ///< as SceneView's
   bool interactive = true;
   double dt_s = 0;  ///< since the previous draw, for the camera's motion
 };

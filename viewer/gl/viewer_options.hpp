@@ -19,6 +19,7 @@ struct ViewerOptions {
   /// Of one thread: after a frame that took t, the next starts t / share later at the earliest. chosen: a frame within
   /// its frame_ms comes twelve times a second and leaves two cores three quarters of their time.
   double max_busy_share = 0.25;
+  double yielding_share = 0.2;  ///< the same while bursts are shed: four or more frames a second
   double frame_ms = 20;  ///< that a frame may take: what is too much for that is drawn coarser while the view moves
   std::size_t triangle_budget = DetailBudget::kSoftwareStart;  ///< of the first frames, when drawn in software
   double ui_scale = 1.0;                                       ///< 1.0 … 2.0

@@ -75,7 +75,7 @@ struct ViewerWindow::Impl {
   Impl(const ViewerOptions& wanted, Clock& time)
       : options(wanted),
         clock(time),
-        pacer(wanted.max_fps, wanted.max_busy_share),
+        pacer(wanted.max_fps, {wanted.max_busy_share, wanted.yielding_share}),
         detail(wanted.frame_ms, wanted.triangle_budget) {}
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -164,9 +164,11 @@ Result<std::unique_ptr<ViewerWindow>> ViewerWindow::open(const ViewerOptions& op
   return std::unique_ptr<ViewerWindow>(new ViewerWindow(std::move(impl)));
 }
 
-void ViewerWindow::wait_frame() {
+bool ViewerWindow::wait_frame() {
   constexpr Nanoseconds kLongest{50'000'000};
-  impl_->clock.sleep_until(std::min(impl_->pacer.due(), impl_->clock.now() + kLongest));
+  const HostTime due = impl_->pacer.due(), events_due = impl_->clock.now() + kLongest;
+  impl_->clock.sleep_until(std::min(due, events_due));
+  return due <= events_due;
 }
 
 UserCommands ViewerWindow::poll() {
@@ -222,6 +224,7 @@ Result<void> ViewerWindow::render(std::shared_ptr<const PreviewFrame> frame) {
   request.quality = me.core->software() ? Quality::kLive : Quality::kFine;
   request.upload_budget_bytes = me.options.upload_budget_bytes;
   request.triangle_budget = me.detail.triangles();
+  request.sharpness = me.detail.sharpness();
   request.dt_s = me.ever_drawn ? since_s : 0;
   if (request.width <= 0 || request.height <= 0) {
     me.pacer.drawn(began, began);
@@ -238,6 +241,7 @@ Result<void> ViewerWindow::render(std::shared_ptr<const PreviewFrame> frame) {
   }
   me.input.any = false;
   if (frame) {
+    me.pacer.told(frame->counters.shed, began);
     me.shown = frame;
   }
   ENAMEL_TRY(me.draw(std::move(frame), request));
@@ -275,6 +279,7 @@ ViewerStats ViewerWindow::stats() const {
   out.draw_calls = model.draw_calls();
   out.drawn_triangles = model.drawn_triangles();
   out.triangle_budget = impl_->detail.triangles();
+  out.sharpness = impl_->detail.sharpness();
   out.refined = !impl_->core->refinable();
   return out;
 }

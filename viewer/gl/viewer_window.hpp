@@ -1,9 +1,9 @@
 // The live window. One thread owns it (the program's main thread: GLFW demands that); the caller owns the loop:
 //
 //   while (!quit) {
-//     window->wait_frame();                       // sleeps until the next frame is due, never longer than 50 ms
+//     const bool is_due = window->wait_frame();   // sleeps until the next frame is due, never longer than 50 ms
 //     const UserCommands c = window->poll();      // keys, mouse, close button
-//     window->render(mailbox.take_or_last());     // draws the newest frame; never waits for the pipeline
+//     if (is_due) window->render(mailbox.take_or_last());  // draws the newest frame; never waits for the pipeline
 //   }
 //
 // Not thread-safe. Nothing here waits for the pipeline: frames come from a LatestSlot and are immutable.
@@ -33,6 +33,7 @@ struct ViewerStats {
   std::size_t triangles = 0;         ///< of the model as far as it was sent
   std::size_t drawn_triangles = 0;   ///< in the last frame, or the last part of a picture that rests
   std::size_t triangle_budget = 0;   ///< of the next frame
+  double sharpness = 1;              ///< of the next frame: DetailBudget::sharpness()
   bool refined = false;              ///< the view rests: its picture is of the mesh as it is
   int draw_calls = 0;                ///< of the model in the last frame
   double last_frame_ms = 0;
@@ -47,8 +48,9 @@ class ViewerWindow {
   ViewerWindow(const ViewerWindow&) = delete;
   ViewerWindow& operator=(const ViewerWindow&) = delete;
 
-  /// Sleeps on the injected clock until the next frame is due (frame-rate cap and busy share), at most 50 ms.
-  void wait_frame();
+  /// Sleeps on the injected clock until the next frame is due (frame-rate cap and busy share), at most 50 ms. False:
+  /// it is not due yet, only events are.
+  [[nodiscard]] bool wait_frame();
 
   /// Handles events; what the person asked for since the last call.
   [[nodiscard]] UserCommands poll();

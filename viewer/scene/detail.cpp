@@ -10,6 +10,7 @@ constexpr double kFinestPx = 1.0;             // chosen: cells below a pixel are
 constexpr double kStep = 1.4142135623730951;  // of the tolerance, from one try to the next
 constexpr int kTries = 28;                    // up to 16384 pixels
 constexpr double kFocusShare = 1.0 / 16;      // chosen: all else is at its coarsest before the focus gives up any
+constexpr double kRoom = 0.75;                // chosen: of a frame's target; above it nothing gets finer
 constexpr double kKeep = 0.8;  // chosen: a level that is nearly coarse enough is kept, so that none flickers
 
 struct Seen {
@@ -75,15 +76,26 @@ std::vector<DetailChoice> choose_detail(std::span<const DetailPart> parts, const
 
 void DetailBudget::drawn(double frame_ms, std::size_t triangles) noexcept {
   constexpr double kShrink = 0.8, kGrow = 1.05;  // chosen: too slow is seen, too coarse hardly
-  constexpr double kRoom = 0.75;                 // of the target: above it the budget stays
+  const bool is_slow = frame_ms > target_ms_, pixels_alone = is_slow && triangles <= kLeast;
+  judge_pixels(frame_ms, pixels_alone);
+  if (pixels_alone) return;  // not the triangles' fault
   auto wanted = static_cast<double>(triangles_);
-  if (frame_ms > target_ms_) {
+  if (is_slow) {
     wanted = kShrink * static_cast<double>(std::min(triangles_, triangles));
-    if (triangles <= kLeast) return;  // not the triangles' fault
-  } else if (frame_ms < kRoom * target_ms_ && 4 * triangles > 3 * triangles_) {
+  } else if (blur_ == 0 && frame_ms < kRoom * target_ms_ && 4 * triangles > 3 * triangles_) {
     wanted *= kGrow;
   }
   triangles_ = std::clamp(static_cast<std::size_t>(wanted), kLeast, kMost);
+}
+
+void DetailBudget::judge_pixels(double frame_ms, bool pixels_alone) noexcept {
+  constexpr int kSlow = 3, kFast = 20;  // chosen: one frame beside other work changes nothing; no to and fro
+  slow_ = pixels_alone ? slow_ + 1 : 0;
+  if (slow_ >= kSlow && blur_ + 1 < kSharpness.size()) ++blur_, slow_ = 0;
+  if (blur_ == 0) return;
+  const double finer = kSharpness[blur_ - 1] / kSharpness[blur_];
+  fast_ = frame_ms * finer * finer < kRoom * target_ms_ ? fast_ + 1 : 0;
+  if (fast_ >= kFast) --blur_, fast_ = 0;
 }
 
 }  // namespace enamel::view

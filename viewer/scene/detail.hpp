@@ -1,5 +1,5 @@
 // How fine each part of the model is drawn: by its size on the screen, within a number of triangles that follows from
-// what frames took. Level 0 is the mesh as it is.
+// what frames took; and with how many pixels, where fewer triangles no longer help. Level 0 is the mesh as it is.
 #pragma once
 
 #include <array>
@@ -42,7 +42,8 @@ struct DetailChoice {
 [[nodiscard]] std::vector<DetailChoice> choose_detail(std::span<const DetailPart> parts, const DetailView& view,
                                                       std::size_t budget);
 
-/// How many triangles a frame may have so that it takes `target_ms`. A function of what it is told.
+/// How many triangles a frame may have so that it takes `target_ms`, and how many pixels. Triangles go first and come
+/// back last. A function of what it is told.
 class DetailBudget {
  public:
   static constexpr std::size_t kLeast = 30'000;  ///< chosen: fewer save little beside the pixels
@@ -56,10 +57,18 @@ class DetailBudget {
   /// the budget was what limited them.
   void drawn(double frame_ms, std::size_t triangles) noexcept;
   [[nodiscard]] std::size_t triangles() const noexcept { return triangles_; }
+  /// Of the window's width and height, what the model is drawn with: 1, or less where a renderer in software is too
+  /// slow for its pixels.
+  [[nodiscard]] double sharpness() const noexcept { return kSharpness[blur_]; }
 
  private:
+  static constexpr std::array kSharpness{1.0, 0.75, 0.5};  ///< chosen: teeth are told apart with the last
+  void judge_pixels(double frame_ms, bool pixels_alone) noexcept;
+
   double target_ms_;
   std::size_t triangles_;
+  std::size_t blur_ = 0;     ///< of kSharpness
+  int slow_ = 0, fast_ = 0;  ///< frames on end, of too many pixels and of room for more
 };
 
 }  // namespace enamel::view

@@ -252,12 +252,28 @@ TEST(Trail, a_path_that_was_shared_stays_as_it_was) {
 }
 
 TEST(FramePacer, keeps_the_rate_and_the_busy_share) {
-  FramePacer pacer(20, 0.4);
+  FramePacer pacer(20, {.usual = 0.4, .yielding = 0.1});
   const HostTime t0 = host_time(1'000'000'000);
   pacer.drawn(t0, t0 + Nanoseconds{5'000'000});
   EXPECT_EQ(pacer.due(), t0 + Nanoseconds{50'000'000});
   pacer.drawn(t0, t0 + Nanoseconds{60'000'000});
   EXPECT_EQ(pacer.due(), t0 + Nanoseconds{150'000'000});
+}
+
+TEST(FramePacer, yields_to_the_pipeline_while_bursts_are_shed) {
+  FramePacer pacer(20, {.usual = 0.4, .yielding = 0.1});
+  const auto due_after = [&](std::uint64_t shed, int at_s) {
+    const HostTime began = host_time(1'000'000'000LL * at_s);
+    pacer.told(shed, began);
+    pacer.drawn(began, began + Nanoseconds{40'000'000});
+    return (pacer.due() - began) / Nanoseconds{1'000'000};
+  };
+  EXPECT_EQ(due_after(0, 1), 100);
+  EXPECT_EQ(due_after(3, 2), 400);
+  EXPECT_EQ(due_after(3, 3), 400) << "a queue is long for a while";
+  EXPECT_EQ(due_after(3, 5), 100);
+  EXPECT_EQ(due_after(4, 6), 400);
+  EXPECT_EQ(due_after(0, 9), 100) << "another scan begins its count anew";
 }
 
 }  // namespace

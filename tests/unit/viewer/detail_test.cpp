@@ -208,6 +208,44 @@ TEST(DetailBudget, shrinks_at_once_and_grows_slowly_where_it_binds) {
   EXPECT_EQ(budget.triangles(), DetailBudget::kMost);
 }
 
+TEST(DetailBudget, pixels_go_where_triangles_no_longer_help_and_come_back_first) {
+  DetailBudget budget(20, DetailBudget::kLeast);
+  budget.drawn(60, 10'000), budget.drawn(60, 10'000), budget.drawn(10, 10'000);
+  EXPECT_EQ(budget.sharpness(), 1) << "two slow frames beside other work";
+  for (int i = 0; i < 3; ++i) budget.drawn(60, 10'000);
+  EXPECT_EQ(budget.sharpness(), 0.75);
+  for (int i = 0; i < 50; ++i) budget.drawn(60, 10'000);
+  EXPECT_EQ(budget.sharpness(), 0.5) << "and no less";
+  for (int i = 0; i < 100; ++i) budget.drawn(8, DetailBudget::kLeast);
+  EXPECT_EQ(budget.sharpness(), 0.5) << "18 ms with more pixels: it would go to and fro";
+  for (int i = 0; i < 20; ++i) budget.drawn(5, DetailBudget::kLeast);
+  EXPECT_EQ(budget.sharpness(), 0.75);
+  EXPECT_EQ(budget.triangles(), DetailBudget::kLeast) << "more of them wait";
+  for (int i = 0; i < 40; ++i) budget.drawn(5, budget.triangles());
+  EXPECT_EQ(budget.sharpness(), 1);
+  EXPECT_GT(budget.triangles(), DetailBudget::kLeast);
+  for (int i = 0; i < 5; ++i) budget.drawn(60, 4 * DetailBudget::kLeast);
+  EXPECT_EQ(budget.sharpness(), 1) << "the triangles' fault";
+}
+
+TEST(DetailBudget, pixels_settle_within_the_time_of_a_frame) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> noise(0.9, 1.1);
+  for (const double pixels_ms : {10.0, 30.0, 60.0}) {
+    DetailBudget budget(20, DetailBudget::kSoftwareStart);
+    double last_ms = 0, sharpness = 1;
+    int changes = 0;
+    for (int i = 0; i < 600; ++i) {
+      last_ms = noise(random) * (2 + pixels_ms * budget.sharpness() * budget.sharpness());
+      budget.drawn(last_ms, 20'000);
+      changes += i > 100 && budget.sharpness() != sharpness ? 1 : 0;
+      sharpness = budget.sharpness();
+    }
+    EXPECT_LT(last_ms, 21) << pixels_ms;
+    EXPECT_EQ(changes, 0) << pixels_ms;
+  }
+}
+
 TEST(DetailBudget, finds_what_a_machine_draws_in_time) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> noise(0.9, 1.1);
