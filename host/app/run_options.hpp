@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "host/app/calibration.hpp"
@@ -19,7 +20,7 @@ struct RunOptions {
   std::string config_file;
   std::vector<std::string> settings;  ///< a.b=value
   std::string artefact_file;          ///< certificate of a known artefact in the field of view; empty: none
-  int workers = 2;
+  int workers = host::usual_workers(std::thread::hardware_concurrency());
   bool headless = false;
   bool fast = false;  ///< no refinement after the scan
   bool json = false;

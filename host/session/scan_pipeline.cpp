@@ -27,11 +27,19 @@ namespace enamel::host {
 
 namespace {
 
-// Two decoders keep two cores busy while registration waits for its turn; the order is restored behind them.
-constexpr std::size_t kDecoders = 2;
-static_assert(kWaveDelay % kDecoders == 0);
+// Two decoders keep two cores busy while registration waits for its turn; the order is restored behind them. Four,
+// where there are workers for them, are as fast as fusion; on two cores they would only keep more bursts waiting.
+constexpr std::size_t kDecoders = 2, kMostDecoders = 4;
+static_assert(kWaveDelay % kDecoders == 0 && kWaveDelay % kMostDecoders == 0);
+constexpr unsigned kStepsAtOnce = kMostDecoders + 2;  // registration and fusion beside them
+
+constexpr std::size_t decoders_for(int workers) {
+  return workers < static_cast<int>(kMostDecoders) ? kDecoders : kMostDecoders;
+}
 
 }  // namespace
+
+int usual_workers(unsigned cores) { return static_cast<int>(std::clamp(cores, 2U, kStepsAtOnce)); }
 
 struct ScanPipeline::Impl {
   Impl(const calib::Rig& r, const PipelineConfig& p, const ScanPipelineOptions& o, Clock& c)
@@ -103,9 +111,12 @@ void ScanPipeline::Impl::build() {
   graph.observe(options.step_observer);
   auto& entrance = graph.add<SourceStage>(gate);
   source = &entrance;
-  std::array<stage::DecodeStage*, kDecoders> decoders{};
-  for (std::size_t i = 0; i < kDecoders; ++i) {
-    decoders[i] = &graph.add<stage::DecodeStage>("decode" + std::to_string(i), decoder, options.calib_crc32);
+  std::vector<flow::In<proto::Burst>*> ins;
+  std::vector<flow::In<pipeline::WaveKnowledge>*> waves;
+  std::vector<flow::Out<stage::Decoded>*> outs;
+  for (std::size_t i = 0; i < decoders_for(options.workers); ++i) {
+    auto& one_of = graph.add<stage::DecodeStage>("decode" + std::to_string(i), decoder, options.calib_crc32);
+    ins.push_back(&one_of.burst), waves.push_back(&one_of.wave), outs.push_back(&one_of.patch);
   }
   auto& learner = graph.add<stage::LearnStage>();
   track = &graph.add<stage::TrackStage>(optics, config.track, config.guide, decoder);
@@ -127,9 +138,6 @@ void ScanPipeline::Impl::build() {
   }
   auto& screen = graph.add<PreviewStage>(preview, live_map.get(), options.on_preview);
 
-  const std::array<flow::In<proto::Burst>*, kDecoders> ins{&decoders[0]->burst, &decoders[1]->burst};
-  const std::array<flow::In<pipeline::WaveKnowledge>*, kDecoders> waves{&decoders[0]->wave, &decoders[1]->wave};
-  const std::array<flow::Out<stage::Decoded>*, kDecoders> outs{&decoders[0]->patch, &decoders[1]->patch};
   const flow::EdgeSpec one{.capacity = 1};
   graph.connect_split<proto::Burst>(entrance.burst, ins, one);
   graph.connect_merge<stage::Decoded>(outs, track->patch, one);

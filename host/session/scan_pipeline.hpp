@@ -93,6 +93,9 @@ struct ScanResult {
   std::vector<std::string> slips;               ///< of its table or model, a line each
 };
 
+/// Workers for a machine of so many cores (0: unknown): as many as the graph has steps at once, at least two.
+[[nodiscard]] int usual_workers(unsigned cores);
+
 struct ScanPipelineOptions {
   int workers = 2;                ///< 0: one thread, topological order
   bool preview_model = false;     ///< mesh the growing model for a window

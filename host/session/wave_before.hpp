@@ -12,7 +12,7 @@
 namespace enamel::host {
 
 /// Bursts by which the decoders of a scan get late what is learned. layout: as many as are under way at once between
-/// two decoders and the stage behind them.
+/// two decoders and the stage behind them, or in four decoders.
 inline constexpr std::size_t kWaveDelay = 4;
 
 /// Decodes the bursts before `burst`, in the stream's order, up to where nothing more is learned. Rewinds the stream

@@ -10,11 +10,15 @@ import random
 import statistics
 import sys
 
-DECODERS = 2  # layout: as kDecoders
+DECODERS, MOST_DECODERS = 2, 4  # layout: as kDecoders, kMostDecoders
 VIEW_DELAY = 2  # layout: as graph.feedback_delay
 WAVE_DELAY = 4  # layout: as kWaveDelay
 WORKERS = (1, 2, 4, 8, 16)
 STAGES = ("decode", "track", "fuse")
+
+
+def decoders_for(workers):
+    return DECODERS if workers < MOST_DECODERS else MOST_DECODERS
 
 
 def drawn(stage, bursts, rng):
@@ -34,8 +38,9 @@ def needs(stage, n, decoders, view_delay):
     return [("track", n), ("fuse", n - 1)], []
 
 
-def simulate(times, workers, decoders=DECODERS, view_delay=VIEW_DELAY):
+def simulate(times, workers, decoders=None, view_delay=VIEW_DELAY):
     """Bursts a second. times: of each stage, ms of each burst. A free worker takes the oldest burst's ready step."""
+    decoders = decoders or decoders_for(workers)
     bursts = len(times["decode"])
     began, ended, running, now = set(), set(), [], 0.0
 
@@ -62,7 +67,7 @@ def simulate(times, workers, decoders=DECODERS, view_delay=VIEW_DELAY):
     return 1000 * bursts / now
 
 
-def limits(mean, decoders=DECODERS, view_delay=VIEW_DELAY):
+def limits(mean, decoders=MOST_DECODERS, view_delay=VIEW_DELAY):
     """Bursts a second that each serial part allows however many workers there are."""
     return {f"decode on {decoders}": 1000 * decoders / mean["decode"], "track": 1000 / mean["track"], "fuse": 1000 / mean["fuse"],
             f"track and fuse every {view_delay}": 1000 * view_delay / (mean["track"] + mean["fuse"])}

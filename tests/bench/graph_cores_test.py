@@ -33,8 +33,8 @@ class Simulation(unittest.TestCase):
 
     def test_what_binds_is_what_helps(self):
         decode_binds, track_binds = even(60, 10, 10), even(5, 40, 10)
-        self.assertGreater(cores.simulate(decode_binds, 16, decoders=4), 1.5 * cores.simulate(decode_binds, 16))
-        self.assertLess(cores.simulate(track_binds, 16, decoders=4), 1.02 * cores.simulate(track_binds, 16))  # control
+        self.assertGreater(cores.simulate(decode_binds, 16), 1.5 * cores.simulate(decode_binds, 16, decoders=2))
+        self.assertLess(cores.simulate(track_binds, 16), 1.02 * cores.simulate(track_binds, 16, decoders=2))  # control
         self.assertLess(cores.simulate(even(5, 20, 20), 16, view_delay=1), 0.6 * cores.simulate(even(5, 20, 20), 16))
 
     def test_more_workers_are_never_slower(self):

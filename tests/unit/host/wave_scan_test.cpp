@@ -84,7 +84,7 @@ std::uint64_t decode_digest(const pipeline::BurstDecoder& decoder, std::uint64_t
 TEST(WaveScan, gives_the_same_bits_at_any_worker_count) {
   const std::vector<TraceRow> one = traced(0);
   ASSERT_EQ(one.size(), kBursts);
-  for (const int workers : {1, 2, 4}) {
+  for (const int workers : {1, 2, 4, 6}) {  // two decoders, and four
     const std::vector<TraceRow> more = traced(workers);
     ASSERT_EQ(more.size(), kBursts);
     for (std::size_t k = 0; k < kBursts; ++k) EXPECT_EQ(more[k].digest, one[k].digest) << workers << ' ' << k;
@@ -118,6 +118,13 @@ TEST(WaveScan, bursts_before_are_counted_as_they_are_decoded) {
   const auto known = wave_before(stream, {5}, decoder, 0, [&](std::uint64_t place) { places.push_back(place); });
   EXPECT_EQ(places, (std::vector<std::uint64_t>{1, 2, 3, 4, 5}));
   EXPECT_EQ(known.bursts, 5 - kWaveDelay + 1) << "of bursts 0 and 1";
+}
+
+TEST(Workers, are_as_many_as_the_machine_has_use_for) {
+  EXPECT_EQ(usual_workers(0), 2) << "unknown";
+  EXPECT_EQ(usual_workers(1), 2);
+  EXPECT_EQ(usual_workers(4), 4);
+  EXPECT_EQ(usual_workers(64), 6) << "four decoders, registration, fusion";
 }
 
 }  // namespace
