@@ -202,6 +202,7 @@ BurstVerdict BurstDecoder::find_surface(const Burst& burst) const {
   tell(burst.hook, "surface");
   count_rejects(out);
   if (out.patch.valid_px >= config_.light.min_points) return BurstVerdict::kAccepted;
+  if (may_have_odd_frame(diagnostics, config_.odd_frame)) return mismatch(phase, config_.light);
   return strategy_->tells_unplaced() ? BurstVerdict::kNoCode : BurstVerdict::kTooFewPoints;
 }
 

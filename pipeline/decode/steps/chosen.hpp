@@ -8,6 +8,9 @@ namespace enamel::pipeline {
 /// Of a frame's spread over its noise: a frame below the first shows no picture where another above the second shows
 /// one. chosen: by judgement. What varies by its noise alone has 1.
 inline constexpr double kBlankSigmas = 2, kPictureSigmas = 6;
+/// Noise of two pixels that the carrier's step between them must exceed for its sign: nineteen of twenty are right; and
+/// the largest step, of which a slanted surface may show three times as much. chosen: by judgement.
+inline constexpr double kSignSigmas = 2, kMostStep_rad = 0.8;
 /// On either side of a jump. chosen: on 50 rows of teeth (docs/notes/decode-attempts.md, orders). One that blur mixes,
 /// one that the code may be off by.
 inline constexpr std::int32_t kMixed_px = 2;

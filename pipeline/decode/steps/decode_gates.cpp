@@ -1,16 +1,41 @@
 #include "pipeline/decode/steps/decode_gates.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pipeline/decode/phase/row_memory.hpp"
 #include "pipeline/decode/steps/burst_output.hpp"
+#include "pipeline/decode/steps/chosen.hpp"
 #include "pipeline/decode/steps/frame_gate_rows.hpp"
 #include "pipeline/decode/steps/frame_gates.hpp"
 
 namespace enamel::pipeline {
 namespace {
 
-constexpr int kDirectionRowStep = 4;  // layout: of the rows that are asked: tens of thousands of pairs
+/// Beyond what motion, noise and the burst's unrest excuse.
+bool shifted_beyond(const DecodeDiagnostics& d, const OddFrameGate& gate, float max_shift_rad) noexcept {
+  const float excused_rad = gate.max_over_motion * d.motion_spread_rad + gate.max_over_sigma * d.odd_sigma_rad;
+  return d.odd_shift_rad > max_shift_rad + excused_rad && d.odd_shift_rad > gate.max_over_unrest * d.unrest;
+}
+
+constexpr std::size_t kDirectionRowStep = 4;  // layout: of the rows that are asked: tens of thousands of pairs
+
+/// How far apart two pixels must be for noise to leave the sign of the carrier's step between them.
+std::size_t pixels_apart(const PhaseMaps& maps, const float* carrier_rad) {
+  constexpr std::size_t kEvery = 37;  // layout: of all pixels, one; no column twice in a row
+  const auto width = static_cast<std::size_t>(maps.phase_rad.width());
+  double step = 0, noise2 = 0, seen = 0;
+  for (std::size_t i = 0; i + 1 < maps.phase_rad.size(); i += kEvery) {
+    if (maps.reject[i] != PixelReject::kNone || (i + 1) % width == 0) continue;
+    step += std::abs(static_cast<double>(carrier_rad[i + 1]) - static_cast<double>(carrier_rad[i]));
+    noise2 += 2.0 * static_cast<double>(maps.sigma_rad[i]) * static_cast<double>(maps.sigma_rad[i]);
+    seen += 1;
+  }
+  if (!(step > 0)) return 1;
+  step /= seen;
+  const double wanted_rad = std::min(kSignSigmas * std::sqrt(noise2 / seen), kMostStep_rad);
+  return static_cast<std::size_t>(std::clamp(std::floor(wanted_rad / step), 1.0, static_cast<double>(width - 1)));
+}
 
 }  // namespace
 
@@ -49,17 +74,19 @@ bool has_odd_frame(const DecodeDiagnostics& d, const OddFrameGate& gate) noexcep
   const double share = d.odd_share.value_or(gate.min_share);
   if (share < gate.min_share && d.code_agreement >= gate.sound_agreement) return false;
   const float max_shift_rad = share > gate.most_share ? gate.max_proven_rad : gate.max_shift_rad;
-  const float excused_rad = gate.max_over_motion * d.motion_spread_rad + gate.max_over_sigma * d.odd_sigma_rad;
-  const bool elsewhere =
-      d.odd_shift_rad > max_shift_rad + excused_rad && d.odd_shift_rad > gate.max_over_unrest * d.unrest;
-  return elsewhere || d.exposure_step > gate.max_exposure_step + 0.5F * d.odd_sigma_rad;
+  return shifted_beyond(d, gate, max_shift_rad) || d.exposure_step > gate.max_exposure_step + 0.5F * d.odd_sigma_rad;
+}
+
+bool may_have_odd_frame(const DecodeDiagnostics& d, const OddFrameGate& gate) noexcept {
+  return shifted_beyond(d, gate, gate.max_shift_rad);
 }
 
 double direction_share(const PhaseMaps& maps, const Carrier& carrier) {
   const auto width = static_cast<std::size_t>(maps.phase_rad.width());
   RowMemory sums(2 * width, 0.0F);
+  const RowPairs pairs{width, pixels_apart(maps, carrier.phase_mid_rad)};
   for (std::size_t at = 0; at < maps.phase_rad.size(); at += kDirectionRowStep * width)
-    add_directions_row(maps, carrier.phase_mid_rad, at, width, sums.data());
+    add_directions_row(maps, carrier.phase_mid_rad, at, pairs, sums.data());
   double follows = 0, expected = 0;
   for (std::size_t u = 0; u < width; ++u)
     follows += static_cast<double>(sums[u]), expected += static_cast<double>(sums[width + u]);

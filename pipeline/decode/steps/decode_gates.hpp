@@ -90,6 +90,9 @@ struct MotionGate {
 
 [[nodiscard]] bool has_odd_frame(const DecodeDiagnostics& diagnostics, const OddFrameGate& gate) noexcept;
 
+/// The same where nothing proves it: enough to say why a burst has no surface, too little to take one away.
+[[nodiscard]] bool may_have_odd_frame(const DecodeDiagnostics& diagnostics, const OddFrameGate& gate) noexcept;
+
 /// How far the phase of valid horizontal neighbours changes in the direction of the rig's carrier: 1 where it does, 0
 /// where it runs the other way, and as much whatever the noise, each pair counting by what its noise lets it tell. An
 /// odd permutation of mode M's three phase frames turns the sign of the phase, and its code is as good as before (cos

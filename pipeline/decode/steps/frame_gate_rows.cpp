@@ -45,24 +45,25 @@ constexpr float kHalfPi = 1.5707964F;  ///< derived: erf(x/sqrt 2) is x/sqrt(x^2
 /// layout: of a row, so many pixels at a time: their reasons are widened before, as in surface_rows.cpp.
 constexpr std::size_t kPairStretch = 256;
 
-void directions_loop(const PhaseMaps& m, const float* carrier_rad, std::size_t at, std::size_t width, float* sums) {
+void directions_loop(const PhaseMaps& m, const float* carrier_rad, std::size_t at, RowPairs pairs, float* sums) {
   std::array<std::int32_t, kPairStretch> open;
-  for (std::size_t from = 0; from + 1 < width; from += kPairStretch) {
-    const std::size_t count = std::min(kPairStretch, width - 1 - from);
+  const std::size_t width = pairs.width, apart = pairs.apart;
+  for (std::size_t from = 0; from + apart < width; from += kPairStretch) {
+    const std::size_t count = std::min(kPairStretch, width - apart - from);
     const PixelReject* __restrict reject = &m.reject[at + from];
     std::int32_t* __restrict valid = open.data();
     for (std::size_t u = 0; u < count; ++u)
       valid[u] =
-          static_cast<int>(reject[u] == PixelReject::kNone) & static_cast<int>(reject[u + 1] == PixelReject::kNone);
+          static_cast<int>(reject[u] == PixelReject::kNone) & static_cast<int>(reject[u + apart] == PixelReject::kNone);
     const float* __restrict p = &m.phase_rad[at + from], * __restrict sigma = &m.sigma_rad[at + from];
     const float* __restrict c = carrier_rad + at + from;
     float* __restrict follows = sums + from, * __restrict expected = sums + width + from;
     ENAMEL_INDEPENDENT
     for (std::size_t u = 0; u < count; ++u) {
       const bool counted = valid[u] != 0;
-      const float step = c[u + 1] - c[u], noise2 = sigma[u] * sigma[u] + sigma[u + 1] * sigma[u + 1];
+      const float step = c[u + apart] - c[u], noise2 = sigma[u] * sigma[u] + sigma[u + apart] * sigma[u + apart];
       const float kept = std::abs(step) / root(step * step + kHalfPi * noise2 + 1e-12F);  // of a sign, by noise
-      const bool along = wrap_once(p[u + 1] - p[u]) * step > 0;
+      const bool along = wrap_once(p[u + apart] - p[u]) * step > 0;
       follows[u] += select(counted, select(along, kept, -kept), 0);
       expected[u] += select(counted, kept * kept, 0);
     }
@@ -83,9 +84,8 @@ RepeatCount count_repeats_row(const std::array<const float*, 4>& frames, const P
   return HWY_DYNAMIC_DISPATCH(repeats_loop)(frames, maps, noise, sigmas, at, width);
 }
 
-void add_directions_row(const PhaseMaps& maps, const float* carrier_rad, std::size_t at, std::size_t width,
-                        float* sums) {
-  HWY_DYNAMIC_DISPATCH(directions_loop)(maps, carrier_rad, at, width, sums);
+void add_directions_row(const PhaseMaps& maps, const float* carrier_rad, std::size_t at, RowPairs pairs, float* sums) {
+  HWY_DYNAMIC_DISPATCH(directions_loop)(maps, carrier_rad, at, pairs, sums);
 }
 
 }  // namespace enamel::pipeline

@@ -19,9 +19,13 @@ struct RepeatCount {
 [[nodiscard]] RepeatCount count_repeats_row(const std::array<const float*, 4>& frames, const PhaseMaps& maps,
                                             const NoiseModel& noise, float sigmas, std::size_t at, std::size_t width);
 
-/// Adds what each pixel of a row and the next one say of the direction in which phase grows: as the carrier (of the
-/// whole image) does, by as much as noise leaves of a sign; and the square of that. sums: two arrays of `width`.
-void add_directions_row(const PhaseMaps& maps, const float* carrier_rad, std::size_t at, std::size_t width,
-                        float* sums);
+/// Pairs of pixels in a row that are so far apart, of an image so wide.
+struct RowPairs {
+  std::size_t width = 0, apart = 1;
+};
+/// Adds what each pixel of the row that begins at `at` and the other one of its pair say of the direction in which
+/// phase grows: as the carrier (of the whole image) does, by as much as noise leaves of a sign; and the square of that.
+/// sums: two arrays of `width`.
+void add_directions_row(const PhaseMaps& maps, const float* carrier_rad, std::size_t at, RowPairs pairs, float* sums);
 
 }  // namespace enamel::pipeline

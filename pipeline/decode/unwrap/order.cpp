@@ -179,10 +179,14 @@ class Solver {
     });
   }
 
+  /// Noise makes a segment's code jump, too: only what speaks counts.
   void count_seams() {
     out_.seams = out_.torn_seams = 0;
+    const auto silent = [&](std::size_t i) {
+      return evidence_.stance(i, segments_[i].cell + 2 * out_.segments[i].shift) == Stance::kSilent;
+    };
     for (std::size_t i = 0; i < segments_.size(); ++i) {
-      if (!segments_[i].joined || segments_[i].kink) continue;
+      if (!segments_[i].joined || segments_[i].kink || silent(i) || silent(i - 1)) continue;
       ++out_.seams;
       out_.torn_seams += out_.segments[i].shift != out_.segments[i - 1].shift ? 1U : 0U;
     }

@@ -96,15 +96,15 @@ TEST(WithdrawContradicted, what_was_undecided_counts_in_no_share) {
 
 constexpr int kWidth = 320, kHeight = 80;
 
-/// Wrapped phase in noise over a carrier of 26 px a fringe; turned: of frames in the wrong order.
-double share_of(double sigma_rad, bool turned, double fringe_px = 26) {
+/// Wrapped phase in noise over a carrier of so many px a fringe; turned: of frames in the wrong order.
+double share_of(double sigma_rad, bool turned, double fringe_px = 26, double carrier_px = 26) {
   PhaseMaps maps;
   maps.resize(kWidth, kHeight);
   std::vector<float> carrier_rad;
   test::Normals normal(3);
   for (int i = 0; i < kWidth * kHeight; ++i) {
     const double phase = 2 * std::numbers::pi * ((i % kWidth) / fringe_px + 0.07 * (i / kWidth));
-    carrier_rad.push_back(static_cast<float>(2 * std::numbers::pi * (i % kWidth) / 26));
+    carrier_rad.push_back(static_cast<float>(2 * std::numbers::pi * (i % kWidth) / carrier_px));
     const auto at = static_cast<std::size_t>(i);
     maps.phase_rad[at] =
         static_cast<float>(std::remainder((turned ? -phase : phase) + sigma_rad * normal(), 2 * std::numbers::pi));
@@ -127,6 +127,14 @@ TEST(DirectionShare, of_a_slanted_surface_is_that_of_a_plane) {
   for (const double fringe_px : {18.0, 34.0}) {
     EXPECT_GT(share_of(limit_rad, false, fringe_px), 0.85) << fringe_px;
     EXPECT_LT(share_of(limit_rad, true, fringe_px), 0.15) << fringe_px;
+  }
+}
+
+TEST(DirectionShare, of_a_narrow_field_asks_pixels_so_far_apart_that_noise_leaves_the_sign) {
+  const double limit_rad = static_cast<double>(PhaseConfig{}.max_sigma_rad);
+  for (const double fringe_px : {60.0, 140.0, 260.0}) {  // facing away, as the carrier, and towards
+    EXPECT_GT(share_of(limit_rad, false, fringe_px, 140), 0.85) << fringe_px;
+    EXPECT_LT(share_of(limit_rad, true, fringe_px, 140), 0.15) << fringe_px;
   }
 }
 

@@ -14,7 +14,8 @@ constexpr std::int32_t kWide_px = 12, kCells = 6, kPeriod = 7;
 /// Tells a segment's order up to whole periods.
 class RepeatingCode final : public CodeEvidence {
  public:
-  explicit RepeatingCode(const std::vector<std::int32_t>& cell) : cell_(cell) {}
+  /// faint: segments that cost as others do, as by noise, but are too faint to be asked.
+  explicit RepeatingCode(const std::vector<std::int32_t>& cell, bool faint = false) : cell_(cell), faint_(faint) {}
 
   [[nodiscard]] int cells() const override { return 200; }
   [[nodiscard]] int repeats_after() const override { return kPeriod; }
@@ -25,6 +26,7 @@ class RepeatingCode final : public CodeEvidence {
     }
   }
   [[nodiscard]] Stance stance(std::size_t segment, std::int32_t at) const override {
+    if (faint_) return Stance::kSilent;
     return same(segment, at) ? Stance::kAgrees : Stance::kContradicts;
   }
 
@@ -34,6 +36,7 @@ class RepeatingCode final : public CodeEvidence {
   }
 
   const std::vector<std::int32_t>& cell_;
+  bool faint_;
 };
 
 /// Rows of one smooth surface, as far as the phase tells.
@@ -92,6 +95,21 @@ TEST(OrderRange, a_surface_that_goes_on_beyond_it_is_not_folded_back) {
   scene.add_rows(40, 10, 15, 8);
   scene.add_rows(20, 10, 15, 12);
   EXPECT_EQ(decided_at(scene, 0, 80, 15), 0);
+}
+
+TEST(OrderSeams, are_torn_where_codes_that_speak_jump_on_a_smooth_surface) {
+  Scene scene;
+  scene.add_rows(30, 8, 15, 12);
+  OrderResult whole, jumping, faint;
+  find_orders(scene.segments, 1, RepeatingCode(scene.code), {}, whole);
+  EXPECT_EQ(whole.seams, 30U * (kCells - 1));
+  EXPECT_EQ(whole.torn_seams, 0U);
+  for (std::size_t i = 0; i < scene.code.size(); ++i) scene.code[i] += i % kCells < 3 ? 0 : 4;
+  find_orders(scene.segments, 1, RepeatingCode(scene.code), {}, jumping);
+  EXPECT_EQ(jumping.torn_seams, 30U);
+  find_orders(scene.segments, 1, RepeatingCode(scene.code, true), {}, faint);
+  EXPECT_EQ(faint.seams, 0U) << "noise makes a faint code jump: no proof of another one";
+  EXPECT_EQ(faint.torn_seams, 0U);
 }
 
 }  // namespace
