@@ -1,7 +1,7 @@
 #include "host/session/live_map.hpp"
 
-#include <pthread.h>
-#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <utility>
@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kPeriod = 8;      // bursts from one map to the next: a quarter of a second
 constexpr std::size_t kNodesKept = 48;  // 2.5 MB each. A keyframe's neighbours of other passes move on with it
+constexpr int kLastOfAll = 19;          // nice: whatever streams comes first
 
 }  // namespace
 
@@ -95,10 +96,8 @@ pipeline::EdgeMemo& LiveMap::finish() {
 }
 
 void LiveMap::run(const std::stop_token& stop) {
-  // Whatever streams comes first, and need not wait until this steps aside, as it would at nice 19. Refused: it is a
-  // thread like others then.
-  const sched_param none{};
-  static_cast<void>(::pthread_setschedparam(::pthread_self(), SCHED_IDLE, &none));
+  // Refused: it is a thread like others then.
+  static_cast<void>(::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLastOfAll));
   Follower follower(*this);
   for (;;) {
     const std::uint32_t seen = news_.load(std::memory_order_acquire);
