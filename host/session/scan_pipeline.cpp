@@ -115,8 +115,8 @@ void ScanPipeline::Impl::build() {
   std::vector<flow::In<pipeline::WaveKnowledge>*> waves;
   std::vector<flow::Out<stage::Decoded>*> outs;
   for (std::size_t i = 0; i < decoders_for(options.workers); ++i) {
-    auto& one_of = graph.add<stage::DecodeStage>("decode" + std::to_string(i), decoder, options.calib_crc32);
-    ins.push_back(&one_of.burst), waves.push_back(&one_of.wave), outs.push_back(&one_of.patch);
+    auto& decode = graph.add<stage::DecodeStage>("decode" + std::to_string(i), decoder, options.calib_crc32);
+    ins.push_back(&decode.burst), waves.push_back(&decode.wave), outs.push_back(&decode.patch);
   }
   auto& learner = graph.add<stage::LearnStage>();
   track = &graph.add<stage::TrackStage>(optics, config.track, config.guide, decoder);

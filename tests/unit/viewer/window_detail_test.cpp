@@ -15,6 +15,16 @@ namespace {
 
 constexpr std::size_t kBudget = 20'000;
 
+/// As on a busy machine: each look at the clock is 30 ms after the last one.
+class SlowClock final : public Clock {
+ public:
+  [[nodiscard]] HostTime now() const override { return time_ += Nanoseconds{30'000'000}; }
+  void sleep_until(HostTime time) override { time_ = std::max(time_, time); }
+
+ private:
+  mutable HostTime time_{};
+};
+
 class WindowDetailTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { display_ = std::make_unique<Xvfb>(); }
@@ -25,15 +35,20 @@ class WindowDetailTest : public ::testing::Test {
       GTEST_SKIP() << display_->problem();
     }
     options_.triangle_budget = kBudget;
-    auto window = ViewerWindow::open(options_, clock_);
-    ASSERT_TRUE(window) << window.error().message();
-    window_ = std::move(*window);
+    reopen(clock_);
     static_cast<void>(window_->poll());
     model_ = scene_.frame(19, 20);
     for (const auto& block : model_->model->blocks) model_triangles_ += block->triangles.size();
   }
 
-  /// The model with the probe somewhere along the arch, 50 ms later.
+  void reopen(Clock& clock) {
+    window_.reset();
+    auto window = ViewerWindow::open(options_, clock);
+    ASSERT_TRUE(window) << window.error().message();
+    window_ = std::move(*window);
+  }
+
+  /// The model with the probe somewhere along the arch, 50 ms later by the clock that is told.
   void draw(double share) {
     auto frame = std::make_shared<PreviewFrame>(*model_);
     ++frame->burst.value;
@@ -45,6 +60,7 @@ class WindowDetailTest : public ::testing::Test {
 
   static std::unique_ptr<Xvfb> display_;
   ManualClock clock_;
+  SlowClock slow_;
   ViewerOptions options_;
   std::unique_ptr<ViewerWindow> window_;
   const ToothScene scene_{.step_mm = 0.1, .block_mm = 0.8};
@@ -93,43 +109,27 @@ TEST_F(WindowDetailTest, coarse_and_fine_pictures_are_of_the_same_model) {
 
 TEST_F(WindowDetailTest, without_a_budget_the_mesh_is_drawn_as_it_is) {
   options_.triangle_budget = DetailBudget::kMost;
-  window_.reset();
-  auto window = ViewerWindow::open(options_, clock_);
-  ASSERT_TRUE(window);
-  window_ = std::move(*window);
+  reopen(clock_);
   for (int i = 0; i < 8; ++i) draw(0.5);
   EXPECT_GT(window_->stats().drawn_triangles, 4 * kBudget);
 }
 
-/// As on a busy machine: each look at the clock is 30 ms after the last one.
-class SlowClock final : public Clock {
- public:
-  [[nodiscard]] HostTime now() const override { return time_ += Nanoseconds{30'000'000}; }
-  void sleep_until(HostTime time) override { time_ = std::max(time_, time); }
-
- private:
-  mutable HostTime time_{};
-};
-
 TEST_F(WindowDetailTest, drawing_keeps_its_share_of_the_time_and_events_are_handled_between) {
-  window_.reset();
   options_.max_busy_share = 0.05;
-  SlowClock slow;
-  auto window = ViewerWindow::open(options_, slow);
-  ASSERT_TRUE(window);
+  reopen(slow_);
   int due = 0, early = 0;
   for (int i = 0; i < 40; ++i) {
-    const HostTime before = slow.now();
-    if (!(*window)->wait_frame()) {
+    const HostTime before = slow_.now();
+    if (!window_->wait_frame()) {
       ++early;
-      EXPECT_LE(slow.now() - before, Nanoseconds{150'000'000}) << "the person does not wait";
+      EXPECT_LE(slow_.now() - before, Nanoseconds{150'000'000}) << "the person does not wait";
       continue;
     }
     ++due;
     ++model_->burst.value;
-    ASSERT_TRUE((*window)->render(std::make_shared<PreviewFrame>(*model_)));
+    ASSERT_TRUE(window_->render(std::make_shared<PreviewFrame>(*model_)));
   }
-  EXPECT_EQ((*window)->stats().frames_drawn, static_cast<std::uint64_t>(due));
+  EXPECT_EQ(window_->stats().frames_drawn, static_cast<std::uint64_t>(due));
   EXPECT_GT(due, 4);
   EXPECT_GE(early, 3 * due) << "30 ms a frame at a twentieth of the time: the next one is 600 ms later";
 }
@@ -139,22 +139,12 @@ TEST_F(WindowDetailTest, a_slow_machine_draws_fewer_pixels_until_the_view_rests)
   const auto quick = window_->screenshot();
   ASSERT_TRUE(quick);
   EXPECT_EQ(window_->stats().sharpness, 1) << "control: no time passes by that clock";
-  window_.reset();
-  SlowClock slow;
-  auto window = ViewerWindow::open(options_, slow);
-  ASSERT_TRUE(window);
-  const auto show = [&](double share) {
-    auto frame = std::make_shared<PreviewFrame>(*model_);
-    ++frame->burst.value;
-    frame->T_model_cam = scene_.pose(share);
-    model_ = frame;
-    ASSERT_TRUE((*window)->render(std::move(frame)));
-  };
-  for (int i = 0; i < 30; ++i) show(0.2 + 0.01 * i);
-  EXPECT_EQ((*window)->stats().sharpness, 0.5);
-  for (int i = 0; i < 400 && !(*window)->stats().refined; ++i) ASSERT_TRUE((*window)->render(model_));
-  EXPECT_TRUE((*window)->stats().refined) << "what rests is drawn with all its pixels";
-  const auto saved = (*window)->screenshot();
+  reopen(slow_);
+  for (int i = 0; i < 30; ++i) draw(0.2 + 0.01 * i);
+  EXPECT_EQ(window_->stats().sharpness, 0.5);
+  for (int i = 0; i < 400 && !window_->stats().refined; ++i) ASSERT_TRUE(window_->render(model_));
+  EXPECT_TRUE(window_->stats().refined) << "what rests is drawn with all its pixels";
+  const auto saved = window_->screenshot();
   ASSERT_TRUE(saved);
   EXPECT_EQ(saved->width, quick->width);
   EXPECT_GT(share_of(*saved, kMiddle, is_tooth), 0.1);
