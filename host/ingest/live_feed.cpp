@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <numeric>
+#include <utility>
 
 #include "protocol/base/log.hpp"
 
@@ -70,19 +71,31 @@ Result<proto::Status> LiveFeed::fresh_status(const std::stop_token& stop) {
   return fail(stop.stop_requested() ? ErrorCode::kCancelled : ErrorCode::kProbeLost, "the probe says nothing");
 }
 
+// A probe in its self-test refuses; what counts is that it becomes READY. One that was started anew meanwhile, or that
+// had not heard from here for as long as its lease, knows no session any more.
+Result<void> LiveFeed::ask_to_warm_up(const std::stop_token& stop) {
+  const auto reply = link_.command(proto::Opcode::kWarmup);
+  if (reply || reply.error().code != ErrorCode::kProbeRefused) return {};
+  log::debug(kModule, "WARMUP: {}", reply.error().detail);
+  return take_lease(stop);
+}
+
+// A tip takes up to two minutes to warm up; the probe itself ends what takes longer.
 Result<void> LiveFeed::wait_ready(const std::stop_token& stop) {
-  const HostTime deadline = clock_.now() + config_.find_timeout;
-  HostTime ask_at = clock_.now();
+  HostTime deadline = clock_.now() + config_.find_timeout, ask_at = clock_.now();
+  bool warming = false;
   while (!stop.stop_requested()) {
     ENAMEL_TRY(take_input());
+    if (!link_.alive()) return fail(ErrorCode::kProbeLost, "while it became ready");
     const auto& status = link_.last_status();
     if (status && ready(status->state)) return {};
+    if (status && status->state == proto::ProbeState::kWarmup) {
+      deadline = clock_.now() + config_.find_timeout;
+      if (!std::exchange(warming, true)) enter(state_, "the probe is warming up");
+    }
     if (clock_.now() >= ask_at) {
       ask_at = clock_.now() + kAskAgain;
-      // A probe that is already warming up, or in its self-test, refuses; what counts is that it becomes READY.
-      if (const auto reply = link_.command(proto::Opcode::kWarmup); !reply) {
-        log::debug(kModule, "WARMUP: {}", reply.error().detail);
-      }
+      ENAMEL_TRY(ask_to_warm_up(stop));
     }
     if (clock_.now() > deadline) {
       return fail(ErrorCode::kProbeRefused, "the probe is " + std::string(status ? name_of(status->state) : "silent") +
@@ -213,10 +226,15 @@ Result<void> LiveFeed::come_back(const std::stop_token& stop, const Error& why) 
   }
 }
 
-Result<void> LiveFeed::run(const std::stop_token& stop) {
+Result<void> LiveFeed::begin(const std::stop_token& stop) {
   enter(FeedState::kWaiting, "waiting for a probe");
   ENAMEL_TRY(wait_for_probe(stop, false));
-  ENAMEL_TRY(open_session(stop));
+  const auto opened = open_session(stop);
+  return opened || opened.error().code != ErrorCode::kProbeLost ? opened : come_back(stop, opened.error());
+}
+
+Result<void> LiveFeed::run(const std::stop_token& stop) {
+  ENAMEL_TRY(begin(stop));
   while (!stop.stop_requested() && !ended_) {
     link_.wait_data(config_.poll_period);
     Result<void> step = take_input();

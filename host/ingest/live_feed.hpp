@@ -63,9 +63,12 @@ class LiveFeed {
   /// The probe's newest word, later than those that have come so far.
   [[nodiscard]] Result<proto::Status> fresh_status(const std::stop_token& stop);
   [[nodiscard]] Result<void> wait_ready(const std::stop_token& stop);
+  [[nodiscard]] Result<void> ask_to_warm_up(const std::stop_token& stop);
   /// Scanning was asked for and granted, and the probe has gone to rest without an end of its session: it had not heard
   /// from here for longer than its lease (this machine slept, or was stopped or too busy), or was started anew.
   [[nodiscard]] bool probe_left_scanning();
+  /// The first session; a probe that goes away before it is ready may come back.
+  [[nodiscard]] Result<void> begin(const std::stop_token& stop);
   [[nodiscard]] Result<void> come_back(const std::stop_token& stop, const Error& why);
   [[nodiscard]] Result<void> take_input();
   [[nodiscard]] Result<void> follow_wish();
