@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""reliability_page.py BUILD OUT [--kills N] …: OUT/reliability.md and reliability.json, what faults do to scans. SIMULATED."""
+"""reliability_page.py BUILD OUT [--kills N] …: OUT/reliability.md and reliability.json, what faults do to scans. SIMULATED.
+
+With --soak MINUTES OUT/soak.md and soak.json instead: one long scan that nothing happens to."""
 import argparse
 import os
 import random
@@ -98,7 +100,6 @@ def experiments(given, folder, reference, rng):
     yield "kills", given.kills, lambda _: kill(given, folder, reference, rng), kills
     yield "probes", given.probes, lambda _: probe_killed(given, folder, reference, rng), probes_killed
     yield "stops", given.stops, lambda _: stop(given, folder, reference, rng), lambda page, facts: stops(page, facts, given.longest)
-    yield "soak", int(given.soak > 0), lambda _: soak(given, folder), lambda page, facts: soak_rows(page, facts[0])
 
 
 def options():
@@ -108,8 +109,16 @@ def options():
     for name, count in zip(COUNTS, (3, 1, 2, 40, 14, 100, 1), strict=True):
         parser.add_argument(f"--{name}", type=int, default=count)
     parser.add_argument("--longest", type=float, default=8.0, help="seconds that a process is stopped at most")
-    parser.add_argument("--soak", type=float, default=0.0, help="minutes of one scan; 0: none")
+    parser.add_argument("--soak", type=float, default=0.0, help="minutes of one long scan, and nothing else; 0: none")
     return parser.parse_args()
+
+
+def soak_alone(given, folder):
+    page = Page("reliability.md")
+    facts = soak(given, folder)
+    soak_rows(page, facts)
+    page.write(given.out, "soak", "tools/bench-reliability --soak", machine(), {"soak": facts})
+    print(f"{given.out}/soak.md")
 
 
 def main():
@@ -123,7 +132,10 @@ def main():
         subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", given.shim, f"{HERE}/reliability_shim.c", "-ldl"], check=True)
         reference = calm(given, folder)
         given.keep = False
-        figures = {"counts": {k: getattr(given, k) for k in COUNTS + ("longest", "soak")}}
+        if given.soak > 0:
+            soak_alone(given, folder)
+            return
+        figures = {"counts": {k: getattr(given, k) for k in COUNTS + ("longest",)}}
         for name, count, one, rows in experiments(given, folder, reference, rng):
             facts = [f for f in trials(name, count, one) if "skipped" not in f]
             figures[name] = facts[:KEPT]
