@@ -149,7 +149,8 @@ BurstVerdict BurstDecoder::find_regions(const Burst& burst) const {
   strategy_->reject_unsure(burst.work, links, phase.reject);
   reject_edges(links, phase);
   tell(burst.hook, "links");
-  if (diagnostics.linked_share < config_.linked.min_linked_share || !strategy_->shows_pattern(diagnostics))
+  if (diagnostics.linked_share < config_.linked.min_linked_share || !strategy_->shows_pattern(diagnostics) ||
+      !could_be_projected(diagnostics, config_.wave_shape))
     return contradiction(burst);
   strategy_->unwrap(phase, burst.work, burst.steps.regions);
   tell(burst.hook, "unwrap");

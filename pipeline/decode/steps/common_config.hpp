@@ -35,6 +35,7 @@ struct CommonConfig {
 
   LightGate light;
   FramesGate frames;
+  WaveGate wave_shape;
   LinkGate linked;
   CodeGate code;
   OddFrameGate odd_frame;

@@ -66,11 +66,16 @@ bool frames_go_together(const BurstView& view, std::span<const BurstView> before
   return diagnostics.repeated_share <= gate.max_repeated_share;
 }
 
+bool could_be_projected(const DecodeDiagnostics& d, const WaveGate& gate) noexcept {
+  return std::abs(d.wave.harmonic[1]) <= gate.max_third;
+}
+
 bool follows_code(const DecodeDiagnostics& d, const CodeGate& gate) noexcept {
   return d.code_agreement >= gate.min_agreement && d.torn_share <= gate.max_torn_share;
 }
 
 bool has_odd_frame(const DecodeDiagnostics& d, const OddFrameGate& gate) noexcept {
+  if (d.unrest > gate.max_unrest) return true;
   const double share = d.odd_share.value_or(gate.min_share);
   if (share < gate.min_share && d.code_agreement >= gate.sound_agreement) return false;
   const float max_shift_rad = share > gate.most_share ? gate.max_proven_rad : gate.max_shift_rad;

@@ -28,6 +28,13 @@ struct FramesGate {
   double max_repeated_share = 0.9;
 };
 
+/// Whether a projector can have cast the waveform that the frames seem to show.
+struct WaveGate {
+  /// Of the third harmonic to the first. chosen: on drawn bursts: in order they show 0.07 at most, and 0.17 to 0.7 with
+  /// mode M's code frame in the place of a phase frame, where nothing else tells.
+  double max_third = 0.12;
+};
+
 /// Whether neighbours follow the rig's fringe carrier.
 struct LinkGate {
   double min_linked_share = 0.75;  ///< chosen: by judgement
@@ -51,6 +58,9 @@ struct OddFrameGate {
   /// frames that do not belong together). The second: it stands out from what light and texture did during the burst.
   float max_shift_rad = 0.1F;
   float max_over_unrest = 2.0F;
+  /// Of DecodeDiagnostics::unrest. chosen: on drawn bursts, of which true ones show 0.33 at most and permuted ones 7
+  /// and more where nothing else tells. No light changes by more than the fringes it lights.
+  float max_unrest = 1.0F;
   /// What a motion eps leaves of second order, light and texture that pass by. chosen: on rendered balls that turn.
   float max_over_motion = 0.4F;
   /// A frame that is brighter or darker by twice this, beside half of the noise. chosen: on drawn bursts and rendered
@@ -85,6 +95,8 @@ struct MotionGate {
 /// Fills diagnostics.repeated_share, unless it is told before.
 [[nodiscard]] bool frames_go_together(const BurstView& view, std::span<const BurstView> before, const PhaseMaps& maps,
                                       const FramesGate& gate, DecodeDiagnostics& diagnostics);
+
+[[nodiscard]] bool could_be_projected(const DecodeDiagnostics& diagnostics, const WaveGate& gate) noexcept;
 
 [[nodiscard]] bool follows_code(const DecodeDiagnostics& diagnostics, const CodeGate& gate) noexcept;
 

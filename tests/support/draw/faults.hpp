@@ -12,7 +12,7 @@ namespace enamel::test {
 enum class FrameFault : std::uint8_t {
   kStale,     ///< a frame of the same scene a thirtieth of a second earlier
   kRepeated,  ///< a frame in the place of another one, too
-  kPermuted,  ///< two frames have changed places
+  kPermuted,  ///< the frames in any other order that no other surface shows
   kForeign,   ///< a frame of another scene
   kDarker,    ///< a frame exposed for 0.5 to 0.95 of the time
   kBrighter,  ///< 1.05 to 1.6 of it

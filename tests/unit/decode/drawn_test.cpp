@@ -179,6 +179,35 @@ TEST(DrawnSwap, frames_1_and_3_in_each_others_place_are_told_by_what_runs_backwa
   EXPECT_GT(taken_blindly, 0);
 }
 
+/// With the code frame among them the three phase frames are those of no cosine; links, code and motion find nothing
+/// wrong with some of them.
+TEST(DrawnSwap, code_frame_in_a_phase_frames_place_is_told_by_direction_or_waveform) {
+  struct Swap {
+    std::uint64_t seed;
+    std::array<std::size_t, 4> order;
+  };
+  constexpr std::array<Swap, 6> kSwaps = {{{62001, {2, 0, 3, 1}},
+                                           {62012, {3, 0, 1, 2}},
+                                           {62021, {2, 3, 1, 0}},
+                                           {63118, {3, 2, 0, 1}},
+                                           {63121, {2, 3, 1, 0}},
+                                           {63130, {3, 2, 0, 1}}}};
+  pipeline::DecodeConfig blind;  // the control
+  blind.micro.direction.min_share = 0.6, blind.wave_shape.max_third = 1;
+  std::size_t taken_blindly = 0;
+  for (const Swap& swap : kSwaps) {
+    const ReadyDraw ready = ready_draw(swap.seed, PatternMode::kMicro);
+    const FrameSet clean = render(ready.drawn, {.with_truth = false}).frames;
+    EXPECT_TRUE(ready.decoder->decode(clean.view()).accepted()) << swap.seed;
+    FrameSet mixed = clean;
+    for (std::size_t k = 0; k < swap.order.size(); ++k) mixed.frames[k] = clean.frames[swap.order[k]];
+    EXPECT_EQ(ready.decoder->decode(mixed.view()).verdict, pipeline::BurstVerdict::kPatternMismatch) << swap.seed;
+    const auto control = pipeline::BurstDecoder::make(ready.drawn.rig, blind);
+    taken_blindly += control->decode(mixed.view()).accepted() ? 1U : 0U;
+  }
+  EXPECT_GT(taken_blindly, 0U);
+}
+
 TEST(Draw, gives_the_same_frames_for_the_same_seed_and_others_for_another) {
   const auto frames = [](std::uint64_t seed) {
     Drawn drawn = draw(seed, PatternMode::kMicro);

@@ -81,6 +81,8 @@ std::vector<Member> common_gates() {
           times(ENAMEL_MEMBER(code.max_torn_share)),
           times(ENAMEL_MEMBER(odd_frame.max_shift_rad)),
           times(ENAMEL_MEMBER(odd_frame.max_over_unrest)),
+          times(ENAMEL_MEMBER(odd_frame.max_unrest)),
+          times(ENAMEL_MEMBER(wave_shape.max_third)),
           times(ENAMEL_MEMBER(motion.max_motion_rad))};
 }
 

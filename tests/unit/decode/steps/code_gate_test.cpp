@@ -206,6 +206,22 @@ TEST(OddFrame, is_refused_where_it_is_what_the_frames_differ_by_and_not_where_mu
   EXPECT_TRUE(refused(0.2F, std::nullopt, 0.92)) << "of a mode that does not tell";
 }
 
+TEST(OddFrame, is_not_excused_by_light_that_would_change_more_than_the_fringes) {
+  DecodeDiagnostics d;
+  d.odd_shift_rad = 0.3F, d.unrest = 0.5F;
+  EXPECT_FALSE(has_odd_frame(d, {}));
+  d.unrest = 7;
+  EXPECT_TRUE(has_odd_frame(d, {}));
+}
+
+TEST(WaveShape, of_projectors_has_little_third_harmonic) {
+  DecodeDiagnostics d;
+  d.wave.harmonic = {0.3, -0.06, 0.01, 0};
+  EXPECT_TRUE(could_be_projected(d, {}));
+  d.wave.harmonic[1] = -0.29;
+  EXPECT_FALSE(could_be_projected(d, {}));
+}
+
 TEST(OddFrame, needs_less_of_a_shift_where_it_explains_most) {
   EXPECT_FALSE(refused(0.08F, 0.4));
   EXPECT_TRUE(refused(0.08F, 0.8));
