@@ -31,8 +31,8 @@ struct FramesGate {
 /// Whether a projector can have cast the waveform that the frames seem to show.
 struct WaveGate {
   /// Of the third harmonic to the first. chosen: on drawn bursts: in order they show 0.07 at most, and 0.17 to 0.7 with
-  /// mode M's code frame in the place of a phase frame, where nothing else tells.
-  double max_third = 0.12;
+  /// mode M's code frame in the place of a phase frame; motion of 0.33 rad a frame looks like 0.14.
+  double max_third = 0.2;
 };
 
 /// Whether neighbours follow the rig's fringe carrier.
