@@ -58,9 +58,9 @@ struct OddFrameGate {
   /// frames that do not belong together). The second: it stands out from what light and texture did during the burst.
   float max_shift_rad = 0.1F;
   float max_over_unrest = 2.0F;
-  /// Of DecodeDiagnostics::unrest. chosen: on drawn bursts, of which true ones show 0.33 at most and permuted ones 7
-  /// and more where nothing else tells. No light changes by more than the fringes it lights.
-  float max_unrest = 1.0F;
+  /// Of DecodeDiagnostics::unrest: no light changes by so many times the fringes it lights. chosen: on drawn bursts, of
+  /// which true ones show 0.33 at most, by noise 1.6 in the dark, and permuted ones 7 where nothing else tells.
+  float max_unrest = 3.0F;
   /// What a motion eps leaves of second order, light and texture that pass by. chosen: on rendered balls that turn.
   float max_over_motion = 0.4F;
   /// A frame that is brighter or darker by twice this, beside half of the noise. chosen: on drawn bursts and rendered
