@@ -219,7 +219,7 @@ Result<void> LiveFeed::come_back(const std::stop_token& stop, const Error& why) 
   for (;;) {
     ENAMEL_TRY(wait_for_probe(stop, true));
     if (ended_) return {};
-    const auto opened = open_session(stop);
+    auto opened = open_session(stop);
     const bool again = !opened && opened.error().code == ErrorCode::kProbeLost && clock_.now() < deadline;
     if (!again) return opened;
     clock_.sleep_for(config_.poll_period);
@@ -229,8 +229,9 @@ Result<void> LiveFeed::come_back(const std::stop_token& stop, const Error& why) 
 Result<void> LiveFeed::begin(const std::stop_token& stop) {
   enter(FeedState::kWaiting, "waiting for a probe");
   ENAMEL_TRY(wait_for_probe(stop, false));
-  const auto opened = open_session(stop);
-  return opened || opened.error().code != ErrorCode::kProbeLost ? opened : come_back(stop, opened.error());
+  auto opened = open_session(stop);
+  if (opened || opened.error().code != ErrorCode::kProbeLost) return opened;
+  return come_back(stop, opened.error());
 }
 
 Result<void> LiveFeed::run(const std::stop_token& stop) {

@@ -103,8 +103,9 @@ double share_of(double sigma_rad, bool turned, double fringe_px = 26, double car
   std::vector<float> carrier_rad;
   test::Normals normal(3);
   for (int i = 0; i < kWidth * kHeight; ++i) {
-    const double phase = 2 * std::numbers::pi * ((i % kWidth) / fringe_px + 0.07 * (i / kWidth));
-    carrier_rad.push_back(static_cast<float>(2 * std::numbers::pi * (i % kWidth) / carrier_px));
+    const int u = i % kWidth, v = i / kWidth;
+    const double phase = 2 * std::numbers::pi * (u / fringe_px + 0.07 * v);
+    carrier_rad.push_back(static_cast<float>(2 * std::numbers::pi * u / carrier_px));
     const auto at = static_cast<std::size_t>(i);
     maps.phase_rad[at] =
         static_cast<float>(std::remainder((turned ? -phase : phase) + sigma_rad * normal(), 2 * std::numbers::pi));
