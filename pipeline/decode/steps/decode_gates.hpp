@@ -30,8 +30,8 @@ struct FramesGate {
 
 /// Whether a projector can have cast the waveform that the frames seem to show.
 struct WaveGate {
-  /// Of the third harmonic to the first. chosen: on drawn bursts: in order they show 0.07 at most, and 0.17 to 0.7 with
-  /// mode M's code frame in the place of a phase frame; motion of 0.33 rad a frame looks like 0.14.
+  /// Of the third harmonic to the first. chosen: on drawn bursts: in order they show 0.07 at most, moving by 0.33 rad a
+  /// frame 0.14, and with mode M's code frame in a phase frame's place 0.25 and more where DirectionGate tells nothing.
   double max_third = 0.2;
 };
 
