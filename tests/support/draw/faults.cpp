@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <array>
 #include <utility>
 
 #include "tests/support/draw/random.hpp"
@@ -14,17 +13,15 @@ namespace {
 constexpr std::uint64_t kOfFaults = 64;  ///< the stream of a seed's faults
 constexpr double kBurstInterval_s = 1.0 / 30;
 
-using Order = std::array<std::size_t, 4>;
-
 /// Whether a surface elsewhere shows the same frames in order: mode M's phase frames 0, 2, 3 moved on by a third of a
 /// fringe, which codes of some ratios cannot tell (pipeline/decode/mode_m).
-bool may_be_another_surface(calib::PatternMode mode, const Order& order) {
-  return mode == calib::PatternMode::kMicro && (order == Order{2, 1, 3, 0} || order == Order{3, 1, 0, 2});
+bool may_be_another_surface(calib::PatternMode mode, const FrameOrder& order) {
+  return mode == calib::PatternMode::kMicro && (order == FrameOrder{2, 1, 3, 0} || order == FrameOrder{3, 1, 0, 2});
 }
 
-Order wrong_order(calib::PatternMode mode, Random& r) {
-  constexpr Order kRight{0, 1, 2, 3};
-  Order order = kRight;
+FrameOrder wrong_order(calib::PatternMode mode, Random& r) {
+  constexpr FrameOrder kRight{0, 1, 2, 3};
+  FrameOrder order = kRight;
   do {
     for (std::size_t k = 3; k > 0; --k)
       std::swap(order[k], order[static_cast<std::size_t>(r.whole(0, static_cast<int>(k)))]);
@@ -43,6 +40,12 @@ std::vector<std::uint8_t> retaken(const Drawn& drawn, std::size_t k, Shot shot) 
 
 }  // namespace
 
+FrameSet in_order(const FrameSet& frames, const FrameOrder& order) {
+  FrameSet out = frames;
+  for (std::size_t k = 0; k < order.size(); ++k) out.frames[k] = frames.frames[order[k]];
+  return out;
+}
+
 FaultedBurst faulted(const Drawn& drawn, const FrameSet& clean, FrameFault fault, std::uint64_t seed) {
   Random r(seed, kOfFaults + static_cast<std::uint64_t>(fault));
   const auto k = static_cast<std::size_t>(r.whole(0, 3));
@@ -59,8 +62,8 @@ FaultedBurst faulted(const Drawn& drawn, const FrameSet& clean, FrameFault fault
       out.what += fmt::format(" is frame {}", other);
       break;
     case FrameFault::kPermuted: {
-      const Order order = wrong_order(drawn.rig.patterns.mode, r);
-      for (std::size_t at = 0; at < order.size(); ++at) out.frames.frames[at] = clean.frames[order[at]];
+      const FrameOrder order = wrong_order(drawn.rig.patterns.mode, r);
+      out.frames = in_order(clean, order);
       out.what = fmt::format("frames {}", fmt::join(order, " "));
       break;
     }

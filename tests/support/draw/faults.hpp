@@ -21,6 +21,10 @@ inline constexpr std::size_t kFrameFaults = 6;
 inline constexpr std::array<std::string_view, kFrameFaults> kFrameFaultNames = {"stale",   "repeated", "permuted",
                                                                                 "foreign", "darker",   "brighter"};
 
+/// Which frame comes in the place of each.
+using FrameOrder = std::array<std::size_t, 4>;
+[[nodiscard]] FrameSet in_order(const FrameSet& frames, const FrameOrder& order);
+
 struct FaultedBurst {
   FrameSet frames;
   std::string what;  ///< which frame, and by which, for an engineer

@@ -184,7 +184,7 @@ TEST(DrawnSwap, frames_1_and_3_in_each_others_place_are_told_by_what_runs_backwa
 TEST(DrawnSwap, code_frame_in_a_phase_frames_place_is_told_by_direction_or_waveform) {
   struct Swap {
     std::uint64_t seed;
-    std::array<std::size_t, 4> order;
+    FrameOrder order;
   };
   constexpr std::array<Swap, 6> kSwaps = {{{62001, {2, 0, 3, 1}},
                                            {62012, {3, 0, 1, 2}},
@@ -199,8 +199,7 @@ TEST(DrawnSwap, code_frame_in_a_phase_frames_place_is_told_by_direction_or_wavef
     const ReadyDraw ready = ready_draw(swap.seed, PatternMode::kMicro);
     const FrameSet clean = render(ready.drawn, {.with_truth = false}).frames;
     EXPECT_TRUE(ready.decoder->decode(clean.view()).accepted()) << swap.seed;
-    FrameSet mixed = clean;
-    for (std::size_t k = 0; k < swap.order.size(); ++k) mixed.frames[k] = clean.frames[swap.order[k]];
+    const FrameSet mixed = in_order(clean, swap.order);
     EXPECT_EQ(ready.decoder->decode(mixed.view()).verdict, pipeline::BurstVerdict::kPatternMismatch) << swap.seed;
     const auto control = pipeline::BurstDecoder::make(ready.drawn.rig, blind);
     taken_blindly += control->decode(mixed.view()).accepted() ? 1U : 0U;

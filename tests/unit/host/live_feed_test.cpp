@@ -5,9 +5,10 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <memory>
 #include <optional>
+#include <string>
 #include <thread>
-#include <vector>
 
 namespace enamel::host {
 namespace {
